@@ -1,0 +1,30 @@
+"""Measured sets for judging a model on a real thing, and simulated rigs with a known truth."""
+
+from pysindy_evolve.datasets.measured import (
+    MeasuredRecord,
+    MeasuredSet,
+    load_ball_drops,
+    load_cart,
+    load_cascaded_tanks,
+    load_emps,
+    load_mr_damper,
+    load_pendulum,
+    load_silverbox,
+    load_tclab,
+)
+from pysindy_evolve.datasets.odebench import OdeSystem, load_odebench
+
+__all__ = [
+    "MeasuredRecord",
+    "MeasuredSet",
+    "OdeSystem",
+    "load_ball_drops",
+    "load_cart",
+    "load_cascaded_tanks",
+    "load_emps",
+    "load_mr_damper",
+    "load_odebench",
+    "load_pendulum",
+    "load_silverbox",
+    "load_tclab",
+]

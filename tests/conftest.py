@@ -1,0 +1,26 @@
+"""Fixtures that more than one test module uses."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """Folder of the measured records; without it a test is skipped, or fails on CI."""
+    folder = Path(os.environ.get("PYSINDY_EVOLVE_DATA", REPOSITORY.parent / "shared" / "data"))
+    if folder.is_dir():
+        return folder
+    reason = f"no measured records at {folder}; set PYSINDY_EVOLVE_DATA to their folder"
+    if os.environ.get("CI", "").lower() == "true":
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="session")
+def repository() -> Path:
+    """Root of the source tree, which holds the README."""
+    return REPOSITORY
