@@ -1,0 +1,134 @@
+"""The parts lie as the design says: imports point down, and some words stay out of the package."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "pysindy_evolve"
+NAME = PACKAGE.name
+
+# From the bottom up; parts of one layer may use each other, but not in a circle.
+LAYERS = (
+    {"operators", "terms"},
+    {"equations"},
+    {"genetics", "regression", "signals", "simulation"},
+    {"evolution"},
+    {"library", "optimizer"},
+    {"export"},
+    {"loop"},
+    {"datasets", "cli"},
+    {"__init__", "__main__"},
+)
+RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
+
+
+def module_name(path):
+    """Dotted name of a source file; a package is named without its __init__."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" and len(parts) > 1 else parts)
+
+
+def sources():
+    return {module_name(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+def syntax(path):
+    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+
+
+def imported_names(path):
+    """Dotted names that a file imports, at any depth of its code; relative ones resolved."""
+    home = path.relative_to(PACKAGE.parent).with_suffix("").parts[:-1]
+    for node in ast.walk(syntax(path)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = home[: len(home) - node.level + 1] if node.level else ()
+            parts = [*base, *(node.module.split(".") if node.module else ())]
+            yield from (".".join([*parts, alias.name]) for alias in node.names)
+
+
+def internal_imports(path, modules):
+    """Modules of the package that a file imports."""
+    dotted = [one.split(".") for one in imported_names(path)]
+    return {_longest_module(parts[1:], modules) for parts in dotted if parts[0] == NAME}
+
+
+def _longest_module(parts, modules):
+    """The module that a dotted name lies in: `terms.Sum` lies in `terms`."""
+    while parts and ".".join(parts) not in modules:
+        parts = parts[:-1]
+    return ".".join(parts) or "__init__"
+
+
+@pytest.fixture(scope="module")
+def modules():
+    return sources()
+
+
+@pytest.fixture(params=sorted(sources()))
+def module(request):
+    return request.param
+
+
+def test_every_part_has_a_layer(module):
+    assert module.split(".")[0] in RANK, f"give {module} a layer in tests/test_layers.py"
+
+
+def test_imports_point_down(module, modules):
+    own = module.split(".")[0]
+    for imported in internal_imports(modules[module], modules):
+        part = imported.split(".")[0]
+        if part != own:
+            assert RANK[part] <= RANK[own], f"{module} imports {imported}, which lies above it"
+
+
+def test_modules_import_each_other_in_no_circle(modules):
+    edges = {name: internal_imports(path, modules) - {name} for name, path in modules.items()}
+    settled = set()
+    while len(settled) < len(edges):
+        free = {name for name in edges.keys() - settled if edges[name] <= settled}
+        assert free, f"a circle among {sorted(edges.keys() - settled)}"
+        settled |= free
+
+
+def test_deap_is_imported_in_one_file(modules):
+    users = {
+        name
+        for name, path in modules.items()
+        if any(one.split(".")[0] == "deap" for one in imported_names(path))
+    }
+    assert users <= {"genetics"}
+
+
+def test_nothing_private_is_imported_from_other_packages(module, modules):
+    foreign = [one.split(".") for one in imported_names(modules[module])]
+    private = [
+        ".".join(parts)
+        for parts in foreign
+        if parts[0] not in (NAME, "__future__") and any(part.startswith("_") for part in parts)
+    ]
+    assert private == []
+
+
+def test_nothing_is_executed_printed_or_asserted(module, modules):
+    forbidden = {"eval", "exec"} | (set() if module in {"cli", "__main__"} else {"print"})
+    found = []
+    for node in ast.walk(syntax(modules[module])):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", None) in forbidden:
+            found.append(f"line {node.lineno}: {node.func.id}")
+        elif isinstance(node, ast.Assert):
+            found.append(f"line {node.lineno}: assert")
+    assert found == []
+
+
+def test_no_handler_catches_everything(module, modules):
+    found = []
+    for node in ast.walk(syntax(modules[module])):
+        if isinstance(node, ast.ExceptHandler):
+            caught = node.type.elts if isinstance(node.type, ast.Tuple) else [node.type]
+            names = {getattr(one, "id", None) for one in caught}
+            if node.type is None or names & {"Exception", "BaseException"}:
+                found.append(f"line {node.lineno}")
+    assert found == []
