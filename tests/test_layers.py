@@ -11,7 +11,7 @@ NAME = PACKAGE.name
 # From the bottom up; parts of one layer may use each other, but not in a circle.
 LAYERS = (
     {"operators", "terms"},
-    {"equations", "text"},
+    {"equations", "text", "grammar"},
     {"genetics", "regression", "signals", "simulation"},
     {"evolution"},
     {"library", "optimizer"},

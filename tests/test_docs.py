@@ -1,0 +1,108 @@
+"""What the README and the docstrings promise holds."""
+
+import ast
+import inspect
+import re
+
+import pytest
+from numpydoc.validate import validate
+
+import pysindy_evolve
+from pysindy_evolve import datasets
+
+# The numpydoc checks a public docstring must pass: it exists and begins with one sentence (GL08,
+# SS03), every parameter is described, in order, and none that does not exist (PR01-PR04, PR07),
+# and what is returned is described (RT01, RT03).
+CHECKS = {"GL08", "SS03", "PR01", "PR02", "PR03", "PR04", "PR07", "RT01", "RT03"}
+
+
+def public_names():
+    yield from (f"pysindy_evolve.{name}" for name in pysindy_evolve.__all__)
+    yield from (f"pysindy_evolve.datasets.{name}" for name in datasets.__all__)
+
+
+def look_up(dotted):
+    module = datasets if dotted.startswith("pysindy_evolve.datasets.") else pysindy_evolve
+    return getattr(module, dotted.rsplit(".", 1)[1])
+
+
+def described():
+    """Public names that are classes or functions."""
+    return [name for name in public_names() if callable(look_up(name))]
+
+
+@pytest.fixture(scope="module")
+def blocks(repository):
+    """Language and content of each fenced block of the README, in order."""
+    text = (repository / "README.md").read_text(encoding="utf-8")
+    return re.findall(r"^```(\w*)\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def test_readme_opens_with_the_purpose(repository):
+    text = " ".join((repository / "README.md").read_text(encoding="utf-8").split())
+    assert text.startswith(
+        "# pysindy_evolve Give it your model and your measurements; it grows the PySINDy terms "
+        "your model is missing, proves them on data it has not seen, and hands back the corrected "
+        "equation."
+    )
+
+
+@pytest.mark.parametrize(
+    ("index", "ending"), [(0, "/pysindy-evolve demo"), (1, "/python -m pytest -n auto")]
+)
+def test_the_first_two_blocks_of_the_readme_are_single_commands(blocks, index, ending):
+    language, command = blocks[index]
+    assert language == "bash"
+    assert len(command.strip().splitlines()) == 1
+    assert command.startswith("python3 -m venv ")
+    assert command.strip().endswith(ending)
+
+
+def test_the_two_commands_use_environments_of_their_own(blocks):
+    made = [block.split(" && ")[0] for _, block in blocks[:2]]
+    assert len(set(made)) == 2
+
+
+def test_python_blocks_of_the_readme_parse(blocks):
+    for language, code in blocks:
+        if language == "python":
+            ast.parse(code)
+
+
+@pytest.mark.parametrize("name", described())
+def test_public_docstring_describes_every_parameter(name):
+    errors = [f"{code}: {message}" for code, message in validate(name)["errors"] if code in CHECKS]
+    assert errors == []
+
+
+@pytest.mark.parametrize("name", described())
+def test_public_callable_with_parameters_has_a_parameters_section(name):
+    parameters = inspect.signature(look_up(name)).parameters
+    if parameters:
+        assert "Parameters\n" in inspect.getdoc(look_up(name))
+
+
+def test_every_public_name_is_in_the_api_pages(repository):
+    pages = "\n".join(
+        path.read_text(encoding="utf-8") for path in (repository / "docs" / "api").glob("*.rst")
+    )
+    listed = set(re.findall(r"^   (\w+)$", pages, flags=re.MULTILINE))
+    missing = {name.rsplit(".", 1)[1] for name in described()} - listed
+    assert missing == set()
+
+
+def test_every_public_name_is_public_in_its_module():
+    for dotted in public_names():
+        assert look_up(dotted) is not None
+
+
+def test_every_dependency_has_its_line_of_justification(repository):
+    import tomllib
+
+    project = tomllib.loads((repository / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"].values()
+    wanted = [*project["dependencies"], *(one for extra in extras for one in extra)]
+    names = {re.split(r"[>=<]", one)[0] for one in wanted if not one.startswith("pysindy-evolve")}
+    page = (repository / "docs" / "dependencies.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"^\|(?: `\w+` \|)? ([\w\[\]-]+) \|", page, flags=re.MULTILINE))
+    assert names <= listed
