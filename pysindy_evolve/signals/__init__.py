@@ -1,0 +1,30 @@
+"""Measured signals: records, zero-phase filters, derivatives, windows, text files.
+
+`prepare` turns raw positions into a `Record`; `project` averages both sides of an equation
+over smooth windows before they are compared.
+"""
+
+from .files import read_csv
+from .filters import Motion, differentiate, integrate, lowpass
+from .noise import noise_level
+from .prepare import Preparation, prepare
+from .record import Record
+from .sampling import resample
+from .windows import Windows, choose_windows, project, project_derivative
+
+__all__ = [
+    "Motion",
+    "Preparation",
+    "Record",
+    "Windows",
+    "choose_windows",
+    "differentiate",
+    "integrate",
+    "lowpass",
+    "noise_level",
+    "prepare",
+    "project",
+    "project_derivative",
+    "read_csv",
+    "resample",
+]

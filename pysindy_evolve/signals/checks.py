@@ -1,0 +1,126 @@
+"""What every function of this package asks of its arguments, and how it says no."""
+
+from __future__ import annotations
+
+from numbers import Integral, Real
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .spectral import Array
+
+
+def refuse(call: str, parameter: str, constraint: str, got: str, advice: str) -> NoReturn:
+    """Raise the ValueError of the house form."""
+    raise ValueError(f"{call}({parameter}=...) must be {constraint}; got {got}. {advice}")
+
+
+def refuse_type(call: str, parameter: str, constraint: str, value: Any, advice: str) -> NoReturn:
+    """Raise the TypeError of the house form."""
+    got = type(value).__name__
+    raise TypeError(f"{call}({parameter}=...) must be {constraint}; got {got}. {advice}")
+
+
+def numbers(call: str, parameter: str, values: ArrayLike) -> Array:
+    """Return real, finite float64 values of any shape, without a copy where none is needed."""
+    advice = "Give real numbers, one row per sample."
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        refuse(call, parameter, "a rectangular array", "rows of different lengths", advice)
+    if array.dtype == object or array.dtype.kind not in "biuf":
+        got = f"{type(values).__name__} of dtype {array.dtype}"
+        raise TypeError(f"{call}({parameter}=...) must be real numbers; got {got}. {advice}")
+    array = np.asarray(array, dtype=np.float64)
+    bad = ~np.isfinite(array)
+    if bad.any():
+        where = tuple(int(i) for i in np.argwhere(bad)[0])
+        place = f"sample {where[0]}" if len(where) else "the only value"
+        place += f", column {where[1]}" if len(where) > 1 else ""
+        got = f"{array[where]} at {place} ({int(bad.sum())} in all)"
+        refuse(call, parameter, "finite", got, "Drop or fill these samples first.")
+    return array
+
+
+def columns(call: str, parameter: str, values: ArrayLike) -> Array:
+    """Return a finite float64 array of shape (n_samples, n_columns); 1-D becomes one column."""
+    array = numbers(call, parameter, values)
+    if array.ndim == 1:
+        array = array[:, None]
+    if array.ndim != 2 or array.shape[1] == 0:
+        advice = "Give one row per sample and one column per signal."
+        refuse(call, parameter, "1-D or 2-D with columns", f"shape {array.shape}", advice)
+    return array
+
+
+def times(call: str, values: ArrayLike, parameter: str = "t") -> Array:
+    """Return finite, strictly increasing sampling times of shape (n_samples,)."""
+    t = numbers(call, parameter, values)
+    if t.ndim == 2 and t.shape[1] == 1:
+        t = t[:, 0]
+    if t.ndim != 1:
+        advice = "Give the time of each sample."
+        refuse(call, parameter, "1-D", f"shape {t.shape}", advice)
+    steps = np.diff(t)
+    if not np.all(np.isfinite(steps)):
+        refuse(call, parameter, "of a finite span", "an infinite step", "Rescale the time.")
+    if np.any(steps <= 0):
+        at = int(np.argmax(steps <= 0))
+        advice = "Sort the record or drop the repeated samples."
+        got = f"a step of {steps[at]:g} at sample {at + 1}"
+        refuse(call, parameter, "strictly increasing", got, advice)
+    return t
+
+
+def same_length(call: str, **arrays: Array | None) -> None:
+    """Raise unless all arrays given have the same number of samples."""
+    lengths = {name: a.shape[0] for name, a in arrays.items() if a is not None}
+    if len(set(lengths.values())) > 1:
+        first, *rest = lengths
+        wrong = next(name for name in rest if lengths[name] != lengths[first])
+        got = f"{lengths[wrong]} samples, {first} has {lengths[first]}"
+        refuse(call, wrong, f"as long as {first}", got, "Cut both to the same samples.")
+
+
+def number(call: str, parameter: str, value: Any, constraint: str, ok: Any) -> float:
+    """Return a real number for which `ok` holds."""
+    advice = f"Choose a value that is {constraint}."
+    if isinstance(value, bool) or not isinstance(value, Real):
+        refuse_type(call, parameter, f"a number {constraint}", value, advice)
+    if not (np.isfinite(float(value)) and ok(value)):
+        refuse(call, parameter, constraint, repr(value), advice)
+    return float(value)
+
+
+def count(call: str, parameter: str, value: Any, least: int = 1) -> int:
+    """Return an integer of at least `least`."""
+    constraint = f"an integer of at least {least}"
+    advice = f"Choose {least} or more."
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        refuse_type(call, parameter, constraint, value, advice)
+    if value < least:
+        refuse(call, parameter, constraint, repr(value), advice)
+    return int(value)
+
+
+def choice(call: str, parameter: str, value: Any, allowed: tuple[str, ...]) -> str:
+    """Return one of the allowed words."""
+    constraint = "one of " + ", ".join(f'"{word}"' for word in allowed)
+    if not isinstance(value, str):
+        refuse_type(call, parameter, constraint, value, "Choose one of these words.")
+    if value not in allowed:
+        refuse(call, parameter, constraint, repr(value), "Choose one of these words.")
+    return value
+
+
+def cutoff(call: str, value: Any, dt: float, parameter: str = "cutoff") -> float:
+    """Return a cutoff in (0, fs / 2), cycles per unit of t."""
+    nyquist = 0.5 / dt
+    constraint = f"in (0, {nyquist:g}), below half the sampling rate"
+    return number(call, parameter, value, constraint, lambda v: 0 < v < nyquist)
+
+
+def step(call: str, value: Any) -> float:
+    """Return a positive sampling time."""
+    return number(call, "dt", value, "greater than 0", lambda v: v > 0)

@@ -1,0 +1,116 @@
+"""Measured signals from a text file."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from os import PathLike, fspath
+from pathlib import Path
+
+import numpy as np
+
+from .spectral import Array
+
+
+def read_csv(
+    path: str | PathLike[str], columns: Sequence[str] | None = None, delimiter: str = ","
+) -> dict[str, Array]:
+    r"""Read named columns of numbers from a CSV file whose first line holds the names.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file.
+    columns : sequence of str, optional
+        Names of the columns wanted, in this order; all columns by default.
+    delimiter : str
+        One character between the fields.
+
+    Returns
+    -------
+    dict of str to ndarray of shape (n_samples,)
+
+    Raises
+    ------
+    ValueError
+        If the file is empty, a name is missing or occurs twice, a row is short, or a value
+        is not a finite number; the message says which line of the file.
+    TypeError
+        If `columns` is not a sequence of names.
+    FileNotFoundError
+        If there is no such file.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from pysindy_evolve.signals import read_csv
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "record.csv"
+    >>> _ = path.write_text("t,q\n0.0,1.5\n0.1,1.6\n")
+    >>> read_csv(path, ["q"])
+    {'q': array([1.5, 1.6])}
+    """
+    if not isinstance(delimiter, str) or len(delimiter) != 1:
+        raise ValueError(
+            f"read_csv(delimiter=...) must be one character; got {delimiter!r}. "
+            'Use "," or ";" or "\\t".'
+        )
+    if isinstance(columns, str) or not all(isinstance(name, str) for name in columns or ()):
+        raise TypeError(
+            f"read_csv(columns=...) must be a sequence of names; got {columns!r}. "
+            'Give a list, such as ["t", "q"].'
+        )
+    header, rows = _read(Path(fspath(path)), delimiter)
+    wanted = list(header) if columns is None else list(columns)
+    places = [_place(header, name, path) for name in wanted]
+    return {
+        name: np.array([_value(row, place, name, line) for line, row in rows])
+        for name, place in zip(wanted, places, strict=True)
+    }
+
+
+def _read(path: Path, delimiter: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Return the names and the rows, each with its line in the file; empty lines are skipped."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as lines:
+            reader = csv.reader(lines, delimiter=delimiter)
+            rows = [(reader.line_num, row) for row in reader if any(f.strip() for f in row)]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ValueError(
+            f"read_csv(path=...) must be a text file in UTF-8; got {str(path)!r} ({error}). "
+            "Export the record as CSV."
+        ) from error
+    if len(rows) < 2:
+        got = "an empty file" if not rows else "a header alone"
+        raise ValueError(
+            f"read_csv(path=...) must hold a line of names and rows of numbers; got {got}, "
+            f"{str(path)!r}. Export the record again."
+        )
+    return [name.strip() for name in rows[0][1]], rows[1:]
+
+
+def _place(header: list[str], name: str, path: str | PathLike[str]) -> int:
+    """Return where the column stands, which must be once."""
+    found = header.count(name)
+    if found != 1:
+        problem = "no such column" if not found else f"{found} columns of that name"
+        raise ValueError(
+            f"read_csv(columns=...) must be names that occur once; got {name!r}, {problem} in "
+            f"{fspath(path)!r}. The file holds {', '.join(map(repr, header))}."
+        )
+    return header.index(name)
+
+
+def _value(row: list[str], place: int, name: str, line: int) -> float:
+    """Return one finite number."""
+    text = row[place].strip() if place < len(row) else ""
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        got = repr(text) if text else "nothing"
+        raise ValueError(
+            f"read_csv(path=...) must hold finite numbers; got {got} in column {name!r}, "
+            f"line {line}. Correct or drop this row."
+        )
+    return value

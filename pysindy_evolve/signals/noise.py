@@ -1,0 +1,135 @@
+"""The noise floor of a sensor, and the cutoff that follows from it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import fft
+
+from . import checks
+from .spectral import Array, Extension
+
+# Highest automatic cutoff, as a share of the sampling rate: the edge of the low-pass needs the
+# rest up to the Nyquist frequency.
+HIGHEST = 0.4
+# kappa: what is lost is lost on both sides of an equation alike and biases nothing that is
+# linear in it; noise that is kept sits in the regressors and biases everything. So a unit of
+# noise costs ten units of signal, which also is the margin that a spectrum needs to stand out
+# of its own scatter.
+NOISE_PRICE = 10.0
+# Fewest periods of the cutoff in a record.
+FEWEST_PERIODS = 4.0
+# Median of a chi-square variable with two degrees of freedom over its mean.
+MEDIAN_OVER_MEAN = np.log(2.0)
+
+
+def spectrum(y: Array, dt: float, cutoff: float | None = None) -> tuple[Array, Array]:
+    """Return frequencies and power of the columns, scaled so that white noise gives its variance.
+
+    Without a cutoff the record is faded in and out (Hann); with one it is continued beyond its
+    ends as the filter with that cutoff does it, and every sample counts alike.
+    """
+    n = y.shape[0]
+    if cutoff is None:
+        line = y[0] + np.linspace(0.0, 1.0, n)[:, None] * (y[-1] - y[0])
+        window = np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2
+        closed = ((y - line) * window[:, None]).T
+        weight = float(np.sum(window**2))
+    else:
+        extension = Extension.for_cutoff(n, cutoff, dt)
+        total = n + 2 * extension.pad
+        closed, _ = extension(y.T, extension.pad, total)
+        weight = n + 2.0 * float(np.sum(extension.fade**2))
+    power = np.abs(fft.rfft(closed, axis=1)[:, 1:]) ** 2 / weight
+    return fft.rfftfreq(closed.shape[1], dt)[1:], power
+
+
+def floor(power: Array) -> Array:
+    """Return the white-noise variance under each row of a power spectrum.
+
+    The spectrum is cut into up to 8 bands; the floor is the lowest of their medians, because
+    a signal can only lift a band, and because a line or two cannot move a median.
+    """
+    n_bands = int(np.clip(power.shape[1] // 32, 2, 8))
+    medians = [np.median(band, axis=1) for band in np.array_split(power, n_bands, axis=1)]
+    return np.asarray(np.min(medians, axis=0)) / MEDIAN_OVER_MEAN
+
+
+def best_cutoff(frequency: Array, power: Array, order: int) -> float:
+    r"""Return the cutoff that best separates the derivative of this order from its noise.
+
+    A low-pass at f_c loses the signal above it and keeps the noise below it:
+
+    .. math:: E(f_c) = \sum_{f > f_c} (2 \pi f)^{2m} (P(f) - N)
+              + \kappa \sum_{f \le f_c} (2 \pi f)^{2m} N,
+
+    so it is least where the sum of (2 pi f)^{2m} (P - (1 + kappa) N) below f_c is greatest.
+    Several columns add up, each relative to the size of its own derivative.
+    """
+    noise = floor(power)[:, None]
+    weight = frequency ** (2 * order)
+    size = np.sum(weight * np.maximum(power - noise, 0.0), axis=1, keepdims=True)
+    size = np.where(size > 0, size, 1.0)
+    gained = np.cumsum(np.sum(weight * (power - (1.0 + NOISE_PRICE) * noise) / size, axis=0))
+    return float(frequency[np.argmax(gained)])
+
+
+def auto_cutoff(y: Array, dt: float, order: int) -> float:
+    """Return the cutoff for columns y (n, k), in cycles per unit of t."""
+    highest = HIGHEST / dt
+    lowest = min(FEWEST_PERIODS / (y.shape[0] * dt), highest)
+    cutoff: float | None = None
+    for _ in range(3):  # the ends are continued according to the cutoff that is being sought
+        found = best_cutoff(*spectrum(y, dt, cutoff), order)
+        cutoff = float(np.clip(found, lowest, highest))
+    return float(cutoff or highest)
+
+
+def sensor_noise(y: Array, dt: float, cutoff: float | None) -> Array:
+    """Return the standard deviation of the white noise on each column of y (n, k).
+
+    Both ways to close a record can leak a little of the signal into the floor; the lower
+    figure is the better one.
+    """
+    floors = [floor(spectrum(y, dt, way)[1]) for way in {None, cutoff}]
+    return np.sqrt(np.min(floors, axis=0))
+
+
+def noise_level(y: ArrayLike) -> Array | float:
+    """Return the standard deviation of the white noise on each column.
+
+    The floor is the lowest band of the spectrum (median over the band), so the noise must
+    stand alone somewhere, usually near half the sampling rate; a record that is signal up to
+    there gives too large a figure.
+
+    Parameters
+    ----------
+    y : ndarray of shape (n_samples,) or (n_samples, n_columns)
+        Signals, uniformly sampled.
+
+    Returns
+    -------
+    float or ndarray of shape (n_columns,)
+        Units of y.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite or there are fewer than 16 samples.
+    TypeError
+        If y is not made of real numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(0)
+    >>> y = np.sin(np.arange(4000) / 50) + 0.01 * rng.standard_normal(4000)
+    >>> round(noise_level(y), 3)
+    0.01
+    """
+    columns = checks.columns("noise_level", "y", y)
+    if columns.shape[0] < 16:
+        got = f"{columns.shape[0]}"
+        checks.refuse("noise_level", "y", "at least 16 samples long", got, "Record longer.")
+    level = np.sqrt(floor(spectrum(columns, 1.0)[1]))
+    return level if np.ndim(y) > 1 else float(level[0])

@@ -1,0 +1,171 @@
+"""A record: states, derivatives and inputs at the same instants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import checks
+from .spectral import Array
+
+if TYPE_CHECKING:
+    from .prepare import Preparation
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """States, their derivatives and inputs of one experiment, validated.
+
+    Parameters
+    ----------
+    t : ndarray of shape (n_samples,)
+        Time, strictly increasing.
+    x : ndarray of shape (n_samples, n_states)
+        States, units of x. One dimension is taken as one column.
+    x_dot : ndarray of shape (n_samples, n_states)
+        Their derivatives, units of x per unit of t.
+    u : ndarray of shape (n_samples, n_inputs), optional
+        Measured inputs.
+    states, inputs : sequence of str, optional
+        Names of the columns of x and u.
+    preparation : Preparation, optional
+        How the record was made from raw data; None if the user made it.
+
+    Raises
+    ------
+    ValueError
+        If shapes or lengths disagree, a value is not finite, or time does not increase.
+    TypeError
+        If something is not made of real numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pysindy_evolve.signals import Record
+    >>> t = np.linspace(0.0, 1.0, 11)
+    >>> record = Record(t=t, x=np.sin(t), x_dot=np.cos(t))
+    >>> record
+    Record(n_samples=11, n_states=1, n_inputs=0, dt=0.1)
+    >>> first, last = record.split(0.3)
+    >>> first.n_samples, last.n_samples
+    (8, 3)
+    """
+
+    t: Array
+    x: Array
+    x_dot: Array
+    u: Array | None = None
+    states: tuple[str, ...] | None = None
+    inputs: tuple[str, ...] | None = None
+    preparation: Preparation | None = None
+
+    def __post_init__(self) -> None:
+        t = checks.times("Record", self.t)
+        x = checks.columns("Record", "x", self.x)
+        x_dot = checks.columns("Record", "x_dot", self.x_dot)
+        u = None if self.u is None else checks.columns("Record", "u", self.u)
+        checks.same_length("Record", t=t, x=x, x_dot=x_dot, u=u)
+        if t.size < 2:
+            advice = "Give a longer record."
+            checks.refuse("Record", "t", "at least 2 samples long", f"{t.size}", advice)
+        if x.shape != x_dot.shape:
+            got = f"shape {x_dot.shape}, x has {x.shape}"
+            checks.refuse("Record", "x_dot", "of the shape of x", got, "Give one per state.")
+        fields: dict[str, object] = {"t": t, "x": x, "x_dot": x_dot, "u": u}
+        fields["states"] = names("states", self.states, x.shape[1])
+        fields["inputs"] = names("inputs", self.inputs, 0 if u is None else u.shape[1])
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def n_samples(self) -> int:
+        """Rows of the record."""
+        return int(self.t.size)
+
+    @property
+    def n_states(self) -> int:
+        """Columns of x."""
+        return int(self.x.shape[1])
+
+    @property
+    def n_inputs(self) -> int:
+        """Columns of u; 0 without inputs."""
+        return 0 if self.u is None else int(self.u.shape[1])
+
+    @property
+    def dt(self) -> float:
+        """Mean sampling time, units of t."""
+        return float((self.t[-1] - self.t[0]) / (self.n_samples - 1))
+
+    def __repr__(self) -> str:
+        sizes = f"n_samples={self.n_samples}, n_states={self.n_states}, n_inputs={self.n_inputs}"
+        return f"Record({sizes}, dt={self.dt:g})"
+
+    def __len__(self) -> int:
+        return self.n_samples
+
+    def __getitem__(self, rows: slice) -> Record:
+        """Return the rows a:b as a record; its preparation repeats exactly these rows."""
+        if not isinstance(rows, slice):
+            checks.refuse_type("Record[...]", "rows", "a slice", rows, "Write record[a:b].")
+        start, stop, stride = rows.indices(self.n_samples)
+        if stride != 1:
+            advice = "Write record[a:b]; prepare(decimate=...) thins a record out."
+            checks.refuse("Record[...]", "rows", "a slice with step 1", str(stride), advice)
+        u = None if self.u is None else self.u[rows]
+        made = self.preparation
+        if made is not None:
+            first = made.rows[0]
+            made = replace(made, rows=(first + start, first + stop))
+        return replace(
+            self,
+            t=self.t[rows],
+            x=self.x[rows],
+            x_dot=self.x_dot[rows],
+            u=u,
+            preparation=made,
+        )
+
+    def split(self, fraction: float = 0.3) -> tuple[Record, Record]:
+        """Return the first part and the last part, which holds `fraction` of the samples.
+
+        Parameters
+        ----------
+        fraction : float
+            Share of the samples in the last part, to be held out; in (0, 1).
+
+        Returns
+        -------
+        first, last : Record
+        """
+        between = "between 0 and 1"
+        share = checks.number("Record.split", "fraction", fraction, between, lambda v: 0 < v < 1)
+        n_last = round(share * self.n_samples)
+        if min(n_last, self.n_samples - n_last) < 2:
+            got = f"{share:g} of {self.n_samples} samples"
+            advice = "Hold out another share or record more."
+            checks.refuse(
+                "Record.split", "fraction", "such that both parts keep 2 samples", got, advice
+            )
+        return self[: self.n_samples - n_last], self[self.n_samples - n_last :]
+
+
+def names(parameter: str, given: Sequence[str] | None, n: int) -> tuple[str, ...] | None:
+    """Return n distinct names, or None where none were given."""
+    if given is None:
+        return None
+    advice = "Give one name per column."
+    if isinstance(given, str) or not all(isinstance(name, str) for name in given):
+        checks.refuse_type("Record", parameter, "a sequence of str", given, advice)
+    if len(given) != n or len(set(given)) != n:
+        checks.refuse("Record", parameter, f"{n} distinct names", repr(tuple(given)), advice)
+    return tuple(given)
+
+
+def constant_column(y: Array) -> int | None:
+    """Return the index of the first column that never changes, or None."""
+    still = np.ptp(y, axis=0) == 0
+    return int(np.argmax(still)) if still.any() else None

@@ -1,0 +1,97 @@
+"""Uniform time, and what to do where it is not uniform."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from . import checks
+from .spectral import Array
+
+# Shares of the sampling time. Below the first, time stamps are merely rounded.
+ROUNDING = 0.01
+# Up to the second, the clock jitters and the record is interpolated; beyond, samples are missing.
+JITTER = 0.5
+
+
+def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Array | None]]:
+    """Return uniform times over the same span, and the columns at these times.
+
+    Time stamps within 1 % of a sampling time of the uniform grid are taken as rounded; within
+    one half, every column is interpolated to the grid by the same cubic spline.
+
+    Raises
+    ------
+    ValueError
+        If a time stamp is farther away.
+    """
+    grid = np.linspace(t[0], t[-1], t.size)
+    dt = (t[-1] - t[0]) / (t.size - 1)
+    off = np.abs(t - grid) / dt
+    worst = float(off.max())
+    if worst > JITTER:
+        steps = np.diff(t)
+        usual = float(np.median(steps))
+        at = int(np.argmax(np.abs(steps - usual)))
+        got = f"a step of {steps[at]:g} at sample {at + 1} where {usual:g} is usual"
+        advice = "Resample it first: t, y, u = signals.resample(t, y, u), or cut it there."
+        checks.refuse(call, "t", "uniform within half a sampling time", got, advice)
+    if worst <= ROUNDING:
+        return grid, list(columns)
+    return grid, [None if c is None else np.asarray(CubicSpline(t, c)(grid)) for c in columns]
+
+
+def resample(
+    t: ArrayLike, y: ArrayLike, u: ArrayLike | None = None, dt: float | None = None
+) -> tuple[Array, Array, Array | None]:
+    """Interpolate an irregular record linearly to a uniform grid.
+
+    Parameters
+    ----------
+    t : ndarray of shape (n_samples,)
+        Time, strictly increasing.
+    y : ndarray of shape (n_samples,) or (n_samples, n_columns)
+        Measured signals.
+    u : ndarray of shape (n_samples,) or (n_samples, n_inputs), optional
+        Inputs.
+    dt : float, optional
+        New sampling time, units of t; the median step by default.
+
+    Returns
+    -------
+    t : ndarray of shape (n_new,)
+    y : ndarray of shape (n_new,) or (n_new, n_columns)
+    u : ndarray of shape (n_new,) or (n_new, n_inputs), or None
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite, lengths differ, time does not increase, or dt is not
+        positive and shorter than the record.
+    TypeError
+        If an argument is not made of real numbers.
+
+    Examples
+    --------
+    >>> t, y, _ = resample([0.0, 1.0, 3.0, 4.0], [0.0, 1.0, 3.0, 4.0])
+    >>> y
+    array([0., 1., 2., 3., 4.])
+    """
+    times = checks.times("resample", t)
+    if times.size < 2:
+        checks.refuse("resample", "t", "at least 2 samples long", f"{times.size}", "Record more.")
+    given = [checks.columns("resample", "y", y)]
+    if u is not None:
+        given.append(checks.columns("resample", "u", u))
+    checks.same_length("resample", t=times, y=given[0], u=given[-1])
+    span = float(times[-1] - times[0])
+    usual = float(np.median(np.diff(times))) if dt is None else dt
+    limits = f"in [{span / 1e8:g}, {span:g}], shorter than the record"
+    usual = checks.number("resample", "dt", usual, limits, lambda v: span / 1e8 <= v <= span)
+    grid = times[0] + usual * np.arange(int(span / usual * (1 + 1e-12)) + 1)
+    new = [np.stack([np.interp(grid, times, c) for c in columns.T], axis=1) for columns in given]
+    shaped = [new[0][:, 0] if np.ndim(y) == 1 else new[0]]
+    if u is None:
+        return grid, shaped[0], None
+    return grid, shaped[0], new[1][:, 0] if np.ndim(u) == 1 else new[1]

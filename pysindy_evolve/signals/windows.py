@@ -1,0 +1,233 @@
+r"""Smooth compact windows along the rows: the weak form.
+
+Both sides of an equation x_dot = theta(x) are multiplied by a window
+:math:`\varphi(s) = (1 - s^2)^p, |s| < 1` and summed. It is a linear map on the rows, so what
+held before holds after it; it averages noise away and leaves fewer rows. It is applied to
+terms after they are evaluated: a smoothed sgn(v) is not the sgn of a smoothed v.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import fft
+
+from . import checks
+from .noise import auto_cutoff
+from .record import Record
+from .spectral import Array
+
+# A window (1 - s^2)^4 of full width W halves a sine of frequency 1.24 / W.
+HALF_GAIN = 1.24
+# Width in periods of the cutoff of the states, above which noise is all that is left ...
+PERIODS = 6.0
+# ... but never so wide that less than this share of the derivative's power lies in the band.
+SHARE = 0.9
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Overlapping windows (1 - s^2)^power along the samples.
+
+    Parameters
+    ----------
+    width : int
+        Full width in samples; 1 leaves the rows as they are.
+    stride : int
+        Samples from one window to the next.
+    power : int
+        Smoothness: power - 1 derivatives vanish at the edges.
+    """
+
+    width: int
+    stride: int = 1
+    power: int = 4
+
+    def __post_init__(self) -> None:
+        for name in ("width", "stride", "power"):
+            checks.count("Windows", name, getattr(self, name))
+
+    @cached_property
+    def s(self) -> Array:
+        """Places of the samples in the window, from -1 to 1, edges excluded."""
+        return np.asarray((np.arange(self.width) + 0.5) * (2.0 / self.width) - 1.0)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Weights of the samples, which sum to one."""
+        phi = (1.0 - self.s**2) ** self.power
+        return np.asarray(phi / phi.sum())
+
+    @cached_property
+    def derivative_weights(self) -> Array:
+        """Weights that turn x into the windowed derivative, per sample; exact on a line."""
+        slope = self.s * (1.0 - self.s**2) ** (self.power - 1)
+        return np.asarray(slope / (slope @ np.arange(self.width)))
+
+    def count(self, n: int) -> int:
+        """Return how many windows fit into n samples."""
+        return max(0, (n - self.width) // self.stride + 1)
+
+    def centers(self, n: int) -> Array:
+        """Return the middle of each window, in samples (half-integers for an even width)."""
+        first = 0.5 * (self.width - 1)
+        return np.asarray(first + self.stride * np.arange(self.count(n)))
+
+
+def project(columns: ArrayLike, windows: Windows, lengths: Sequence[int] | None = None) -> Array:
+    """Average columns over windows.
+
+    Parameters
+    ----------
+    columns : ndarray of shape (n_samples,) or (n_samples, n_columns)
+        Target or evaluated terms, uniformly sampled.
+    windows : Windows
+        From `choose_windows`, or your own.
+    lengths : sequence of int, optional
+        Samples of each trajectory, where several are stacked; no window crosses a border.
+
+    Returns
+    -------
+    ndarray of shape (n_windows,) or (n_windows, n_columns)
+        Units of the columns.
+
+    Raises
+    ------
+    ValueError
+        If lengths do not add up, or no window fits into a trajectory.
+    TypeError
+        If an argument has the wrong type.
+
+    Notes
+    -----
+    The cost is n_samples * n_columns * width / stride.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> project(np.arange(10.0), Windows(width=4, stride=3))
+    array([1.5, 4.5, 7.5])
+    """
+    return _slide("project", columns, windows, lengths, windows.weights)
+
+
+def project_derivative(
+    columns: ArrayLike, windows: Windows, dt: float, lengths: Sequence[int] | None = None
+) -> Array:
+    r"""Average the time derivative of columns over windows, without differentiating them.
+
+    Summation by parts moves the derivative to the window, which is known exactly:
+    :math:`\int \varphi \dot x = -\int \dot\varphi x`.
+
+    Parameters
+    ----------
+    columns : ndarray of shape (n_samples,) or (n_samples, n_columns)
+        States, uniformly sampled.
+    windows : Windows
+        At least two samples wide.
+    dt : float
+        Sampling time, units of t.
+    lengths : sequence of int, optional
+        Samples of each trajectory, where several are stacked.
+
+    Returns
+    -------
+    ndarray of shape (n_windows,) or (n_windows, n_columns)
+        Units of the columns per unit of t.
+
+    Raises
+    ------
+    ValueError
+        If lengths do not add up, or no window fits into a trajectory.
+    TypeError
+        If an argument has the wrong type.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> project_derivative(3 * np.arange(10) * 0.1, Windows(width=4, stride=3), dt=0.1)
+    array([3., 3., 3.])
+    """
+    dt = checks.step("project_derivative", dt)
+    if windows.width < 2:
+        advice = "Take wider windows."
+        checks.refuse("project_derivative", "windows", "2 samples wide or more", "1", advice)
+    return _slide("project_derivative", columns, windows, lengths, windows.derivative_weights / dt)
+
+
+def _slide(
+    call: str, columns: ArrayLike, windows: Windows, lengths: Sequence[int] | None, weights: Array
+) -> Array:
+    rows = checks.columns(call, "columns", columns)
+    sizes = [rows.shape[0]] if lengths is None else [int(length) for length in lengths]
+    if sum(sizes) != rows.shape[0] or min(sizes, default=0) < 0:
+        got = f"{sizes} for {rows.shape[0]} samples"
+        checks.refuse(call, "lengths", "the samples of each trajectory", got, "Check the sum.")
+    if min(sizes) < windows.width:
+        got = f"{windows.width} samples for a trajectory of {min(sizes)}"
+        checks.refuse(call, "windows", "narrower than a trajectory", got, "Take narrower ones.")
+    if windows.width == 1 and windows.stride == 1:
+        return rows.reshape(np.shape(columns)).copy()
+    starts = np.cumsum([0, *sizes[:-1]])
+    parts = [_weigh(rows[a : a + n], windows, weights) for a, n in zip(starts, sizes, strict=True)]
+    result = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return result[:, 0] if np.ndim(columns) == 1 else result
+
+
+def _weigh(rows: Array, windows: Windows, weights: Array) -> Array:
+    """Sum weighted rows; one pass over the result per sample of the window."""
+    n_windows = windows.count(rows.shape[0])
+    span = (n_windows - 1) * windows.stride + 1
+    result = np.zeros((n_windows, rows.shape[1]))
+    part = np.empty_like(result)
+    for offset, weight in enumerate(weights):
+        np.multiply(rows[offset : offset + span : windows.stride], weight, out=part)
+        result += part
+    return result
+
+
+def choose_windows(records: Record | Sequence[Record]) -> Windows:
+    """Choose windows for records of the same sampling time.
+
+    They are as wide as six periods of the cutoff of the states, so that what lies above the
+    cutoff is averaged away, but so narrow that nine tenths of the power of every derivative
+    lie below their half gain. Four windows overlap everywhere.
+
+    Parameters
+    ----------
+    records : Record or sequence of Record
+        What the windows are for; cutoff from the preparation, or from the noise floor of
+        x_dot where the user made the record.
+
+    Returns
+    -------
+    Windows
+    """
+    several = [records] if isinstance(records, Record) else list(records)
+    width = min(_width(record) for record in several)
+    shortest = min(record.n_samples for record in several)
+    width = max(1, min(width, shortest // 8))
+    width = 1 if width < 4 else width
+    return Windows(width=width, stride=max(1, width // 4))
+
+
+def _width(record: Record) -> int:
+    """Return the widest reasonable window of one record, in samples."""
+    dt = record.dt
+    if record.n_samples < 16:
+        return 1
+    moving = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0]
+    if moving.shape[1] == 0:
+        return 1
+    made = record.preparation
+    cutoff = made.cutoff if made is not None else auto_cutoff(moving, dt, 0)
+    # Cosine transform: no taper, so what happens at the ends counts as well.
+    power = fft.dct(moving - moving.mean(axis=0), axis=0)[1:] ** 2
+    share = np.cumsum(power, axis=0) / np.sum(power, axis=0)
+    band = (1 + np.max(np.argmax(share >= SHARE, axis=0))) / (2.0 * record.n_samples * dt)
+    periods = PERIODS / cutoff if cutoff is not None else np.inf
+    return int(min(periods, HALF_GAIN / band) / dt)
