@@ -20,7 +20,7 @@ from .grammar import MAX_EXPONENT, MAX_SIZE, Source, as_text, chain
 from .operators import BUILTIN, Operator
 from .terms import Sum
 
-__all__ = ["FUNCTIONS", "RightHandSide", "parse"]
+__all__ = ["FUNCTIONS", "RightHandSide", "parse", "real_power"]
 
 # Arithmetic is written with its signs; Abs and sign are what sympy prints.
 FUNCTIONS: dict[str, Operator] = {
@@ -219,7 +219,7 @@ class _Reader:
             return terms.constant(math.nan if isinstance(value, complex) else value)
         if abs(_number(exponent)) * max(base.size, MAX_SIZE / MAX_EXPONENT) > MAX_SIZE:
             self.source.fail_size(node.right)
-        return _real_power(base, _number(exponent))
+        return real_power(base, _number(exponent))
 
     def _call(self, node: ast.Call) -> Sum:
         if not isinstance(node.func, ast.Name) or node.keywords:
@@ -269,14 +269,14 @@ def _total(sums: list[Sum]) -> Sum:
     return sums[0]
 
 
-def _real_power(base: Sum, exponent: float) -> Sum:
+def real_power(base: Sum, exponent: float) -> Sum:
     """Return an integer power, x^n sqrt(x) for halves, exp(p log(x)) for all others."""
     whole = int(exponent)
     if exponent == whole:
         return terms.power(_as_base(base, whole), whole)
     if abs(exponent - whole) == 0.5:
         root = terms.call(BUILTIN["sqrt"], base)
-        result = terms.mul(_real_power(base, abs(whole)), root)
+        result = terms.mul(real_power(base, abs(whole)), root)
         return result if exponent > 0.0 else terms.power(result, -1)
     log = terms.call(BUILTIN["log"], base)
     return terms.call(BUILTIN["exp"], terms.mul(terms.constant(exponent), log))
