@@ -1,0 +1,303 @@
+"""Free run: integrate equations sample by sample, locate every switch, stick and slip.
+
+Between switches the signs are frozen and the right-hand side is smooth; a step whose error is too
+large is cut, a step that ends beyond a switch is cut at the switch. There Filippov's rule decides
+for every switch at zero: it goes up if both right-hand sides point up, down if both point down,
+and slides (sticks) if they point at each other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .program import Program
+from .structure import Switch
+
+__all__ = ["FreeRun", "Limits"]
+
+Vector = Sequence[float]
+
+_FAILURES = (ArithmeticError, ValueError)  # what math raises where numpy gives inf or nan
+_HUGE = math.inf
+SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 4.0, 0.2  # usual factors of a step-size controller
+SMALLEST = 1e-6  # of a sample interval: a jump that no sgn announces is stepped over here
+EVENT_TOLERANCE = 1e-12  # of the step in which a switch is located
+MAX_EVENTS = 200  # in one sample interval; more would be chatter
+SWEEPS = 60  # of the fixed-point iteration over several switches at zero
+LIMIT = 1.0 - 1e-9  # of the equivalent sign that still holds a switch
+CHUNK = 1024  # samples between two looks at the bound and the progress bar
+
+
+class Diverged(Exception):
+    """The states left every bound, or the steps became too many."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """When to cut a step and when to give up.
+
+    Attributes
+    ----------
+    tolerance : float
+        Error of one step, relative to the largest value a state has had.
+    substeps : int or None
+        Steps in each sample interval without error control, or None to control the error.
+    max_steps : int
+        Steps in the whole run.
+    bound : float
+        Largest absolute value of a state.
+    """
+
+    tolerance: float
+    substeps: int | None
+    max_steps: int
+    bound: float
+
+
+@dataclass
+class FreeRun:
+    """One integration; `samples` yields the state at one sample after the other.
+
+    Parameters
+    ----------
+    program : Program
+        Compiled equations.
+    parameters : sequence of float
+        Values of the coefficients and inner constants.
+    limits : Limits
+        Tolerances.
+    """
+
+    program: Program
+    parameters: Vector
+    limits: Limits
+    n_steps: int = 0
+    trial: float = _HUGE
+    signs: list[float] = field(default_factory=list)
+    sliding: frozenset[int] = frozenset()
+
+    def samples(self, x0: Vector, t: np.ndarray, u: np.ndarray) -> Iterator[Vector]:
+        """Yield the state at t[1], t[2], ...; may raise `Diverged`."""
+        x, p = list(x0), self.parameters
+        self._size = self._weights = [0.0] * len(x)
+        steps = np.diff(t)
+        slopes = np.diff(u, axis=0) / steps[:, None]
+        external = [i for i, switch in enumerate(self._switches) if switch.external]
+        self.signs = [0.0] * len(self._switches)
+        first = True
+        rows = zip(t.tolist(), steps.tolist(), u.tolist(), slopes.tolist(), strict=False)
+        for time, h, here, slope in rows:
+            if first or external:
+                try:
+                    self._start(time, h, x, here, slope, first, external)
+                    self._weigh(h, time, x, here)
+                except _FAILURES as failure:
+                    raise Diverged("the right-hand side has no value") from failure
+                step, first = self.program.step(self.sliding), False
+            if h <= self.trial and self.limits.substeps is None:
+                self.n_steps += 1
+                try:
+                    after, _, lowest, error = step(
+                        h, time, x, here, slope, self.signs, self._weights, p
+                    )
+                except _FAILURES:
+                    error = math.nan
+                if error <= 1.0 and lowest >= 0.0:
+                    x = after
+                    yield x
+                    continue
+            x = self._interval(time, h, x, here, slope)
+            step = self.program.step(self.sliding)
+            yield x
+
+    @property
+    def _switches(self) -> tuple[Switch, ...]:
+        return self.program.structure.switches
+
+    def _weigh(self, h: float, t: float, x: Vector, u: Vector) -> bool:
+        """Let the error weights follow the largest states so far; tell whether they changed.
+
+        What the single terms of a row move in one step, and in the next one, counts as well: it
+        is the size of the rounding errors of a state that its terms hold at zero between them.
+        """
+        rates = self.program.sizes()
+        moves = [h * rate for rate in rates(t, x, u, self.signs, self.parameters)]
+        moved = [value + move for value, move in zip(x, moves, strict=True)]
+        further = [h * rate for rate in rates(t, moved, u, self.signs, self.parameters)]
+        size = [max(z) for z in zip(self._size, map(abs, x), moves, further, strict=True)]
+        changed = size != self._size
+        self._size = size
+        self._weights = [1.0 / max(self.limits.tolerance * value, 1e-290) for value in size]
+        return changed
+
+    def _start(
+        self, t: float, h: float, x: Any, u: Any, du: Any, first: bool, external: list[int]
+    ) -> None:
+        """Set signs at the start of a sample interval: all of them once, external ones always."""
+        g, rates = self._slopes(h, t, x, u, du)
+        for i in external:
+            self.signs[i] = _sign(g[i]) or _sign(rates[i])
+        if first:
+            for i in range(len(g)):  # inner signs come first, so that outer ones see them
+                g, _ = self._slopes(h, t, x, u, du)
+                self.signs[i] = _sign(g[i]) or self.signs[i]
+            zero = [i for i, value in enumerate(g) if value == 0.0 and i not in external]
+            self._resolve(zero, h, t, x, u, du)
+
+    def _slopes(self, h: float, t: float, x: Any, u: Any, du: Any) -> Any:
+        return self.program.slopes()(h, t, x, u, du, self.signs, self.parameters)
+
+    def _interval(self, t: float, h: float, x: Any, u: Any, du: Any) -> Any:
+        """Integrate over one sample interval in as many steps as it takes."""
+        done, events, substeps = 0.0, 0, self.limits.substeps
+        while done < h:
+            left = h - done
+            wanted = h / substeps if substeps else self.trial
+            trial = left / max(math.ceil(left / wanted - 1e-9), 1)
+            here = [a + done * b for a, b in zip(u, du, strict=True)]
+            after, margins, error = self._try(trial, t + done, x, here, du)
+            if not error <= 1.0 and not substeps and trial > SMALLEST * h:
+                self._reject(trial, t + done, after, here, error)
+                continue
+            if not all(map(math.isfinite, after)):
+                raise Diverged("the states are not finite")
+            lowest = min(margins, default=1.0)
+            if lowest < 0.0 and events < MAX_EVENTS:
+                events += 1
+                length, x = self._event(trial, t + done, x, here, du)
+                done = min(done + length, h)
+                continue
+            if not substeps:
+                self._accept(trial, error, whole=trial == left)
+            x, done = after, h if trial == left else done + trial
+        return x
+
+    def _try(self, h: float, t: float, x: Any, u: Any, du: Any) -> tuple[Any, Any, float]:
+        self.n_steps += 1
+        if self.n_steps > self.limits.max_steps:
+            raise Diverged(f"it took more than max_steps={self.limits.max_steps} steps")
+        try:
+            after, margins, _, error = self.program.step(self.sliding)(
+                h, t, x, u, du, self.signs, self._weights, self.parameters
+            )
+        except _FAILURES:
+            return [math.nan] * len(x), [], math.nan
+        return after, margins, error
+
+    def _reject(self, h: float, t: float, after: Vector, u: Vector, error: float) -> None:
+        """Shorten the next trial, unless it was the weights that were stale."""
+        try:
+            if math.isfinite(error) and self._weigh(h, t, after, u):
+                return
+        except _FAILURES:
+            error = math.nan
+        shrink = SAFETY * error**-ORDER if math.isfinite(error) else 0.0
+        self.trial = h * max(min(shrink, SAFETY), SHRINK)
+
+    def _accept(self, h: float, error: float, whole: bool) -> None:
+        """Lengthen the next trial; the last step of an interval was cut and says less."""
+        grown = h * min(GROW, SAFETY * max(error, 1e-10) ** -ORDER)
+        self.trial = max(self.trial, grown) if whole else max(grown, h)
+
+    def _event(self, h: float, t: float, x: Any, u: Any, du: Any) -> tuple[float, Any]:
+        """Go to the first switch within the step and set the signs beyond it."""
+        length, after, margins = self._locate(h, t, x, u, du)
+        hit = [i for i, margin in enumerate(margins) if margin < 0.0]
+        held = [i for i in hit if i not in self.sliding]
+        for i in held:
+            state = self._switches[i].state
+            if state is not None:
+                after[state] = 0.0
+            if self._switches[i].external:
+                self.signs[i] = -self.signs[i]
+        zero = [i for i in {*hit, *self.sliding} if not self._switches[i].external]
+        here = [a + length * b for a, b in zip(u, du, strict=True)]
+        try:
+            self._resolve(sorted(zero), h, t + length, after, here, du)
+            self._release(hit)
+            self._follow(hit, h, t + length, after, here, du)
+        except _FAILURES as failure:
+            raise Diverged("the right-hand side has no value") from failure
+        return length, after
+
+    def _locate(self, h: float, t: float, x: Any, u: Any, du: Any) -> tuple[float, Any, Any]:
+        """Return the shortest length found at which a margin is negative, and what is there."""
+
+        def look(length: float) -> tuple[Any, Any, float]:
+            after, margins, _ = self._try(length, t, x, u, du)
+            return after, margins, min(margins, default=math.nan)
+
+        high, (after, margins, above) = h, look(h)
+        low, below = 0.0, 0.0
+        trial = h
+        for _ in range(40):  # a switch that starts at zero: find where it is on its side at all
+            trial *= 0.5
+            found = look(trial)
+            if found[2] > 0.0:
+                low, below = trial, found[2]
+                break
+            high, (after, margins, above) = trial, found
+        tolerance = EVENT_TOLERANCE * h
+        side = 0
+        while high - low > tolerance and below > 0.0:
+            share = below / (below - above) if math.isfinite(above) else 0.5
+            trial = low + min(max(share * (high - low), 0.4 * tolerance), high - low)
+            trial = min(trial + 0.4 * tolerance, 0.5 * (high + trial))
+            found = look(trial)
+            if found[2] >= 0.0:
+                low, below = trial, found[2]
+                above, side = (above / 2 if side == 1 else above), 1  # Illinois rule
+            else:
+                high, (after, margins, above) = trial, found
+                below, side = (below / 2 if side == -1 else below), -1
+        return high, list(after), margins
+
+    def _resolve(self, zero: Sequence[int], h: float, t: float, x: Any, u: Any, du: Any) -> None:
+        """Apply Filippov's rule to the switches that are at zero, each given the others."""
+        for _ in range(SWEEPS):
+            change = 0.0
+            for i in zero:
+                before = self.signs[i]
+                self.signs[i] = self._rule(i, before, h, t, x, u, du)
+                change = max(change, abs(self.signs[i] - before))
+            if change < 1e-12:
+                break
+        self.sliding = frozenset(i for i in zero if abs(self.signs[i]) < 1.0)
+
+    def _rule(self, i: int, before: float, h: float, t: float, x: Any, u: Any, du: Any) -> float:
+        self.signs[i] = 1.0
+        up = self._slopes(h, t, x, u, du)[1][i]
+        self.signs[i] = -1.0
+        down = self._slopes(h, t, x, u, du)[1][i]
+        if up > 0.0 and down > 0.0:
+            return 1.0
+        if up < 0.0 and down < 0.0:
+            return -1.0
+        if up > 0.0 > down:  # both sides push away: go on in the direction of travel
+            return -_sign(before) or 1.0
+        return (up + down) / (down - up) if down != up else 0.0
+
+    def _release(self, hit: list[int]) -> None:
+        """Let go a switch that reached its limit, where rounding would hold it a little longer."""
+        free = [i for i in hit if i in self.sliding and abs(self.signs[i]) > LIMIT]
+        for i in free:
+            self.signs[i] = _sign(self.signs[i])
+        self.sliding = self.sliding.difference(free)
+
+    def _follow(self, hit: list[int], h: float, t: float, x: Any, u: Any, du: Any) -> None:
+        """Set the signs whose arguments jumped with an inner sign."""
+        if len(self.signs) == len(hit):
+            return
+        g, _ = self._slopes(h, t, x, u, du)
+        for i, value in enumerate(g):
+            if i not in hit and i not in self.sliding and value:
+                self.signs[i] = _sign(value)
+
+
+def _sign(value: float) -> float:
+    return float((value > 0.0) - (value < 0.0))

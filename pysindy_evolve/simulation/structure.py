@@ -1,0 +1,132 @@
+"""Structure of equations: which terms, where they switch, and the numbers that may change.
+
+Two sets of equations that differ in coefficients and inner constants only have one structure, so
+that the scalar right-hand side is compiled once while coefficients are fitted. A *switch* is the
+argument g of an sgn(g): the right-hand side jumps where g changes its sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..equations import Equations
+from ..operators import BUILTIN
+from ..terms import Call, Product, Sum, Variable
+
+__all__ = ["Structure", "Switch", "structure_of"]
+
+FIRST_MARK = 2.0  # stands for the first inner constant; 1 and -1 would not count as constants
+FREE = 2  # kind of a coefficient that is a parameter; 1 and -1 stand for themselves
+
+
+@dataclass(frozen=True)
+class Switch:
+    """An sgn(g) in the right-hand side.
+
+    Attributes
+    ----------
+    g : Sum
+        Its argument.
+    state : int or None
+        The state that g is, if it is nothing but one state.
+    external : bool
+        Whether g depends on inputs and time only, so that no state can hold it at zero.
+    """
+
+    g: Sum
+    state: int | None
+    external: bool
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What remains of equations without their numbers; the key of compiled programs.
+
+    Attributes
+    ----------
+    n_states, n_inputs : int
+        Variables are numbered states, inputs, time.
+    terms : tuple of Product
+        Terms that some row uses; inner constants replaced by marks `FIRST_MARK`, ...
+    entries : tuple of tuple of (int, int)
+        For each state, (term, kind) of its coefficients; the kind is 1, -1 or FREE.
+    switches : tuple of Switch
+        Distinct arguments of sgn, an argument before the one it is nested in.
+    """
+
+    n_states: int
+    n_inputs: int
+    terms: tuple[Product, ...]
+    entries: tuple[tuple[tuple[int, int], ...], ...]
+    switches: tuple[Switch, ...]
+
+
+def structure_of(equations: Equations) -> tuple[Structure, tuple[float, ...]]:
+    """Split equations into their structure and its parameters.
+
+    Parameters
+    ----------
+    equations : Equations
+        The right-hand sides.
+
+    Returns
+    -------
+    structure : Structure
+    parameters : tuple of float
+        Free coefficients row by row, then the distinct inner constants.
+    """
+    used = [i for i in range(len(equations.terms)) if np.any(equations.coef[:, i] != 0.0)]
+    terms = tuple(equations.terms[i] for i in used)
+    values = tuple(dict.fromkeys(c for term in terms for c in term.constants))
+    mark = {value: FIRST_MARK + i for i, value in enumerate(values)}
+    marked = tuple(term.with_constants([mark[c] for c in term.constants]) for term in terms)
+    entries, free = [], []
+    for row in np.asarray(equations.coef, dtype=float)[:, used].tolist():
+        kinds = [(i, _kind(c)) for i, c in enumerate(row) if c != 0.0]
+        entries.append(tuple(kinds))
+        free += [row[i] for i, kind in kinds if kind == FREE]
+    n_states, n_inputs = len(equations.states), len(equations.inputs)
+    switches = find_switches(marked, n_states)
+    structure = Structure(n_states, n_inputs, marked, tuple(entries), switches)
+    return structure, (*free, *values)
+
+
+def find_switches(terms: tuple[Product, ...], n_states: int) -> tuple[Switch, ...]:
+    """Return the distinct arguments of sgn in some terms, inner ones first."""
+    arguments = dict.fromkeys(g for term in terms for g in _sign_arguments(term))
+    return tuple(
+        Switch(g, _plain_state(g, n_states), all(i >= n_states for i in g.variables))
+        for g in arguments
+    )
+
+
+def _sign_arguments(node: Any) -> Iterator[Sum]:
+    if isinstance(node, Product):
+        for atom, _ in node.factors:
+            yield from _sign_arguments(atom)
+    elif isinstance(node, Sum):
+        for _, term in node.parts:
+            yield from _sign_arguments(term)
+    elif isinstance(node, Call):
+        for argument in node.args:
+            yield from _sign_arguments(argument)
+        if node.operator == BUILTIN["sgn"]:
+            yield node.args[0]
+
+
+def _plain_state(g: Sum, n_states: int) -> int | None:
+    if len(g.parts) == 1 and g.parts[0][0] == 1.0:
+        factors = g.parts[0][1].factors
+        if len(factors) == 1 and factors[0][1] == 1 and isinstance(factors[0][0], Variable):
+            index = factors[0][0].index
+            return index if index < n_states else None
+    return None
+
+
+def _kind(coefficient: float) -> int:
+    """Keep plain ones, as in dq/dt = v, out of the parameters: they are never fitted."""
+    return int(coefficient) if abs(coefficient) == 1.0 else FREE
