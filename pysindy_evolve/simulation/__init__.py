@@ -13,9 +13,10 @@ from tqdm.auto import tqdm
 from .freerun import CHUNK, Diverged, FreeRun, Limits
 from .inputs import Input, as_equations, check_input, check_start, check_time
 from .program import program_of
+from .shooting import simulate_windows
 from .structure import structure_of
 
-__all__ = ["simulate"]
+__all__ = ["simulate", "simulate_windows"]
 
 OnDivergence = Literal["warn", "nan", "raise"]
 POINTS_PER_SAMPLE = 10  # at which an input given as a function is taken

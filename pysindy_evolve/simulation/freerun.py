@@ -274,9 +274,9 @@ class FreeRun:
         up = self._slopes(h, t, x, u, du)[1][i]
         self.signs[i] = -1.0
         down = self._slopes(h, t, x, u, du)[1][i]
-        if up > 0.0 and down > 0.0:
+        if up > 0.0 and down >= 0.0:
             return 1.0
-        if up < 0.0 and down < 0.0:
+        if up <= 0.0 and down < 0.0:
             return -1.0
         if up > 0.0 > down:  # both sides push away: go on in the direction of travel
             return -_sign(before) or 1.0

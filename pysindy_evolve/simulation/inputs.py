@@ -9,7 +9,7 @@ import numpy as np
 
 from ..equations import Equations
 
-__all__ = ["as_equations", "check_input", "check_start", "check_time"]
+__all__ = ["as_equations", "check_input", "check_start", "check_states", "check_time"]
 
 Input = np.ndarray | Callable[[np.ndarray], Any] | None
 
@@ -59,6 +59,20 @@ def check_start(x0: Any, equations: Equations, owner: str) -> np.ndarray:
             f"{', '.join(equations.states)}; got shape {start.shape}. Give the initial state."
         )
     return start
+
+
+def check_states(x: Any, t: np.ndarray, equations: Equations, owner: str) -> np.ndarray:
+    """Return x of shape (n_samples, n_states)."""
+    states = _as_floats(x, "x", owner)
+    shape = (len(t), len(equations.states))
+    if states.ndim == 1 and shape[1] == 1:
+        states = states[:, None]
+    if states.shape != shape:
+        raise ValueError(
+            f"{owner}(x=...) must have shape {shape}; got {states.shape}. "
+            f"Give one row a sample and the columns {', '.join(equations.states)}."
+        )
+    return states
 
 
 def check_input(u: Input, t: np.ndarray, equations: Equations, owner: str) -> np.ndarray:

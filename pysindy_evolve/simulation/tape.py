@@ -1,0 +1,135 @@
+"""Evaluate the terms of a structure on many columns at once, with the signs as arguments.
+
+A tape is a list of instructions over numpy arrays, each distinct subtree once. It costs nothing to
+make, so that every candidate of a search can be simulated, and calls the numpy form of operators.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..operators import BUILTIN
+from ..terms import ONE as CONSTANT_TERM
+from ..terms import Atom, Call, Product, Sum, Variable
+from .structure import Switch
+
+__all__ = ["Tape"]
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One array operation: function(*values of the arguments) goes to the next register."""
+
+    function: Callable[..., Any]
+    arguments: tuple[int, ...]
+
+
+class Tape:
+    """Instructions for the terms of some equations and for the arguments of their switches.
+
+    Parameters
+    ----------
+    terms : sequence of Product
+        Columns of the dictionary, with their true inner constants.
+    switches : sequence of Switch
+        Arguments of sgn in these terms.
+    n_variables : int
+        States, inputs and time.
+    """
+
+    def __init__(
+        self, terms: Sequence[Product], switches: Sequence[Switch], n_variables: int
+    ) -> None:
+        self._first_sign = n_variables
+        self._signs = {switch.g: n_variables + i for i, switch in enumerate(switches)}
+        self._n_given = n_variables + len(switches)
+        self._known: dict[Any, int] = {}
+        self._constants: list[tuple[int, float]] = []
+        self._instructions: list[Instruction | None] = []
+        self._g = [self._sum(switch.g) for switch in switches]
+        self._n_for_g = len(self._instructions)
+        self._theta = [self._product(term) for term in terms]
+
+    def theta(self, variables: Sequence[np.ndarray], signs: Sequence[np.ndarray]) -> np.ndarray:
+        """Return the terms, shape (n_terms, n_columns)."""
+        values = self._run(variables, signs, len(self._instructions))
+        out = np.empty((len(self._theta), len(variables[0])))
+        for row, register in zip(out, self._theta, strict=True):
+            row[:] = values[register]
+        return out
+
+    def switches(self, variables: Sequence[np.ndarray], signs: Sequence[np.ndarray]) -> np.ndarray:
+        """Return the arguments of the signs, shape (n_switches, n_columns)."""
+        values = self._run(variables, signs, self._n_for_g)
+        out = np.empty((len(self._g), len(variables[0])))
+        for row, register in zip(out, self._g, strict=True):
+            row[:] = values[register]
+        return out
+
+    def _run(self, variables: Sequence[Any], signs: Sequence[Any], n: int) -> list[Any]:
+        values = [*variables, *signs, *([None] * n)]
+        for register, number in self._constants:
+            if register < len(values):
+                values[register] = number
+        at = self._n_given
+        for instruction in self._instructions[:n]:
+            if instruction is not None:
+                values[at] = instruction.function(*[values[i] for i in instruction.arguments])
+            at += 1
+        return values
+
+    def _emit(self, function: Callable[..., Any], *arguments: int) -> int:
+        key = (function, arguments)
+        if key not in self._known:
+            self._known[key] = self._n_given + len(self._instructions)
+            self._instructions.append(Instruction(function, arguments))
+        return self._known[key]
+
+    def _constant(self, value: float) -> int:
+        if value not in self._known:
+            self._known[value] = self._n_given + len(self._instructions)
+            self._constants.append((self._known[value], value))
+            self._instructions.append(None)
+        return self._known[value]
+
+    def _sum(self, expression: Sum) -> int:
+        total: int | None = None
+        for coefficient, term in expression.parts:
+            part = self._product(term)
+            if term == CONSTANT_TERM:
+                part = self._constant(coefficient)
+            elif coefficient != 1.0:
+                part = self._emit(np.multiply, self._constant(coefficient), part)
+            total = part if total is None else self._emit(np.add, total, part)
+        return self._constant(0.0) if total is None else total
+
+    def _product(self, term: Product) -> int:
+        above: int | None = None
+        for atom, exponent in term.factors:
+            base = self._atom(atom)
+            factor = base
+            for _ in range(abs(exponent) - 1):
+                factor = self._emit(np.multiply, factor, base)
+            if exponent < 0:
+                factor = self._emit(np.divide, self._constant(1.0), factor)
+            above = factor if above is None else self._emit(np.multiply, above, factor)
+        return self._constant(1.0) if above is None else above
+
+    def _atom(self, atom: Atom) -> int:
+        if isinstance(atom, Variable):
+            return atom.index
+        if isinstance(atom, Sum):
+            return self._sum(atom)
+        return self._call(atom)
+
+    def _call(self, atom: Call) -> int:
+        if atom.operator == BUILTIN["sgn"]:
+            return self._signs[atom.args[0]]
+        arguments = [self._sum(argument) for argument in atom.args]
+        if atom.operator == BUILTIN["abs"] and atom.args[0] in self._signs:
+            return self._emit(np.multiply, self._signs[atom.args[0]], arguments[0])
+        return self._emit(atom.operator.function, *arguments)
