@@ -7,16 +7,20 @@ from numpy.typing import ArrayLike
 from scipy import fft
 
 from . import checks
-from .spectral import Array, Extension
+from .spectral import Array, Extension, gain
 
-# Highest automatic cutoff, as a share of the sampling rate: the edge of the low-pass needs the
-# rest up to the Nyquist frequency.
-HIGHEST = 0.4
+# Highest automatic cutoff, as a share of the sampling rate: the edge of the low-pass, which is
+# over at 1.5 times the cutoff, then just ends at the Nyquist frequency.
+HIGHEST = 1.0 / 3.0
 # kappa: what is lost is lost on both sides of an equation alike and biases nothing that is
 # linear in it; noise that is kept sits in the regressors and biases everything. So a unit of
 # noise costs ten units of signal, which also is the margin that a spectrum needs to stand out
 # of its own scatter.
 NOISE_PRICE = 10.0
+# Candidates for a cutoff, spaced evenly on a logarithmic scale.
+N_CANDIDATES = 200
+# Share of readings equal to the one before from which on a column counts as coarse.
+DWELL = 0.1
 # Fewest periods of the cutoff in a record.
 FEWEST_PERIODS = 4.0
 # Median of a chi-square variable with two degrees of freedom over its mean.
@@ -55,32 +59,65 @@ def floor(power: Array) -> Array:
     return np.asarray(np.min(medians, axis=0)) / MEDIAN_OVER_MEAN
 
 
-def best_cutoff(frequency: Array, power: Array, order: int) -> float:
+def rounding(y: Array) -> Array:
+    """Return the variance of the rounding error on each column of y (n, k) that dwells.
+
+    A coarse encoder or converter repeats its readings, and then its error is no white noise
+    that the spectrum shows near half the sampling rate. All values of such a column are whole
+    steps apart; step^2 / 12 is the variance. Zero for every other column.
+    """
+    return np.array([_rounding(column) for column in y.T])
+
+
+def _rounding(y: Array) -> float:
+    if np.mean(np.diff(y) == 0) < DWELL:
+        return 0.0
+    levels = np.unique(y) - y.min()
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > 1e-9 * levels[-1]]
+    if gaps.size == 0:
+        return 0.0
+    steps = levels / gaps.min()
+    whole = np.abs(steps - np.round(steps)).max() < 0.05
+    return float(gaps.min() ** 2 / 12.0) if whole else 0.0
+
+
+def best_cutoff(frequency: Array, power: Array, noise: Array, order: int, dt: float) -> float:
     r"""Return the cutoff that best separates the derivative of this order from its noise.
 
-    A low-pass at f_c loses the signal above it and keeps the noise below it:
+    A low-pass H with cutoff f_c loses signal above it and keeps noise below it:
 
-    .. math:: E(f_c) = \sum_{f > f_c} (2 \pi f)^{2m} (P(f) - N)
-              + \kappa \sum_{f \le f_c} (2 \pi f)^{2m} N,
+    .. math:: E(f_c) = \sum_f (2 \pi f)^{2m}
+              \left[(1 - H)^2 (P - N) + \kappa H^2 N\right].
 
-    so it is least where the sum of (2 pi f)^{2m} (P - (1 + kappa) N) below f_c is greatest.
-    Several columns add up, each relative to the size of its own derivative.
+    Several columns add up, each relative to the size of its own derivative. The sums run over
+    bands whose edges are the candidates.
     """
-    noise = floor(power)[:, None]
+    noise = noise[:, None]
     weight = frequency ** (2 * order)
     size = np.sum(weight * np.maximum(power - noise, 0.0), axis=1, keepdims=True)
     size = np.where(size > 0, size, 1.0)
-    gained = np.cumsum(np.sum(weight * (power - (1.0 + NOISE_PRICE) * noise) / size, axis=0))
-    return float(frequency[np.argmax(gained)])
+    steps = np.geomspace(1, frequency.size, N_CANDIDATES).round().astype(int)
+    starts = np.unique(np.concatenate([[0], steps[steps < frequency.size]]))
+    signal = np.add.reduceat(np.sum(weight * (power - noise) / size, axis=0), starts)
+    heard = np.add.reduceat(np.sum(weight * noise / size, axis=0), starts)
+    centers = np.add.reduceat(frequency, starts) / np.diff([*starts, frequency.size])
+    candidates = centers[centers < 0.49 / dt]
+    passed = np.stack([gain(centers, cutoff, dt) for cutoff in candidates])
+    cost = (1.0 - passed) ** 2 @ signal + NOISE_PRICE * passed**2 @ heard
+    return float(candidates[np.argmin(cost)])
 
 
 def auto_cutoff(y: Array, dt: float, order: int) -> float:
     """Return the cutoff for columns y (n, k), in cycles per unit of t."""
     highest = HIGHEST / dt
+    coarse = rounding(y)
     lowest = min(FEWEST_PERIODS / (y.shape[0] * dt), highest)
     cutoff: float | None = None
     for _ in range(3):  # the ends are continued according to the cutoff that is being sought
-        found = best_cutoff(*spectrum(y, dt, cutoff), order)
+        frequency, power = spectrum(y, dt, cutoff)
+        noise = np.maximum(floor(power), coarse)
+        found = best_cutoff(frequency, power, noise, order, dt)
         cutoff = float(np.clip(found, lowest, highest))
     return float(cutoff or highest)
 
@@ -92,7 +129,7 @@ def sensor_noise(y: Array, dt: float, cutoff: float | None) -> Array:
     figure is the better one.
     """
     floors = [floor(spectrum(y, dt, way)[1]) for way in {None, cutoff}]
-    return np.sqrt(np.min(floors, axis=0))
+    return np.sqrt(np.maximum(np.min(floors, axis=0), rounding(y)))
 
 
 def noise_level(y: ArrayLike) -> Array | float:

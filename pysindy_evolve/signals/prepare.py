@@ -22,7 +22,7 @@ OVERSAMPLING = 8.0
 # Samples per period of the cutoff below which decimation would alias.
 LEAST_OVERSAMPLING = 3.0
 # Periods of the cutoff dropped at each end, where the unknown continuation is felt.
-TRIM = 2.0
+TRIM = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,8 +198,8 @@ def prepare(
     -------
     Record
         Columns of x are y1, its derivatives up to order - 1, y2, ...; `preparation` says how
-        it was made. Two periods of the cutoff (at most one eighth of the record)
-        are dropped at each end.
+        it was made. One and a half periods of the cutoff (at most a twelfth of
+        the record) are dropped at each end.
 
     Raises
     ------
@@ -242,7 +242,7 @@ def prepare(
         method=method,
         cutoff=resolved,
         decimation=_resolve_decimation(decimate, resolved, dt, grid.size),
-        trim=min(trim, grid.size // 8),
+        trim=min(trim, grid.size // 12),
         noise=sensor_noise(even_y, dt, resolved),
         rows=(0, grid.size),
     )
