@@ -1,9 +1,19 @@
-"""pysindy_evolve: give it your model and your measurements.
-
-It grows the PySINDy terms your model is missing, proves them on data it has not seen, and hands
-back the corrected equation.
+"""Give it your model and your measurements; it grows the PySINDy terms your model is missing,
+proves them on data it has not seen, and hands back the corrected equation.
 """
+
+from pysindy_evolve import datasets, signals
+from pysindy_evolve.operators import Operator
+from pysindy_evolve.signals import Record, prepare
+from pysindy_evolve.simulation import simulate
 
 __version__ = "0.1.0"
 
-__all__ = ["__version__"]
+__all__ = [
+    "Operator",
+    "Record",
+    "datasets",
+    "prepare",
+    "signals",
+    "simulate",
+]

@@ -12,7 +12,8 @@ NAME = PACKAGE.name
 LAYERS = (
     {"operators", "terms"},
     {"equations", "text", "grammar"},
-    {"genetics", "regression", "signals", "simulation"},
+    {"tracing", "library_terms"},
+    {"genetics", "regression", "constants", "dictionary", "signals", "simulation"},
     {"evolution"},
     {"library", "optimizer"},
     {"export"},
@@ -37,10 +38,14 @@ def syntax(path):
     return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
 
 
-def imported_names(path):
+def imported_names(path, for_types=True):
     """Dotted names that a file imports, at any depth of its code; relative ones resolved."""
     home = path.relative_to(PACKAGE.parent).with_suffix("").parts[:-1]
-    for node in ast.walk(syntax(path)):
+    tree = syntax(path)
+    left_out = set() if for_types else set(_imports_for_types(tree))
+    for node in ast.walk(tree):
+        if node in left_out:
+            continue
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -49,9 +54,16 @@ def imported_names(path):
             yield from (".".join([*parts, alias.name]) for alias in node.names)
 
 
-def internal_imports(path, modules):
+def _imports_for_types(tree):
+    """Nodes under ``if TYPE_CHECKING``, which never run."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and getattr(node.test, "id", None) == "TYPE_CHECKING":
+            yield from ast.walk(node)
+
+
+def internal_imports(path, modules, for_types=True):
     """Modules of the package that a file imports."""
-    dotted = [one.split(".") for one in imported_names(path)]
+    dotted = [one.split(".") for one in imported_names(path, for_types)]
     return {_longest_module(parts[1:], modules) for parts in dotted if parts[0] == NAME}
 
 
@@ -85,7 +97,10 @@ def test_imports_point_down(module, modules):
 
 
 def test_modules_import_each_other_in_no_circle(modules):
-    edges = {name: internal_imports(path, modules) - {name} for name, path in modules.items()}
+    edges = {
+        name: internal_imports(path, modules, for_types=False) - {name}
+        for name, path in modules.items()
+    }
     settled = set()
     while len(settled) < len(edges):
         free = {name for name in edges.keys() - settled if edges[name] <= settled}
