@@ -15,7 +15,7 @@ LAYERS = (
     {"tracing", "library_terms"},
     {"genetics", "regression", "constants", "dictionary", "signals", "simulation"},
     {"evolution"},
-    {"library", "optimizer"},
+    {"handover", "library", "optimizer"},
     {"export"},
     {"loop"},
     {"datasets", "cli"},
