@@ -1,0 +1,182 @@
+"""The dictionary of one generation: terms evaluated on a sample, and what each of them costs.
+
+======  ====================  ========================================================
+symbol  shape                 meaning
+======  ====================  ========================================================
+x       (n, n_variables)      states and inputs
+target  (n,)                  what the equation must give: one column of x_dot
+fixed   (n, n_fixed)          columns that are always in the equation
+theta   (m, p)                terms on the m rows of a sample, columns of unit RMS
+======  ====================  ========================================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .regression import Gram, block_grams, gram
+from .terms import Product
+
+__all__ = ["Dictionary", "Problem", "build_dictionary", "price", "skeleton"]
+
+Project = Callable[[np.ndarray], np.ndarray]
+
+TWIN = 1.0 - 1e-9  # correlation above which two columns are one signal up to scale
+SIBLING = 0.98  # the same for two terms that differ only in their inner constants
+SPIKE = 0.5  # share of a column's power in a single row above which it only fits that row
+SPANNED = 1e-9  # share of a column's power that the fixed columns must leave
+NODE = 2.0  # price of a node: 2 log 3, as there are about 3^size terms of a size (extended BIC)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """The data of one target.
+
+    Parameters
+    ----------
+    x : ndarray of shape (n, n_variables)
+        Variables, in the user's units.
+    target : ndarray of shape (n,)
+        What the equation must give.
+    fixed : ndarray of shape (n, n_fixed)
+        Columns that are always in the equation.
+    project : callable, optional
+        A linear map on rows, (n, p) to (m, p), applied to theta, fixed columns and target alike.
+    """
+
+    x: np.ndarray
+    target: np.ndarray
+    fixed: np.ndarray
+    project: Project | None = None
+
+    def sample(self, n_rows: int, rng: np.random.Generator) -> Problem:
+        """Draw one row from each of `n_rows` consecutive strata: the order of time is kept."""
+        n = len(self.x)
+        if self.project is not None or n <= n_rows:
+            return self
+        edges = np.linspace(0, n, n_rows + 1)
+        rows = (edges[:-1] + rng.random(n_rows) * np.diff(edges)).astype(int)
+        return Problem(self.x[rows], self.target[rows], self.fixed[rows])
+
+    def theta(self, terms: Sequence[Product], rows: slice = slice(None)) -> np.ndarray:
+        """Evaluate fixed columns and terms, not yet projected: (rows, n_fixed + n_terms)."""
+        x, cache, n_fixed = self.x[rows], {}, self.fixed.shape[1]
+        columns = np.empty((len(x), n_fixed + len(terms)))
+        columns[:, :n_fixed] = self.fixed[rows]
+        for j, term in enumerate(terms):
+            columns[:, n_fixed + j] = term.evaluate(x, cache)
+        return columns
+
+    def regression(self, terms: Sequence[Product]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the two sides of the regression: theta with fixed columns first, and target."""
+        theta, y = self.theta(terms), self.target
+        if self.project is None:
+            return theta, y
+        finite = np.isfinite(theta)
+        theta = self.project(np.where(finite, theta, 0.0))
+        theta[:, ~finite.all(axis=0)] = np.nan
+        return theta, self.project(y[:, None])[:, 0]
+
+    def blocks(self, terms: Sequence[Product], n_blocks: int) -> list[Gram]:
+        """Return Gram matrices of consecutive blocks of all rows, fixed columns first."""
+        if self.project is None:
+            return block_grams(lambda rows: self.theta(terms, rows), self.target, n_blocks)
+        theta, y = self.regression(terms)
+        return block_grams(lambda rows: theta[rows], y, n_blocks)
+
+
+@dataclass(frozen=True, eq=False)
+class Dictionary:
+    """Different, finite terms on a sample, with the Gram matrix that the fixed columns leave."""
+
+    problem: Problem
+    terms: tuple[Product, ...]
+    theta: np.ndarray
+    y: np.ndarray
+    gram: Gram
+    scale: np.ndarray
+
+    @property
+    def n_fixed(self) -> int:
+        """Number of columns of theta before the terms."""
+        return self.theta.shape[1] - len(self.terms)
+
+    def residual(self, support: np.ndarray) -> np.ndarray:
+        """What fixed columns and the terms of a support leave of the target, shape (m,)."""
+        n = self.n_fixed
+        columns = self.theta[:, [*range(n), *(n + j for j in support)]]
+        coef = np.linalg.lstsq(columns, self.y, rcond=None)[0]
+        return self.y - columns @ coef
+
+
+def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
+    """Evaluate terms on a sample and keep one of each signal.
+
+    Parameters
+    ----------
+    problem : Problem
+        The sample.
+    terms : sequence of Product
+        Where two are the same signal up to scale, the smaller stays, or the earlier one.
+
+    Returns
+    -------
+    Dictionary
+        Without terms that are not finite, zero, in the span of the fixed columns, or all in one
+        row.
+    """
+    terms = sorted(dict.fromkeys(terms), key=lambda term: term.size)
+    theta, y = problem.regression(terms)
+    n_fixed = problem.fixed.shape[1]
+    with np.errstate(all="ignore"):
+        power = np.einsum("ij,ij->j", theta, theta)
+        spike = np.square(np.abs(theta).max(axis=0)) / power
+    good = np.isfinite(power) & (power > np.finfo(float).tiny) & (spike < SPIKE)
+    good[:n_fixed] = True
+    scale = np.sqrt(np.where(good & (power > 0.0), power, 1.0) / len(y))
+    theta = theta[:, good] / scale[good]
+    terms = [term for term, ok in zip(terms, good[n_fixed:], strict=True) if ok]
+    left = gram(theta, y).without(n_fixed)
+    keep = _different(left, terms)
+    return Dictionary(
+        problem,
+        tuple(terms[j] for j in keep),
+        theta[:, [*range(n_fixed), *(n_fixed + j for j in keep)]],
+        y,
+        left.select(keep),
+        scale[good][n_fixed:][keep],
+    )
+
+
+def _different(left: Gram, terms: Sequence[Product]) -> list[int]:
+    power = np.diag(left.xx) / left.n
+    size = np.sqrt(np.maximum(power, SPANNED)) * np.sqrt(left.n)
+    correlation = np.abs(left.xx / np.outer(size, size))
+    skeletons = [skeleton(term) if term.constants else None for term in terms]
+    keep: list[int] = []
+    for j in np.flatnonzero(power > SPANNED):
+        close = [i for i in np.asarray(keep, dtype=int)[correlation[j, keep] > SIBLING]]
+        if any(correlation[j, i] > TWIN for i in close):
+            continue
+        if skeletons[j] is None or all(skeletons[i] != skeletons[j] for i in close):
+            keep.append(int(j))
+    return keep
+
+
+def skeleton(term: Product) -> Product:
+    """Return the term with its inner constants replaced by markers."""
+    return term.with_constants([2.0 + i for i in range(len(term.constants))])
+
+
+def price(terms: Sequence[Product], n_effective: float) -> np.ndarray:
+    """Price of each term in the information criterion.
+
+    Log n for each number that was fitted, and `NODE` for each node of the tree, as the search
+    looked at exponentially many terms of a size.
+    """
+    numbers = np.array([1 + len(term.constants) for term in terms], dtype=float)
+    nodes = np.array([term.size for term in terms], dtype=float)
+    return numbers * np.log(max(n_effective, 2.0)) + NODE * nodes

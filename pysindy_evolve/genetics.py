@@ -1,0 +1,259 @@
+"""Random terms, crossover and mutation; the only file that knows DEAP.
+
+Individuals are terms. DEAP sees each as a prefix tree, varies the tree, and what comes back is
+brought to canonical form and split at its sums: every product is an individual of its own, so
+adding never blurs a good term with a bad one. Trees are never compiled or evaluated as text.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+from deap import gp
+
+from .operators import BUILTIN, Operator
+from .terms import Atom, Call, Product, Sum, Variable, call, constant, variable
+
+__all__ = ["Genetics"]
+
+MAX_SPLIT = 6  # a tree that falls into more terms than this is taken for noise
+NODES_PER_LEVEL = 4  # a term of full depth may have four times as many nodes: thin, not bushy
+TOURNAMENT = 3  # as usual in genetic programming: mild pressure
+LINEAR = ("add", "sub", "mul", "neg", "square", "cube", "abs", "sgn")  # numbers mean little here
+
+
+class Genetics:
+    """Variation of terms, drawing from one generator.
+
+    Parameters
+    ----------
+    operators : sequence of Operator
+        Basis functions.
+    scale : ndarray of shape (n_variables,)
+        Typical size of each variable, in its own unit. Numbers are drawn around it and its
+        inverse, which is where x/(c + x) and sin(w x) need them.
+    max_depth : int
+        Height of the tallest tree.
+    rng : numpy.random.Generator
+        Source of all randomness.
+    """
+
+    def __init__(
+        self,
+        operators: Sequence[Operator],
+        scale: np.ndarray,
+        *,
+        max_depth: int,
+        rng: np.random.Generator,
+    ) -> None:
+        self.random = random.Random(int(rng.integers(2**62)))
+        self.max_depth = max_depth
+        self._operators = {operator.name: operator for operator in operators}
+        self._arities = {0, *(operator.arity for operator in operators)}
+        self._deap = _deap_drawing_from(self.random)
+        self._pset = self._primitive_set(scale)
+        self._memo: dict[tuple[Any, ...], Sum] = {}
+
+    def random_terms(self, n: int, known: Iterable[Product] = ()) -> list[Product]:
+        """Return up to `n` random terms, all different and none of them known."""
+        return self._gather(n, set(known), self._random_tree)
+
+    def offspring(
+        self,
+        parents: Sequence[Product],
+        fitness: Sequence[float] | np.ndarray,
+        n: int,
+        *,
+        crossover_rate: float,
+        mutation_rate: float,
+    ) -> list[Product]:
+        """Breed up to `n` new terms.
+
+        Parameters
+        ----------
+        parents : sequence of Product
+            Terms to choose from, by tournament.
+        fitness : sequence of float
+            Lower is better.
+        n : int
+            Number of children.
+        crossover_rate, mutation_rate : float
+            Probabilities in [0, 1].
+
+        Returns
+        -------
+        list of Product
+            All different and none of them a parent: a child that says nothing new makes way for
+            another, in the end for a random term.
+        """
+
+        def child() -> gp.PrimitiveTree:
+            tree = self._select(parents, fitness)
+            if self.random.random() < crossover_rate:
+                tree = self._crossed(tree, self._select(parents, fitness))
+            if self.random.random() < mutation_rate:
+                tree = self._mutated(tree)
+            return tree
+
+        known = set(parents)
+        children = self._gather(n, known, child)
+        return children + self._gather(n - len(children), known | set(children), self._random_tree)
+
+    def _gather(
+        self, n: int, known: set[Product], make: Callable[[], gp.PrimitiveTree]
+    ) -> list[Product]:
+        found: list[Product] = []
+        for _ in range(4 * n):  # so that a small space of terms ends the search, not a full one
+            if len(found) >= n:
+                break
+            for term in self._terms(make()):
+                if term not in known:
+                    known.add(term)
+                    found.append(term)
+        return found[:n]
+
+    def _select(
+        self, parents: Sequence[Product], fitness: Sequence[float] | np.ndarray
+    ) -> gp.PrimitiveTree:
+        rivals = [self.random.randrange(len(parents)) for _ in range(TOURNAMENT)]
+        return _tree(parents[min(rivals, key=lambda i: fitness[i])])
+
+    def _random_tree(self) -> gp.PrimitiveTree:
+        return gp.PrimitiveTree(self._deap["genHalfAndHalf"](self._pset, 1, min(self.max_depth, 3)))
+
+    def _crossed(self, one: gp.PrimitiveTree, other: gp.PrimitiveTree) -> gp.PrimitiveTree:
+        """Exchange a subtree; leaves, which DEAP leaves alone, are multiplied instead."""
+        if min(len(one), len(other)) < 2 or self.random.random() < 0.5:
+            joint = self.random.choice(self._binary) if self._binary else None
+            return gp.PrimitiveTree([joint, *one, *other]) if joint else one
+        return self.random.choice(self._deap["cxOnePoint"](one, other))
+
+    def _mutated(self, tree: gp.PrimitiveTree) -> gp.PrimitiveTree:
+        moves = ["mutUniform", "mutInsert", "mutShrink"]
+        if {node.arity for node in tree} <= self._arities:  # else there is nothing to replace by
+            moves.append("mutNodeReplacement")
+        move = self.random.choice(moves)
+        if move == "mutUniform":
+            return self._deap[move](tree, self._short_branch, self._pset)[0]
+        if move == "mutShrink":
+            return self._deap[move](tree)[0]
+        return self._deap[move](tree, self._pset)[0]
+
+    def _short_branch(self, pset: Any, type_: Any) -> list[Any]:
+        return self._deap["genHalfAndHalf"](pset, 0, 2, type_)
+
+    def _terms(self, tree: gp.PrimitiveTree) -> list[Product]:
+        if tree.height > 2 * self.max_depth:
+            return []
+        parts = self._expression(tree).parts
+        if len(parts) > MAX_SPLIT:
+            return []
+        return [term for _, term in parts if self._fits(term)]
+
+    def _fits(self, term: Product) -> bool:
+        small = term.size <= NODES_PER_LEVEL * self.max_depth and term.depth <= self.max_depth
+        return bool(term.variables) and small
+
+    def _expression(self, tree: gp.PrimitiveTree) -> Sum:
+        stack: list[Sum] = []
+        for node in reversed(tree):
+            if not node.arity:
+                stack.append(node.value)
+                continue
+            key = (node.name, *(stack.pop() for _ in range(node.arity)))
+            if key not in self._memo:
+                operator = self._operators.get(node.name, BUILTIN.get(node.name))
+                self._memo[key] = call(operator, *key[1:])  # type: ignore[arg-type]
+            stack.append(self._memo[key])
+        return stack[0]
+
+    def _primitive_set(self, scale: np.ndarray) -> gp.PrimitiveSet:
+        pset = gp.PrimitiveSet("terms", 0)
+        for operator in self._operators.values():
+            pset.addPrimitive(operator.function, operator.arity, name=operator.name)
+        self._binary = [_primitive(o) for n, o in self._operators.items() if n in ("mul", "div")]
+        smooth = any(name not in LINEAR for name in self._operators)
+        leaves = [variable(i) for i in range(len(scale)) for _ in range(2)]
+        leaves += [constant(self._number(scale)) for _ in range(len(scale) if smooth else 1)]
+        pset.terminals[gp.__type__].extend(_terminal(leaf) for leaf in leaves)
+        return pset
+
+    def _number(self, scale: np.ndarray) -> float:
+        size = float(self.random.choice(list(scale)))
+        return float(
+            f"{size ** self.random.choice((1, -1)) * self.random.lognormvariate(0, 1):.3g}"
+        )
+
+
+def _deap_drawing_from(source: random.Random) -> dict[str, Any]:
+    """Return DEAP's operators with `source` in the place of the global `random`.
+
+    They look `random` up in the globals of their module. Given other globals, they leave the
+    caller's stream alone and two threads do not disturb each other, which lending the global
+    generator a seed could not promise.
+    """
+    space = dict(vars(gp))
+    for name, value in vars(gp).items():
+        if isinstance(value, FunctionType) and value.__module__ == gp.__name__:
+            copy = FunctionType(value.__code__, space, name, value.__defaults__, value.__closure__)
+            space[name] = copy
+    space["random"] = source
+    return space
+
+
+@lru_cache(256)
+def _primitive(operator: Operator) -> gp.Primitive:
+    return gp.Primitive(operator.name, [gp.__type__] * operator.arity, gp.__type__)
+
+
+@lru_cache(1024)
+def _terminal(value: Sum) -> gp.Terminal:
+    return gp.Terminal(value, False, gp.__type__)
+
+
+_MUL, _DIV, _ADD = (_primitive(BUILTIN[name]) for name in ("mul", "div", "add"))
+
+
+def _tree(term: Product) -> gp.PrimitiveTree:
+    """Write a term as a prefix tree, in any operators: the canonical form has its own."""
+    return gp.PrimitiveTree(_prefix_of_product(term))
+
+
+def _prefix_of_product(term: Product) -> list[Any]:
+    above = [node for atom, n in term.factors for node in [_prefix_of_atom(atom)] * max(n, 0)]
+    below = [node for atom, n in term.factors for node in [_prefix_of_atom(atom)] * max(-n, 0)]
+    top = _joined(_MUL, above) if above else [_terminal(constant(1.0))]
+    return [_DIV, *top, *_joined(_MUL, below)] if below else top
+
+
+def _prefix_of_atom(atom: Atom) -> list[Any]:
+    if isinstance(atom, Variable):
+        return [_terminal(variable(atom.index))]
+    if isinstance(atom, Call):
+        nodes = [node for argument in atom.args for node in _prefix_of_sum(argument)]
+        return [_primitive(atom.operator), *nodes]
+    return _prefix_of_sum(atom)
+
+
+def _prefix_of_sum(total: Sum) -> list[Any]:
+    parts = []
+    for coefficient, term in total.parts:
+        if not term.factors:
+            parts.append([_terminal(constant(coefficient))])
+        elif coefficient == 1.0:
+            parts.append(_prefix_of_product(term))
+        else:
+            parts.append([_MUL, _terminal(constant(coefficient)), *_prefix_of_product(term)])
+    return _joined(_ADD, parts) if parts else [_terminal(constant(0.0))]
+
+
+def _joined(primitive: gp.Primitive, pieces: list[list[Any]]) -> list[Any]:
+    nodes = list(pieces[-1])
+    for piece in reversed(pieces[:-1]):
+        nodes = [primitive, *piece, *nodes]
+    return nodes

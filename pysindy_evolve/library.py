@@ -1,0 +1,306 @@
+"""EvolvingLibrary, a PySINDy feature library that grows its terms, and TermLibrary, a fixed one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from pysindy.feature_library.base import BaseFeatureLibrary, x_sequence_or_item
+from pysindy.utils import AxesArray, comprehend_axes
+from sklearn.base import clone
+from sklearn.utils import check_random_state
+from sklearn.utils.validation import check_is_fitted
+
+from . import checks, handover
+from .dictionary import Problem, build_dictionary
+from .evolution import Evolution, Settings, evolve
+from .operators import Operator, resolve
+from .terms import ONE, Product
+
+__all__ = ["EvolvingLibrary", "TermLibrary"]
+
+OPERATORS = ("add", "sub", "mul", "div", "sin", "cos", "exp", "abs", "sgn")
+
+
+class _TermColumns(BaseFeatureLibrary):
+    """What fixed and evolving libraries share: columns of a base library, then terms."""
+
+    terms_: tuple[Product, ...]
+    base_library_: BaseFeatureLibrary | None = None
+
+    @x_sequence_or_item
+    def transform(self, x_full: list[Any]) -> list[Any]:
+        """Evaluate the library.
+
+        Parameters
+        ----------
+        x_full : ndarray of shape (n_samples, n_features), or list of them
+            States and inputs of each trajectory.
+
+        Returns
+        -------
+        ndarray of shape (n_samples, n_output_features), or list of them
+        """
+        handover.forget(self)
+        check_is_fitted(self, "terms_")
+        return [self._theta(x) for x in x_full]
+
+    def get_feature_names(self, input_features: Sequence[str] | None = None) -> list[str]:
+        """Return the names of the columns, such as ``q^2 sgn(v)``.
+
+        Parameters
+        ----------
+        input_features : sequence of str, optional
+            Names of states and inputs, by default x0, x1, ...
+
+        Returns
+        -------
+        list of str
+        """
+        check_is_fitted(self, "terms_")
+        names = input_features or [f"x{i}" for i in range(self.n_features_in_)]
+        base = self.base_library_
+        first = [] if base is None else list(base.get_feature_names(names))
+        return first + [term.name(names) for term in self.terms_]
+
+    def _theta(self, x: Any) -> AxesArray:
+        flat = np.asarray(x, dtype=float).reshape(-1, x.shape[-1])
+        if flat.shape[1] != self.n_features_in_:
+            raise ValueError(
+                f"{type(self).__name__}.transform(x=...) must have {self.n_features_in_} columns, "
+                f"as in fit; got {flat.shape[1]}. Pass the same states and inputs."
+            )
+        theta = np.empty((*x.shape[:-1], self.n_output_features_))
+        n_base = self.n_output_features_ - len(self.terms_)
+        if self.base_library_ is not None:
+            theta[..., :n_base] = np.asarray(self.base_library_.transform(x))
+        cache: dict[Any, np.ndarray] = {}
+        for j, term in enumerate(self.terms_):
+            theta[..., n_base + j] = term.evaluate(flat, cache).reshape(x.shape[:-1])
+        return AxesArray(theta, comprehend_axes(theta))
+
+
+class TermLibrary(_TermColumns):
+    """A fixed PySINDy library of terms.
+
+    Parameters
+    ----------
+    terms : sequence of Product
+        Columns of the library. Variables are numbered as the columns of x, inputs last.
+
+    Attributes
+    ----------
+    terms_ : tuple of Product
+        The terms.
+    n_features_in_, n_output_features_ : int
+        Numbers of columns of x and of the library.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pysindy_evolve.terms import mul, variable
+    >>> [(_, product)] = mul(variable(0), variable(1)).parts
+    >>> TermLibrary([product]).fit_transform(np.array([[2.0, 3.0]])).tolist()
+    [[6.0]]
+    """
+
+    def __init__(self, terms: Sequence[Product]) -> None:
+        self.terms = terms
+
+    @x_sequence_or_item
+    def fit(self, x_full: list[Any], y: Any = None) -> TermLibrary:
+        """Count the columns.
+
+        Parameters
+        ----------
+        x_full : ndarray of shape (n_samples, n_features), or list of them
+            States and inputs of each trajectory.
+        y : ignored
+            Present for the interface.
+
+        Returns
+        -------
+        TermLibrary
+            Itself.
+        """
+        width = x_full[0].shape[-1]
+        needed = max((max(term.variables, default=-1) for term in self.terms), default=-1) + 1
+        if needed > width:
+            raise ValueError(
+                f"TermLibrary.fit(x=...) must have at least {needed} columns; got {width}. "
+                "Pass all states and inputs that the terms use."
+            )
+        self.terms_ = tuple(self.terms)
+        self.n_features_in_ = width
+        self.n_output_features_ = len(self.terms_)
+        return self
+
+
+class EvolvingLibrary(_TermColumns):
+    """A PySINDy feature library that grows its terms by genetic programming.
+
+    In an ordinary ``ps.SINDy(feature_library=EvolvingLibrary(), optimizer=...)`` it finds, for
+    each state, terms whose combination gives x_dot (Algorithm 1 of the paper), and offers their
+    union as the library.
+
+    Parameters
+    ----------
+    operators : sequence of str or Operator
+        Basis functions: names of built-in ones, or `Operator` objects.
+    base_library : PySINDy library, optional
+        A fixed library whose columns always stay; evolved terms come on top of them.
+    population_size : int, default=80
+        Number of new terms in each generation.
+    n_generations : int, default=30
+        Largest number of generations.
+    crossover_rate, mutation_rate : float, default=0.9, 0.1
+        Probabilities in [0, 1] that a new term is crossed with another, and mutated.
+    max_depth : int, default=4
+        Height of the tallest term.
+    max_terms : int, default=12
+        Most evolved terms in the equation of one state.
+    random_state : int, numpy.random.RandomState, numpy.random.Generator or None
+        Seed. The same seed gives the same equation, whatever `n_jobs` is.
+    n_jobs : int, optional
+        Number of states whose terms are grown at a time, as in joblib.
+    progress : bool, default=False
+        Show a progress bar for each state.
+
+    Attributes
+    ----------
+    terms_ : tuple of Product
+        The evolved terms.
+    history_ : list of tuple of Generation
+        For each target, one record for each generation.
+    n_features_in_, n_output_features_ : int
+        Numbers of columns of x (states and inputs) and of the library.
+
+    References
+    ----------
+    Goharoodi et al., Mathematical Problems in Engineering 2020, 7286575, doi:10.1155/2020/7286575,
+    Algorithm 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> x = np.random.default_rng(0).normal(size=(300, 2))
+    >>> y = 2 * x[:, [0]] * x[:, [1]] - 3 * np.sign(x[:, [1]])
+    >>> EvolvingLibrary(random_state=0).fit(x, y).get_feature_names(["q", "v"])
+    ['q v', 'sgn(v)']
+    """
+
+    def __init__(
+        self,
+        operators: Sequence[str | Operator] = OPERATORS,
+        base_library: BaseFeatureLibrary | None = None,
+        *,
+        population_size: int = 80,
+        n_generations: int = 30,
+        crossover_rate: float = 0.9,
+        mutation_rate: float = 0.1,
+        max_depth: int = 4,
+        max_terms: int = 12,
+        random_state: Any = None,
+        n_jobs: int | None = None,
+        progress: bool = False,
+    ) -> None:
+        self.operators = operators
+        self.base_library = base_library
+        self.population_size = population_size
+        self.n_generations = n_generations
+        self.crossover_rate = crossover_rate
+        self.mutation_rate = mutation_rate
+        self.max_depth = max_depth
+        self.max_terms = max_terms
+        self.random_state = random_state
+        self.n_jobs = n_jobs
+        self.progress = progress
+
+    def correct_shape(self, x: Any) -> Any:
+        """Note an array that ``SINDy`` is about to use, see `handover`, and return it as 2-D."""
+        x = super().correct_shape(x)
+        checks.finite(x, "SINDy", "x, x_dot or u")
+        handover.note_shape(self, x)
+        return x
+
+    def calc_trajectory(self, diff_method: Any, x: Any, t: Any) -> tuple[Any, Any]:
+        """Differentiate a trajectory as every library does, and note the result."""
+        x, x_dot = super().calc_trajectory(diff_method, x, t)
+        handover.note_pair(self, x, x_dot)
+        return x, x_dot
+
+    @x_sequence_or_item
+    def fit(self, x_full: list[Any], y: Any = None) -> EvolvingLibrary:
+        """Grow the terms.
+
+        Parameters
+        ----------
+        x_full : ndarray of shape (n_samples, n_features), or list of them
+            States and inputs of each trajectory.
+        y : ndarray of shape (n_samples,) or (n_samples, n_targets), or list of them
+            What the terms must give, such as x_dot. ``ps.SINDy`` does not pass it: there it is
+            taken from what ``SINDy`` shows the library before.
+
+        Returns
+        -------
+        EvolvingLibrary
+            Itself.
+        """
+        seen = handover.target(self, x_full)
+        x, targets = checks.training_data(x_full, seen if y is None else y)
+        operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
+        base = None if self.base_library is None else clone(self.base_library).fit(x_full)
+        fixed = np.empty((len(x), 0)) if base is None else _stack(base.transform(x_full))
+        streams = np.random.SeedSequence(_entropy(self.random_state)).spawn(targets.shape[1])
+        found: list[Evolution] = Parallel(n_jobs=self.n_jobs)(
+            delayed(evolve)(
+                x,
+                column,
+                operators=operators,
+                rng=np.random.default_rng(stream),
+                fixed=fixed,
+                settings=settings,
+                progress=self.progress,
+            )
+            for column, stream in zip(targets.T, streams, strict=True)
+        )
+        terms = _union(x, fixed, found)
+        self.base_library_ = base
+        self.terms_ = terms if terms or base is not None else (ONE,)
+        self.history_ = [evolution.history for evolution in found]
+        self.n_features_in_ = x.shape[1]
+        self.n_output_features_ = fixed.shape[1] + len(self.terms_)
+        return self
+
+    def _settings(self) -> Settings:
+        names = ("population_size", "n_generations", "max_depth", "max_terms")
+        for name in names:
+            checks.positive_integer(getattr(self, name), "EvolvingLibrary", name)
+        for name in ("crossover_rate", "mutation_rate"):
+            checks.rate(getattr(self, name), "EvolvingLibrary", name)
+        names += ("crossover_rate", "mutation_rate")
+        return Settings(**{name: getattr(self, name) for name in names})
+
+
+def _stack(parts: Sequence[Any]) -> np.ndarray:
+    return np.concatenate([np.asarray(part, dtype=float) for part in parts])
+
+
+def _union(x: np.ndarray, fixed: np.ndarray, found: Sequence[Evolution]) -> tuple[Product, ...]:
+    """Join the terms of all targets, one of each signal, so that an optimizer is not confused."""
+    terms = list(dict.fromkeys(term for evolution in found for term in evolution.terms))
+    if len(found) == 1 or len(terms) < 2:
+        return tuple(terms)
+    sample = Problem(x, x[:, 0], fixed).sample(3000, np.random.default_rng(0))
+    kept = set(build_dictionary(sample, terms).terms)
+    return tuple(term for term in terms if term in kept)
+
+
+def _entropy(random_state: Any) -> int | None:
+    if random_state is None or isinstance(random_state, int | np.integer):
+        return None if random_state is None else int(random_state)
+    if isinstance(random_state, np.random.Generator):
+        return int(random_state.integers(2**62))
+    return int(check_random_state(random_state).randint(2**31 - 1))

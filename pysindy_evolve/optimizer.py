@@ -1,0 +1,184 @@
+"""ElasticNet: the optimizer for ``ps.SINDy``.
+
+Objective, equation (11) of the paper: ||theta coef - x_dot||^2 + lambda1 ||coef||_1
++ lambda2 ||coef||^2 proposes the supports, least squares on the support decides the coefficients.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from . import regression
+
+__all__ = ["ElasticNet"]
+
+N_BLOCKS = 12  # parts of the record that a coefficient must agree on
+MIN_ROWS = 20  # rows a block must have for that to be worth asking
+
+
+class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
+    r"""Sparse linear regression: an elastic net proposes, least squares decides.
+
+    Each target is fitted by itself. Supports come from
+
+    .. math:: \|\Theta\xi - \dot x\|^2 / n + \lambda_1\|\xi\|_1 + \lambda_2\|\xi\|^2
+
+    on columns of unit RMS and a target of unit RMS, so the weights are dimensionless and no
+    column is too small to be seen.
+
+    Parameters
+    ----------
+    lambda1 : float, optional
+        Weight of the absolute values. By default it is swept from where the first term appears
+        downward over orders of magnitude, each support is pruned backward by an information
+        criterion, and the best one is kept.
+    lambda2 : float, optional
+        Weight of the squares. By default orders of magnitude of it are swept as well.
+    max_terms : int, default=30
+        Largest number of terms the sweep of `lambda1` goes to.
+    max_iter : int, default=10000
+        Most sweeps of coordinate descent where `lambda1` is given.
+    copy_X : bool, default=True
+        Present for PySINDy's `EnsembleOptimizer`; the data is never overwritten.
+
+    Attributes
+    ----------
+    coef_ : ndarray of shape (n_targets, n_features)
+        Least-squares coefficients on the support, in units of the target per unit of the column.
+    intercept_ : float
+        Zero: a constant is a term of the library.
+    ind_ : ndarray of bool of shape (n_targets, n_features)
+        The support.
+    n_features_in_ : int
+        Number of columns.
+
+    References
+    ----------
+    Goharoodi et al., Mathematical Problems in Engineering 2020, 7286575, doi:10.1155/2020/7286575,
+    equation (11).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> theta = np.random.default_rng(0).normal(size=(200, 5))
+    >>> ElasticNet().fit(theta, 3 * theta[:, 1] - 1e-4 * theta[:, 4]).coef_.round(6)
+    array([[ 0. ,  3. ,  0. ,  0. , -0.0001]])
+    """
+
+    def __init__(
+        self,
+        lambda1: float | None = None,
+        lambda2: float | None = None,
+        *,
+        max_terms: int = 30,
+        max_iter: int = 10_000,
+        copy_X: bool = True,  # noqa: N803
+    ) -> None:
+        self.lambda1 = lambda1
+        self.lambda2 = lambda2
+        self.max_terms = max_terms
+        self.max_iter = max_iter
+        self.copy_X = copy_X
+
+    def fit(self, X: np.ndarray, y: np.ndarray) -> ElasticNet:  # noqa: N803
+        """Fit one sparse row of coefficients to each target.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Dictionary theta, rows in order of time.
+        y : array-like of shape (n_samples,) or (n_samples, n_targets)
+            Targets, such as x_dot.
+
+        Returns
+        -------
+        ElasticNet
+            Itself.
+        """
+        self._check_parameters()
+        X, y = validate_data(self, X, y, multi_output=True, y_numeric=True)
+        theta, targets = np.asarray(X, dtype=float), np.asarray(y, dtype=float)
+        self._one_target = targets.ndim == 1
+        targets = targets.reshape(len(theta), -1)
+        self.coef_ = np.array([self._fit_target(theta, column) for column in targets.T])
+        self.ind_ = self.coef_ != 0.0
+        self.intercept_ = 0.0
+        return self
+
+    def predict(self, X: np.ndarray) -> np.ndarray:  # noqa: N803
+        """Return ``X @ coef_.T``.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Dictionary theta.
+
+        Returns
+        -------
+        ndarray of shape (n_samples, n_targets), or (n_samples,) after a fit to a flat target
+        """
+        check_is_fitted(self)
+        X = validate_data(self, X, reset=False)
+        result = np.asarray(X) @ self.coef_.T
+        return result[:, 0] if self._one_target else result
+
+    @property
+    def complexity(self) -> int:
+        """Number of coefficients that are not zero."""
+        check_is_fitted(self)
+        return int(np.count_nonzero(self.coef_))
+
+    def _fit_target(self, theta: np.ndarray, y: np.ndarray) -> np.ndarray:
+        coef = np.zeros(theta.shape[1])
+        support = self._support(theta, y)
+        if len(support):
+            part = theta[:, support]
+            scale = np.sqrt(np.mean(np.square(part), axis=0))
+            coef[support] = np.linalg.lstsq(part / scale, y, rcond=None)[0] / scale
+        return coef
+
+    def _support(self, theta: np.ndarray, y: np.ndarray) -> np.ndarray:
+        n_blocks = N_BLOCKS if len(y) >= N_BLOCKS * max(MIN_ROWS, 2 * theta.shape[1]) else 1
+        blocks = regression.block_grams(lambda rows: theta[rows], y, n_blocks)
+        whole = regression.total(blocks)
+        if whole.yy == 0.0:
+            return np.arange(0)
+        scale = whole.scale
+        folds = [(whole - block).scaled(scale) for block in blocks]
+        whole = whole.scaled(scale)
+        if self.lambda1 is not None:
+            return self._support_at(whole)
+        weights = regression.LAMBDA2 if self.lambda2 is None else (self.lambda2,)
+        proposals = regression.supports(whole, min(self.max_terms, len(scale)), weights)
+        support, n_effective = np.arange(0), None
+        for _ in range(2):
+            cost = regression.default_penalty(whole, n_effective)
+            pruned = [regression.prune(whole, s, cost, n_effective) for s in proposals]
+            support = min(pruned, key=lambda s: regression.information(whole, s, cost, n_effective))
+            coef = regression.least_squares(whole, support)[support] / scale[support]
+            n_effective = regression.effective_size(y - theta[:, support] @ coef)
+        return support if n_blocks == 1 else regression.stable(whole, folds, support)
+
+    def _support_at(self, whole: regression.Gram) -> np.ndarray:
+        size = np.sqrt(whole.yy * whole.n)
+        lambda2 = 0.0 if self.lambda2 is None else self.lambda2
+        coef = regression.elastic_net(whole, self.lambda1 * size, lambda2 * whole.n, self.max_iter)
+        return np.flatnonzero(coef)
+
+    def _check_parameters(self) -> None:
+        for name in ("lambda1", "lambda2"):
+            value = getattr(self, name)
+            if value is not None and not value >= 0.0:
+                raise ValueError(
+                    f"ElasticNet({name}=...) must be at least 0; got {value!r}. "
+                    "Leave it None to sweep it."
+                )
+        for name in ("max_terms", "max_iter"):
+            value = getattr(self, name)
+            if value < 1:
+                raise ValueError(
+                    f"ElasticNet({name}=...) must be at least 1; got {value!r}. "
+                    "Leave it at its default."
+                )
