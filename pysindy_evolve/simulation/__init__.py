@@ -59,7 +59,7 @@ def simulate(
     tolerance : float
         Error of one step, relative to the largest value each state has had. Dimensionless.
     max_steps : int, optional
-        Number of steps at which a run counts as diverged (too stiff); by default 100 000 and
+        Number of steps at which a run counts as diverged (too stiff); by default 20 000 and
         100 for each sample.
     bound : float
         Absolute value of a state at which the run counts as diverged.
@@ -106,7 +106,7 @@ def simulate(
     fine, keep = _refined(times, u)
     inputs = check_input(u, fine, equations, "simulate")
     structure, parameters = structure_of(equations)
-    limits = Limits(tolerance, substeps, max_steps or 100_000 + 100 * len(times), bound)
+    limits = Limits(tolerance, substeps, max_steps or 20_000 + 100 * len(times), bound)
     run = FreeRun(program_of(structure), parameters, limits)
     out = np.full((len(fine), len(start)), np.nan)
     out[0] = start

@@ -27,6 +27,7 @@ _HUGE = math.inf
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 4.0, 0.2  # usual factors of a step-size controller
 SMALLEST = 1e-6  # of a sample interval: a jump that no sgn announces is stepped over here
 EVENT_TOLERANCE = 1e-12  # of the step in which a switch is located
+MAX_STEPS = 10_000  # in one sample interval: a pole, or much too stiff
 MAX_EVENTS = 200  # in one sample interval; more would be chatter
 SWEEPS = 60  # of the fixed-point iteration over several switches at zero
 LIMIT = 1.0 - 1e-9  # of the equivalent sign that still holds a switch
@@ -155,7 +156,10 @@ class FreeRun:
     def _interval(self, t: float, h: float, x: Any, u: Any, du: Any) -> Any:
         """Integrate over one sample interval in as many steps as it takes."""
         done, events, substeps = 0.0, 0, self.limits.substeps
+        most = self.n_steps + MAX_STEPS
         while done < h:
+            if self.n_steps > most:
+                raise Diverged(f"one sample interval took more than {MAX_STEPS} steps")
             left = h - done
             wanted = h / substeps if substeps else self.trial
             trial = left / max(math.ceil(left / wanted - 1e-9), 1)

@@ -54,7 +54,7 @@ class Tape:
         self._n_for_g = len(self._instructions)
         self._theta = [self._product(term) for term in terms]
 
-    def theta(self, variables: Sequence[np.ndarray], signs: Sequence[np.ndarray]) -> np.ndarray:
+    def theta(self, variables: Sequence[np.ndarray], signs: Any) -> np.ndarray:
         """Return the terms, shape (n_terms, n_columns)."""
         values = self._run(variables, signs, len(self._instructions))
         out = np.empty((len(self._theta), len(variables[0])))
@@ -62,7 +62,7 @@ class Tape:
             row[:] = values[register]
         return out
 
-    def switches(self, variables: Sequence[np.ndarray], signs: Sequence[np.ndarray]) -> np.ndarray:
+    def switches(self, variables: Sequence[np.ndarray], signs: Any) -> np.ndarray:
         """Return the arguments of the signs, shape (n_switches, n_columns)."""
         values = self._run(variables, signs, self._n_for_g)
         out = np.empty((len(self._g), len(variables[0])))
@@ -70,7 +70,7 @@ class Tape:
             row[:] = values[register]
         return out
 
-    def _run(self, variables: Sequence[Any], signs: Sequence[Any], n: int) -> list[Any]:
+    def _run(self, variables: Sequence[Any], signs: Any, n: int) -> list[Any]:
         values = [*variables, *signs, *([None] * n)]
         for register, number in self._constants:
             if register < len(values):

@@ -169,7 +169,7 @@ def _equivalent(field: Field, c: Columns, held: np.ndarray, h: np.ndarray) -> np
     s = c.s.copy()
     several = held.sum(axis=0).max() > 1
     for _ in range(SWEEPS if several else 1):
-        for i in np.flatnonzero(held.any(axis=1)):
+        for i in np.flatnonzero(held.any(axis=1)).tolist():
             up, down = _both_slopes(field, c, s, i, h)
             s[i] = np.where(held[i], _balance(up, down), s[i])
     return s
@@ -187,7 +187,7 @@ def _resolve(field: Field, c: Columns, zero: np.ndarray, h: np.ndarray) -> Colum
     s, held = c.s.copy(), c.held.copy()
     several = zero.sum(axis=0).max() > 1
     for _ in range(SWEEPS if several else 1):
-        for i in np.flatnonzero(zero.any(axis=1)):
+        for i in np.flatnonzero(zero.any(axis=1)).tolist():
             up, down = _both_slopes(field, c, s, i, h)
             onward = np.where(s[i] == 0.0, 1.0, -np.sign(s[i]))
             rule = np.where(up > 0.0, np.where(down >= 0.0, 1.0, onward), _balance(up, down))
@@ -227,7 +227,11 @@ def _cross(field: Field, c: Columns, h: np.ndarray) -> tuple[Columns, np.ndarray
     for i, switch in enumerate(field.switches):
         if switch.state is not None:
             at.x[switch.state, zero[i]] = 0.0
-    return _resolve(field, at, zero, h), (1.0 - fraction) * h
+    at = _resolve(field, at, zero, h)
+    if len(field.switches) > 1:  # an argument may hold a sign that has just jumped
+        g = _g(field, at)
+        at = replace(at, s=np.where(zero | at.held | (g == 0.0), at.s, np.sign(g)))
+    return at, (1.0 - fraction) * h
 
 
 def _fractions(field: Field, c: Columns, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
