@@ -10,6 +10,10 @@ from numpy.typing import ArrayLike
 
 from .spectral import Array
 
+# Beyond these sizes powers of values and frequencies leave the range of floating point.
+LARGEST = 1e50
+STEP_LIMITS = (1e-20, 1e20)
+
 
 def refuse(call: str, parameter: str, constraint: str, got: str, advice: str) -> NoReturn:
     """Raise the ValueError of the house form."""
@@ -40,6 +44,10 @@ def numbers(call: str, parameter: str, values: ArrayLike) -> Array:
         place += f", column {where[1]}" if len(where) > 1 else ""
         got = f"{array[where]} at {place} ({int(bad.sum())} in all)"
         refuse(call, parameter, "finite", got, "Drop or fill these samples first.")
+    largest = float(np.abs(array).max(initial=0.0))
+    if largest > LARGEST:
+        advice = "Rescale the units."
+        refuse(call, parameter, f"at most {LARGEST:g} in size", f"{largest:g}", advice)
     return array
 
 
@@ -63,13 +71,15 @@ def times(call: str, values: ArrayLike, parameter: str = "t") -> Array:
         advice = "Give the time of each sample."
         refuse(call, parameter, "1-D", f"shape {t.shape}", advice)
     steps = np.diff(t)
-    if not np.all(np.isfinite(steps)):
-        refuse(call, parameter, "of a finite span", "an infinite step", "Rescale the time.")
     if np.any(steps <= 0):
         at = int(np.argmax(steps <= 0))
         advice = "Sort the record or drop the repeated samples."
         got = f"a step of {steps[at]:g} at sample {at + 1}"
         refuse(call, parameter, "strictly increasing", got, advice)
+    low, high = STEP_LIMITS
+    if steps.size and not low <= float(steps.mean()) <= high:
+        got = f"a mean step of {steps.mean():g}"
+        refuse(call, parameter, f"in steps of {low:g} to {high:g}", got, "Rescale the time.")
     return t
 
 
@@ -88,20 +98,26 @@ def number(call: str, parameter: str, value: Any, constraint: str, ok: Any) -> f
     advice = f"Choose a value that is {constraint}."
     if isinstance(value, bool) or not isinstance(value, Real):
         refuse_type(call, parameter, f"a number {constraint}", value, advice)
-    if not (np.isfinite(float(value)) and ok(value)):
+    try:
+        converted = float(value)
+    except OverflowError:
+        converted = np.inf
+    if not (np.isfinite(converted) and ok(converted)):
         refuse(call, parameter, constraint, repr(value), advice)
-    return float(value)
+    return converted
 
 
-def count(call: str, parameter: str, value: Any, least: int = 1) -> int:
-    """Return an integer of at least `least`."""
-    constraint = f"an integer of at least {least}"
-    advice = f"Choose {least} or more."
+def count(call: str, parameter: str, value: Any, most: float = np.inf) -> int:
+    """Return an integer of at least 1 and at most `most`."""
+    limited = np.isfinite(most)
+    constraint = f"an integer from 1 to {most:g}" if limited else "an integer of at least 1"
+    advice = "Choose a whole number in this range."
     if isinstance(value, bool) or not isinstance(value, Integral):
         refuse_type(call, parameter, constraint, value, advice)
-    if value < least:
+    whole = int(value)
+    if not 1 <= whole <= most:
         refuse(call, parameter, constraint, repr(value), advice)
-    return int(value)
+    return whole
 
 
 def choice(call: str, parameter: str, value: Any, allowed: tuple[str, ...]) -> str:
@@ -122,5 +138,6 @@ def cutoff(call: str, value: Any, dt: float, parameter: str = "cutoff") -> float
 
 
 def step(call: str, value: Any) -> float:
-    """Return a positive sampling time."""
-    return number(call, "dt", value, "greater than 0", lambda v: v > 0)
+    """Return a sampling time."""
+    low, high = STEP_LIMITS
+    return number(call, "dt", value, f"in [{low:g}, {high:g}]", lambda v: low <= v <= high)

@@ -104,7 +104,7 @@ def _value(row: list[str], place: int, name: str, line: int) -> float:
     """Return one finite number."""
     text = row[place].strip() if place < len(row) else ""
     try:
-        value = float(text)
+        value = np.nan if "_" in text else float(text)
     except ValueError:
         value = np.nan
     if not np.isfinite(value):

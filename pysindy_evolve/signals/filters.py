@@ -12,6 +12,7 @@ from . import checks
 from .spectral import Array, SpectralFilter, gain
 
 METHODS = ("fft", "savgol", "central")
+MOST_ORDERS = 8  # no measurement holds a ninth derivative
 _SHORTEST = 4  # samples; below, no parabola can be told from noise at an end
 
 
@@ -89,10 +90,10 @@ def differentiate(
     dt : float
         Sampling time, units of t.
     order : int
-        Order of the derivative, at least 1.
+        Order of the derivative, 1 to 8.
     method : {"fft", "savgol", "central"}
         Spectral (exact at every frequency, needed below some 20 samples per period),
-        Savitzky-Golay (local cubics or higher), or repeated central differences.
+        Savitzky-Golay (local polynomials of degree order + 2), or repeated central differences.
     cutoff : float, optional
         Low-pass applied with it, cycles per unit of t. None filters nothing.
 
@@ -123,7 +124,7 @@ def differentiate(
     """
     columns = _signal("differentiate", "x", x)
     dt = checks.step("differentiate", dt)
-    order = checks.count("differentiate", "order", order)
+    order = checks.count("differentiate", "order", order, MOST_ORDERS)
     method = checks.choice("differentiate", "method", method, METHODS)
     if cutoff is not None:
         cutoff = checks.cutoff("differentiate", cutoff, dt)
@@ -135,29 +136,29 @@ def derivatives(
     x: Array, orders: tuple[int, ...], dt: float, cutoff: float | None, method: str
 ) -> list[Array]:
     """Return derivatives of x (n, k) of the given orders, order 0 the smoothed signal."""
-    if method == "savgol":
-        return _savgol(x, orders, dt, cutoff)
     smooth = SpectralFilter(x.shape[0], dt, cutoff)
     if method == "fft":
         return smooth(x, orders)
-    ladder = [x if cutoff is None else smooth(x)[0]]
+    base = x if cutoff is None else smooth(x)[0]
+    if method == "savgol":
+        return [base if m == 0 else _savgol(base, m, dt, cutoff) for m in orders]
+    ladder = [base]
     for _ in range(max(orders)):
         ladder.append(np.gradient(ladder[-1], dt, axis=0))
     return [ladder[order] for order in orders]
 
 
-def _savgol(x: Array, orders: tuple[int, ...], dt: float, cutoff: float | None) -> list[Array]:
-    """Fit one polynomial per sample; all orders come from the same window and degree."""
+def _savgol(x: Array, order: int, dt: float, cutoff: float | None) -> Array:
+    """Differentiate by the polynomial fitted around each sample."""
     n = x.shape[0]
-    degree = min(max(3, max(orders) + 1), n - 1)
-    if cutoff is None:
-        half = degree // 2 + 1
-    else:  # Schafer (2011), doi:10.1109/MSP.2011.941097: half-width for a given -3 dB frequency
-        half = int(np.ceil(((degree + 1) / (2.0 * cutoff * dt) + 4.6) / 3.2))
-    window = 2 * max(half, degree // 2 + 1) + 1
-    window = min(window, n - (n + 1) % 2)
-    degree = min(degree, window - 1)
-    return [signal.savgol_filter(x, window, degree, deriv=m, delta=dt, axis=0) for m in orders]
+    degree = order + 2
+    half = degree // 2 + 1
+    if cutoff is not None:
+        # Schafer (2011), doi:10.1109/MSP.2011.941097: half-width for a given -3 dB frequency,
+        # here twice the cutoff, so that the polynomial passes what the low-pass has left.
+        half = max(half, int(((degree + 1) / (4.0 * cutoff * dt) + 4.6) / 3.2))
+    window = min(2 * half + 1, n - (n + 1) % 2)
+    return signal.savgol_filter(x, window, min(degree, window - 1), order, dt, axis=0)
 
 
 def integrate(a: ArrayLike, dt: float, band: tuple[float, float]) -> Motion:

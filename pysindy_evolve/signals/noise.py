@@ -94,7 +94,7 @@ def best_cutoff(frequency: Array, power: Array, noise: Array, order: int, dt: fl
     bands whose edges are the candidates.
     """
     noise = noise[:, None]
-    weight = frequency ** (2 * order)
+    weight = (frequency * dt) ** (2 * order)  # per sample, whatever the unit of time
     size = np.sum(weight * np.maximum(power - noise, 0.0), axis=1, keepdims=True)
     size = np.where(size > 0, size, 1.0)
     steps = np.geomspace(1, frequency.size, N_CANDIDATES).round().astype(int)
@@ -109,7 +109,8 @@ def best_cutoff(frequency: Array, power: Array, noise: Array, order: int, dt: fl
 
 
 def auto_cutoff(y: Array, dt: float, order: int) -> float:
-    """Return the cutoff for columns y (n, k), in cycles per unit of t."""
+    """Return the cutoff for columns y (n, k) that change, in cycles per unit of t."""
+    y = (y - y[0]) / np.ptp(y, axis=0)
     highest = HIGHEST / dt
     coarse = rounding(y)
     lowest = min(FEWEST_PERIODS / (y.shape[0] * dt), highest)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import checks
-from .filters import METHODS, derivatives
+from .filters import METHODS, MOST_ORDERS, derivatives
 from .noise import auto_cutoff, sensor_noise
 from .record import Record, constant_column
 from .sampling import uniform
@@ -19,6 +19,8 @@ from .spectral import Array, SpectralFilter
 # Samples kept per period of the cutoff: sgn and other kinks of the states stay resolved, and
 # the low-pass (over at 1.5 times the cutoff) lets nothing alias.
 OVERSAMPLING = 8.0
+# Automatic decimation keeps this many rows: fewer save no time worth having.
+LEAST_ROWS = 500
 # Samples per period of the cutoff below which decimation would alias.
 LEAST_OVERSAMPLING = 3.0
 # Periods of the cutoff dropped at each end, where the unknown continuation is felt.
@@ -64,6 +66,13 @@ class Preparation:
     noise: Array
     rows: tuple[int, int]
 
+    def __repr__(self) -> str:
+        band = "cutoff=None" if self.cutoff is None else f"cutoff={self.cutoff:.4g}"
+        steps = f"decimation={self.decimation}, trim={self.trim}"
+        noise = ", ".join(f"{level:.2g}" for level in self.noise)
+        made = f"order={self.order}, method={self.method!r}, {band}"
+        return f"Preparation({made}, {steps}, noise=[{noise}])"
+
     @property
     def dt(self) -> float:
         """Raw sampling time, units of t."""
@@ -78,10 +87,8 @@ class Preparation:
         rows = slice(*self.rows)
         if self.method == "fft":
             return [column[rows] for column in self._filter(raw, orders)]
-        # The window of a polynomial must not depend on how often its column is derived.
-        every = tuple(range(self.order + 1))
-        found = derivatives(raw, every, self.dt, self.cutoff, self.method)
-        return [found[m][self._filter.kept][rows] for m in orders]
+        found = derivatives(raw, orders, self.dt, self.cutoff, self.method)
+        return [column[self._filter.kept][rows] for column in found]
 
     def _raw(self, call: str, parameter: str, values: ArrayLike) -> Array:
         raw = checks.columns(call, parameter, values)
@@ -198,7 +205,7 @@ def prepare(
     -------
     Record
         Columns of x are y1, its derivatives up to order - 1, y2, ...; `preparation` says how
-        it was made. One and a half periods of the cutoff (at most a twelfth of
+        it was made. One and a half periods of the cutoff (at most a sixteenth of
         the record) are dropped at each end.
 
     Raises
@@ -222,7 +229,7 @@ def prepare(
     times = checks.times("prepare", t)
     raw_y = checks.columns("prepare", "y", y)
     raw_u = None if u is None else checks.columns("prepare", "u", u)
-    order = checks.count("prepare", "order", order)
+    order = checks.count("prepare", "order", order, MOST_ORDERS)
     method = checks.choice("prepare", "method", method, METHODS)
     checks.same_length("prepare", t=times, y=raw_y, u=raw_u)
     _enough(times.size, order)
@@ -242,7 +249,7 @@ def prepare(
         method=method,
         cutoff=resolved,
         decimation=_resolve_decimation(decimate, resolved, dt, grid.size),
-        trim=min(trim, grid.size // 12),
+        trim=min(trim, grid.size // 16),
         noise=sensor_noise(even_y, dt, resolved),
         rows=(0, grid.size),
     )
@@ -276,7 +283,7 @@ def _resolve_decimation(decimate: Any, cutoff: float | None, dt: float, n: int) 
         if decimate != "auto":
             advice = 'Write "auto" to take it from the cutoff.'
             checks.refuse("prepare", "decimate", '"auto" or an integer', repr(decimate), advice)
-        return max(1, min(int(per_period / OVERSAMPLING), n // 32))
+        return max(1, min(int(per_period / OVERSAMPLING), n // LEAST_ROWS))
     most = max(1, int(per_period / LEAST_OVERSAMPLING))
     factor = checks.count("prepare", "decimate", decimate)
     if factor > most:

@@ -158,7 +158,8 @@ def names(parameter: str, given: Sequence[str] | None, n: int) -> tuple[str, ...
     if given is None:
         return None
     advice = "Give one name per column."
-    if isinstance(given, str) or not all(isinstance(name, str) for name in given):
+    listed = isinstance(given, Sequence) and not isinstance(given, str)
+    if not listed or not all(isinstance(name, str) for name in given):
         checks.refuse_type("Record", parameter, "a sequence of str", given, advice)
     if len(given) != n or len(set(given)) != n:
         checks.refuse("Record", parameter, f"{n} distinct names", repr(tuple(given)), advice)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,6 +28,9 @@ HALF_GAIN = 1.24
 PERIODS = 6.0
 # ... but never so wide that less than this share of the derivative's power lies in the band.
 SHARE = 0.9
+# ... and not this multiple of the frequency that halves the power: a single slow oscillation
+# carries its nonlinearity in its harmonics.
+HARMONICS = 2.0
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,7 @@ def project(columns: ArrayLike, windows: Windows, lengths: Sequence[int] | None 
     >>> project(np.arange(10.0), Windows(width=4, stride=3))
     array([1.5, 4.5, 7.5])
     """
-    return _slide("project", columns, windows, lengths, windows.weights)
+    return _slide("project", columns, windows, lengths, 0)
 
 
 def project_derivative(
@@ -153,25 +157,27 @@ def project_derivative(
     array([3., 3., 3.])
     """
     dt = checks.step("project_derivative", dt)
-    if windows.width < 2:
-        advice = "Take wider windows."
-        checks.refuse("project_derivative", "windows", "2 samples wide or more", "1", advice)
-    return _slide("project_derivative", columns, windows, lengths, windows.derivative_weights / dt)
+    return _slide("project_derivative", columns, windows, lengths, 1) / dt
 
 
 def _slide(
-    call: str, columns: ArrayLike, windows: Windows, lengths: Sequence[int] | None, weights: Array
+    call: str, columns: ArrayLike, windows: Any, lengths: Sequence[int] | None, order: int
 ) -> Array:
+    """Apply the windows (order 0) or their derivative (order 1) to each trajectory."""
     rows = checks.columns(call, "columns", columns)
+    if not isinstance(windows, Windows):
+        advice = "Take them from choose_windows."
+        checks.refuse_type(call, "windows", "Windows", windows, advice)
     sizes = [rows.shape[0]] if lengths is None else [int(length) for length in lengths]
     if sum(sizes) != rows.shape[0] or min(sizes, default=0) < 0:
         got = f"{sizes} for {rows.shape[0]} samples"
         checks.refuse(call, "lengths", "the samples of each trajectory", got, "Check the sum.")
-    if min(sizes) < windows.width:
-        got = f"{windows.width} samples for a trajectory of {min(sizes)}"
+    if min(sizes, default=0) < windows.width:
+        got = f"{windows.width} samples for a trajectory of {min(sizes, default=0)}"
         checks.refuse(call, "windows", "narrower than a trajectory", got, "Take narrower ones.")
-    if windows.width == 1 and windows.stride == 1:
-        return rows.reshape(np.shape(columns)).copy()
+    if order and windows.width < 2:
+        checks.refuse(call, "windows", "2 samples wide or more", "1", "Take wider windows.")
+    weights = windows.derivative_weights if order else windows.weights
     starts = np.cumsum([0, *sizes[:-1]])
     parts = [_weigh(rows[a : a + n], windows, weights) for a, n in zip(starts, sizes, strict=True)]
     result = parts[0] if len(parts) == 1 else np.concatenate(parts)
@@ -194,8 +200,8 @@ def choose_windows(records: Record | Sequence[Record]) -> Windows:
     """Choose windows for records of the same sampling time.
 
     They are as wide as six periods of the cutoff of the states, so that what lies above the
-    cutoff is averaged away, but so narrow that nine tenths of the power of every derivative
-    lie below their half gain. Four windows overlap everywhere.
+    cutoff is averaged away, but so narrow that nine tenths of the power of every derivative,
+    and twice its median frequency, lie below their half gain. Four windows overlap everywhere.
 
     Parameters
     ----------
@@ -206,8 +212,21 @@ def choose_windows(records: Record | Sequence[Record]) -> Windows:
     Returns
     -------
     Windows
+
+    Raises
+    ------
+    ValueError
+        If there is no record.
+    TypeError
+        If something is not a Record.
     """
     several = [records] if isinstance(records, Record) else list(records)
+    call, advice = "choose_windows", "Give what prepare returned."
+    for record in several:
+        if not isinstance(record, Record):
+            checks.refuse_type(call, "records", "a Record or several", record, advice)
+    if not several:
+        checks.refuse(call, "records", "one record or more", "none", advice)
     width = min(_width(record) for record in several)
     shortest = min(record.n_samples for record in several)
     width = max(1, min(width, shortest // 8))
@@ -223,11 +242,18 @@ def _width(record: Record) -> int:
     moving = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0]
     if moving.shape[1] == 0:
         return 1
+    moving = moving / np.ptp(moving, axis=0)
     made = record.preparation
     cutoff = made.cutoff if made is not None else auto_cutoff(moving, dt, 0)
     # Cosine transform: no taper, so what happens at the ends counts as well.
     power = fft.dct(moving - moving.mean(axis=0), axis=0)[1:] ** 2
     share = np.cumsum(power, axis=0) / np.sum(power, axis=0)
-    band = (1 + np.max(np.argmax(share >= SHARE, axis=0))) / (2.0 * record.n_samples * dt)
+    reached = np.maximum(_bin(share, SHARE), HARMONICS * _bin(share, 0.5))
+    band = float(np.max(reached)) / (2.0 * record.n_samples * dt)
     periods = PERIODS / cutoff if cutoff is not None else np.inf
     return int(min(periods, HALF_GAIN / band) / dt)
+
+
+def _bin(share: Array, level: float) -> Array:
+    """Return the 1-based bin at which each cumulated share reaches the level."""
+    return np.asarray(1.0 + np.argmax(share >= level, axis=0))

@@ -1,0 +1,84 @@
+"""Reading measured columns from a text file, and what is refused."""
+
+import re
+
+import numpy as np
+import pytest
+
+from pysindy_evolve.signals import read_csv
+
+
+@pytest.fixture
+def write(tmp_path):
+    def _write(text, encoding="utf-8"):
+        path = tmp_path / "record.csv"
+        path.write_bytes(text.encode(encoding))
+        return path
+
+    return _write
+
+
+def test_all_columns_are_read_in_the_order_of_the_file(write):
+    table = read_csv(write("t,q,F\n0,1.5,-2e-3\n0.1,1.6,4\n"))
+    assert list(table) == ["t", "q", "F"]
+    np.testing.assert_array_equal(table["F"], [-2e-3, 4.0])
+
+
+def test_wanted_columns_are_read_in_the_order_asked_for(write):
+    table = read_csv(write("t,q,note\n0,1,first\n1,2,second\n"), ["q", "t"])
+    assert list(table) == ["q", "t"]
+    np.testing.assert_array_equal(table["q"], [1.0, 2.0])
+
+
+def test_spaces_empty_lines_byte_order_mark_and_quotes_do_no_harm(write):
+    table = read_csv(write('\ufeff"t" , "q, m"\r\n 0, 1\r\n\r\n1 , 2 \r\n'.replace(' "q', '"q')))
+    assert list(table) == ["t", "q, m"]
+    np.testing.assert_array_equal(table["t"], [0.0, 1.0])
+
+
+def test_another_delimiter_can_be_named(write):
+    np.testing.assert_array_equal(read_csv(write("t;q\n0;1\n"), delimiter=";")["q"], [1.0])
+
+
+@pytest.mark.parametrize(
+    ("text", "columns", "message"),
+    [
+        ("", None, "got an empty file"),
+        ("\n\n", None, "got an empty file"),
+        ("t,q\n", None, "got a header alone"),
+        ("t,q\n0,1\n", ["F"], "'F', no such column .* holds 't', 'q'"),
+        ("t,q,q\n0,1,2\n", ["q"], "'q', 2 columns of that name"),
+        ("t,q,q\n0,1,2\n", None, "'q', 2 columns of that name"),
+        ("t,q\n0,1\n1,left\n", None, "'left' in column 'q', line 3"),
+        ("t,q\n0,1\n\n1,nan\n", None, "'nan' in column 'q', line 4"),
+        ("t,q\n0,1\n1,inf\n", None, "'inf' in column 'q', line 3"),
+        ("t,q\n0,1\n1\n", None, "nothing in column 'q', line 3"),
+        ("t,q\n0,\n", None, "nothing in column 'q', line 2"),
+        ("t,q\n0,1_000\n", None, "'1_000' in column 'q', line 2"),
+    ],
+)
+def test_an_unreadable_file_is_refused_and_the_place_named(write, text, columns, message):
+    with pytest.raises(ValueError, match=r"^read_csv\(.*must " + "(?s:.*)" + message):
+        read_csv(write(text), columns)
+
+
+def test_a_binary_file_is_refused(tmp_path):
+    path = tmp_path / "record.xlsx"
+    path.write_bytes(b"PK\x03\x04\xff\xfe\x00\x9d\n\xff")
+    with pytest.raises(ValueError, match=r"must be a text file in UTF-8"):
+        read_csv(path)
+
+
+def test_a_name_alone_is_no_list_of_columns(write):
+    with pytest.raises(TypeError, match=re.escape("read_csv(columns=...) must be a sequence")):
+        read_csv(write("t,q\n0,1\n"), "q")
+
+
+def test_a_delimiter_of_two_characters_is_refused(write):
+    with pytest.raises(ValueError, match=r"must be one character; got '::'"):
+        read_csv(write("t\n0\n"), delimiter="::")
+
+
+def test_a_missing_file_keeps_its_own_error(tmp_path):
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        read_csv(tmp_path / "nowhere.csv")
