@@ -1,0 +1,236 @@
+"""Equations as source code of other languages, through sympy's code printers."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Callable, Sequence, Set
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+from sympy.codegen.rewriting import create_expand_pow_optimization
+from sympy.core.function import AppliedUndef
+from sympy.printing.c import C99CodePrinter
+from sympy.printing.julia import JuliaCodePrinter
+from sympy.printing.numpy import NumPyPrinter
+from sympy.printing.octave import OctaveCodePrinter
+from sympy.printing.str import StrPrinter
+
+from .symbolic import System, system_of
+
+__all__ = ["to_code"]
+
+
+def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
+    """Return a function in another language that computes the right-hand sides.
+
+    Parameters
+    ----------
+    model : pysindy.SINDy, Equations or LoopReport
+        Fitted model, or what holds one.
+    language : {"python", "c", "matlab", "julia", "modelica"}
+        Language of the code. Modelica gets the lines of an equation section.
+    name : str
+        Name of the function.
+
+    Returns
+    -------
+    str
+        The code, numbers in full precision. Functions of the user that have no sympy form are
+        called by their name and must be written in that language by hand.
+
+    Raises
+    ------
+    ValueError
+        If the language is unknown or cannot express a function, or `name` is no identifier.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pysindy_evolve.equations import Equations
+    >>> from pysindy_evolve.terms import variable
+    >>> term = variable(0).parts[0][1]
+    >>> print(to_code(Equations((term,), np.array([[-2.5]]), ("q",)), "modelica"))
+    der(q) = -2.5*q;
+    """
+    if not isinstance(language, str) or language.lower() not in _LANGUAGES:
+        raise ValueError(
+            f"to_code(language=...) must be a known language; got {language!r}. "
+            f"Choose from {', '.join(_LANGUAGES)}."
+        )
+    if not isinstance(name, str) or re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) is None:
+        raise ValueError(
+            f"to_code(name=...) must be an identifier; got {name!r}. "
+            "Use letters, digits and underscores."
+        )
+    source = _source(system_of(model, "to_code"), language.lower(), name)
+    return _LANGUAGES[language.lower()].write(source, name)
+
+
+@dataclass(frozen=True)
+class _Source:
+    """What every language needs: variables by safe names, and right-hand sides as code."""
+
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    used: frozenset[str]
+    sides: tuple[str, ...]
+
+    def local(self, line: Callable[[str, str, int], str]) -> list[str]:
+        """Return a line for each variable that is used: line(name, array, index from 0)."""
+        groups = (("state", self.states), ("input", self.inputs))
+        return [
+            line(name, array, index)
+            for array, names in groups
+            for index, name in enumerate(names)
+            if name in self.used
+        ]
+
+
+# Names that mean something else in one of the languages, or in the functions written here.
+_RESERVED_TEXT = """
+auto break case char const continue default do double else enum extern float for goto if inline int
+long register restrict return short signed sizeof static struct switch typedef union unsigned void
+volatile while end function global otherwise parfor persistent begin baremodule export let local
+macro module quote using algorithm annotation block class connector der discrete each equation flow
+input model output package parameter record then time type state rate t numpy pi e i j im sin cos
+tan exp log sqrt abs fabs sign tanh pow max min y0 y1 yn j0 j1 jn gamma main
+"""
+_RESERVED = frozenset(keyword.kwlist) | frozenset(_RESERVED_TEXT.split())
+
+
+def _source(system: System, language: str, name: str) -> _Source:
+    equations = system.equations
+    safe = _safe_names((*equations.states, *equations.inputs), {name} | _RESERVED)
+    time = "time" if language == "modelica" else "t"
+    symbols = [sympy.Symbol(name, real=True) for name in (*safe, time)]
+    expressions = [side.to_sympy(symbols) for side in system.sides]
+    own = {function.func.__name__ for e in expressions for function in e.atoms(AppliedUndef)}
+    printer = _LANGUAGES[language].printer({"user_functions": {name: name for name in own}})
+    if language == "c":
+        expand = create_expand_pow_optimization(4)  # q*q*q is many times faster than pow(q, 3)
+        expressions = [expand(expression) for expression in expressions]
+    try:
+        sides = tuple(str(printer.doprint(expression)) for expression in expressions)
+    except NotImplementedError as error:
+        raise ValueError(
+            f"to_code(language=...) must be able to express every function; got {language!r}, "
+            f"which is not: {error}. Choose another language, or give the Operator no sympy form."
+        ) from None
+    n_states = len(equations.states)
+    used = frozenset(str(symbols[index]) for index in system.used)
+    return _Source(tuple(safe[:n_states]), tuple(safe[n_states:]), used, sides)
+
+
+def _safe_names(names: Sequence[str], reserved: Set[str]) -> list[str]:
+    """Return identifiers for all languages, each once."""
+    taken: list[str] = []
+    for name in names:
+        safe = re.sub(r"\W", "_", name, flags=re.ASCII).lstrip("_") or "variable"
+        safe = f"x{safe}" if safe[0].isdigit() else safe
+        while safe in reserved or safe in taken:
+            safe += "_"
+        taken.append(safe)
+    return taken
+
+
+def _python(source: _Source, name: str) -> str:
+    local = source.local(lambda name, array, i: f"    {name} = {array}[..., {i}]")
+    sides = [f"    rate_{i} = {side}" for i, side in enumerate(source.sides)]
+    rates = ", ".join(f"rate_{i}" for i in range(len(sides)))
+    return "\n".join([
+        "import numpy", "", "",
+        f"def {name}(t, state, input=None):",
+        '    """Return the rates of the states, one sample in each row."""',
+        *_unpacked_python(source), *local, *sides,
+        f"    rates = numpy.broadcast_arrays({rates}, state[..., 0])[:-1]",
+        "    return numpy.stack(rates, axis=-1)",
+    ])  # fmt: skip
+
+
+def _unpacked_python(source: _Source) -> list[str]:
+    lines = ["    state = numpy.asarray(state, dtype=float)"]
+    if source.used & set(source.inputs):
+        lines.append("    input = numpy.asarray(input, dtype=float)")
+    return lines
+
+
+def _c(source: _Source, name: str) -> str:
+    local = source.local(lambda name, array, i: f"    const double {name} = {array}[{i}];")
+    sides = [f"    rate[{i}] = {side};" for i, side in enumerate(source.sides)]
+    arguments = "double t, const double *state, const double *input, double *rate"
+    unused = ["    (void)t; (void)state; (void)input;"]
+    lines = ["#include <math.h>", "", f"void {name}({arguments})", "{"]
+    return "\n".join([*lines, *unused, *local, *sides, "}"])
+
+
+def _matlab(source: _Source, name: str) -> str:
+    local = source.local(lambda name, array, i: f"    {name} = {array}({i + 1});")
+    sides = "; ...\n            ".join(source.sides)
+    header = f"function rate = {name}(t, state, input)"
+    return "\n".join([header, *local, f"    rate = [{sides}];", "end"])
+
+
+def _julia(source: _Source, name: str) -> str:
+    local = source.local(lambda name, array, i: f"    {name} = {array}[{i + 1}]")
+    sides = [f"    rate[{i + 1}] = {side}" for i, side in enumerate(source.sides)]
+    header = f"function {name}!(rate, state, input, t)"
+    return "\n".join([header, *local, *sides, "    return nothing", "end"])
+
+
+def _modelica(source: _Source, name: str) -> str:
+    lefts = source.states
+    if len(lefts) != len(source.sides):
+        lefts = tuple(f"target{i}" for i in range(len(source.sides)))
+    return "\n".join(f"der({q}) = {side};" for q, side in zip(lefts, source.sides, strict=True))
+
+
+class _Exact:
+    """Prints floats with as many digits as they have, where sympy stops at fifteen."""
+
+    def _print_Float(self, expression: Any) -> str:
+        return repr(float(expression))
+
+
+class _PythonPrinter(_Exact, NumPyPrinter):
+    pass
+
+
+class _CPrinter(_Exact, C99CodePrinter):
+    def _print_Integer(self, expression: Any) -> str:
+        return f"{int(expression)}.0"  # whole numbers must not meet in integer arithmetic
+
+
+class _MatlabPrinter(_Exact, OctaveCodePrinter):
+    pass
+
+
+class _JuliaPrinter(_Exact, JuliaCodePrinter):
+    pass
+
+
+class _ModelicaPrinter(_Exact, StrPrinter):
+    def __init__(self, settings: dict[str, Any]) -> None:
+        super().__init__()
+
+    def _print_Abs(self, expression: Any) -> str:
+        return f"abs({self._print(expression.args[0])})"
+
+    def _print_Pow(self, expression: Any, rational: bool = False) -> str:
+        return str(super()._print_Pow(expression, rational)).replace("**", "^")
+
+
+@dataclass(frozen=True)
+class _Language:
+    printer: Callable[[dict[str, Any]], Any]
+    write: Callable[[_Source, str], str]
+
+
+_LANGUAGES = {
+    "python": _Language(_PythonPrinter, _python),
+    "c": _Language(_CPrinter, _c),
+    "matlab": _Language(_MatlabPrinter, _matlab),
+    "julia": _Language(_JuliaPrinter, _julia),
+    "modelica": _Language(_ModelicaPrinter, _modelica),
+}

@@ -1,0 +1,171 @@
+"""Equations as plain text: ``v' = -691.9 q - 1.1 v - 2.37e6 q^3 - 2.93 sgn(v)``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import sympy
+from sympy.printing.str import StrPrinter
+
+from ..terms import ONE, Sum
+from .symbolic import System, system_of
+
+__all__ = ["TextPrinter", "format_equations", "format_expression", "format_number", "join_terms"]
+
+
+def format_equations(model: Any, digits: int | None = 4) -> str:
+    """Return the equations as text, one line for each state.
+
+    Parameters
+    ----------
+    model : pysindy.SINDy, Equations or LoopReport
+        Fitted model, or what holds one.
+    digits : int or None
+        Significant digits of all numbers; None for as many as they have.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from pysindy_evolve.equations import Equations
+    >>> from pysindy_evolve.terms import variable
+    >>> term = variable(0).parts[0][1]
+    >>> print(format_equations(Equations((term,), np.array([[-2.18e6]]), ("q",))))
+    q' = -2.18e6 q
+    """
+    system = system_of(model, "format_equations", digits)
+    lines = zip(system.lefts, system.sides, strict=True)
+    return "\n".join(f"{_plain(left)}' = {_side(system, side, digits)}" for left, side in lines)
+
+
+def format_expression(expression: Any, digits: int | None = 4) -> str:
+    """Return a sympy expression as text, in the style of `format_equations`.
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        The expression.
+    digits : int or None
+        Significant digits of all numbers; None for as many as they have.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> q, v = sympy.symbols("q v", real=True)
+    >>> format_expression(-7631.2 * q**2 * sympy.sign(v) + sympy.Abs(v) / 3)
+    '-7631 q^2 sgn(v) + |v|/3'
+    """
+    return TextPrinter(digits).doprint(expression)
+
+
+def format_number(value: float, digits: int | None = 4) -> str:
+    """Return a number with significant digits, large and small ones as 2.18e6 and 1.5e-5.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int or None
+        Significant digits; None for as many as it has.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> format_number(2180123.0), format_number(1.5e-5), format_number(-3.0)
+    ('2.18e6', '1.5e-5', '-3')
+    """
+    text = repr(float(value)) if digits is None else f"{value:.{digits}g}"
+    mantissa, _, exponent = text.removesuffix(".0").partition("e")
+    return f"{mantissa.removesuffix('.0')}e{int(exponent)}" if exponent else mantissa
+
+
+def join_terms(
+    side: Sum, number: Callable[[float], str], term: Callable[[Any], str], space: str
+) -> str:
+    """Write a sum with its signs between the terms, the constant last.
+
+    Parameters
+    ----------
+    side : Sum
+        Right-hand side.
+    number, term : callable
+        Print a positive number, and a term.
+    space : str
+        What stands between a number and its term.
+
+    Returns
+    -------
+    str
+    """
+    text = ""
+    for coefficient, product in sorted(side.parts, key=lambda part: part[1] == ONE):
+        size = number(abs(coefficient))
+        body = size if product == ONE else term(product)
+        if product != ONE and size != "1":
+            body = f"{size}{space}{body}"
+        sign = "-" if coefficient < 0 else "+" if text else ""
+        text += f" {sign} {body}" if text else f"{sign}{body}"
+    return text or "0"
+
+
+class TextPrinter(StrPrinter):
+    """Prints sympy expressions with sgn, |v|, ^ for powers and a space for products.
+
+    Parameters
+    ----------
+    digits : int or None
+        Significant digits of all numbers.
+    """
+
+    def __init__(self, digits: int | None = 4) -> None:
+        super().__init__()
+        self.digits = digits
+
+    def _print_Float(self, expression: Any) -> str:
+        return format_number(float(expression), self.digits)
+
+    def _print_Integer(self, expression: Any) -> str:
+        large = abs(expression) >= 10**6
+        return format_number(int(expression), self.digits) if large else str(int(expression))
+
+    def _print_Symbol(self, expression: Any) -> str:
+        return _plain(expression.name)
+
+    def _print_sign(self, expression: Any) -> str:
+        return f"sgn({self._print(expression.args[0])})"
+
+    def _print_Abs(self, expression: Any) -> str:
+        return f"|{self._print(expression.args[0])}|"
+
+    def _print_Mul(self, expression: Any) -> str:
+        return str(super()._print_Mul(expression)).replace("*", " ")
+
+    def _print_Pow(self, expression: Any, rational: bool = False) -> str:
+        return str(super()._print_Pow(expression, rational)).replace("**", "^")
+
+
+def _side(system: System, side: Sum, digits: int | None) -> str:
+    printer = TextPrinter(digits)
+
+    def term(product: Any) -> str:
+        expression = product.to_sympy(system.equations.symbols)
+        text = printer.doprint(expression)
+        return f"({text})" if isinstance(expression, sympy.Add) else text
+
+    return join_terms(side, lambda value: format_number(value, digits), term, " ")
+
+
+def _plain(name: str) -> str:
+    """Return a name as it is, in parentheses if it would run into its neighbors."""
+    return name if re.fullmatch(r"\w+", name) else f"({name})"

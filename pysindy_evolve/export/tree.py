@@ -1,0 +1,157 @@
+"""An equation as a tree: what is added, multiplied and called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ..terms import ONE, Atom, Call, Product, Sum, Variable
+from .printing import format_number
+from .symbolic import System, system_of
+
+__all__ = ["Node", "expression_tree", "plot_tree"]
+
+
+@dataclass(frozen=True)
+class Node:
+    """One node of the tree.
+
+    Parameters
+    ----------
+    label : str
+        What is written on it.
+    kind : {"operator", "function", "coefficient", "constant", "variable"}
+        What it is.
+    children : tuple of Node
+        What it applies to.
+    """
+
+    label: str
+    kind: str
+    children: tuple[Node, ...] = ()
+
+    @cached_property
+    def size(self) -> int:
+        """Number of nodes."""
+        return 1 + sum(child.size for child in self.children)
+
+    @cached_property
+    def depth(self) -> int:
+        """Levels below this one."""
+        return 1 + max((child.depth for child in self.children), default=-1)
+
+
+def expression_tree(system: System, index: int, digits: int | None = 4) -> Node:
+    """Return the tree of one equation, the constant term last.
+
+    Parameters
+    ----------
+    system : System
+        Collected equations.
+    index : int
+        Which equation.
+    digits : int or None
+        Significant digits of the numbers.
+
+    Returns
+    -------
+    Node
+    """
+    return _sum(system.sides[index], system.names, digits, "coefficient")
+
+
+def _sum(side: Sum, names: tuple[str, ...], digits: int | None, kind: str) -> Node:
+    ordered = sorted(side.parts, key=lambda part: part[1] == ONE)
+    children = tuple(_part(c, term, names, digits, kind) for c, term in ordered)
+    if not children:
+        return Node("0", "constant")
+    return children[0] if len(children) == 1 else Node("+", "operator", children)
+
+
+def _part(
+    coefficient: float, term: Product, names: tuple[str, ...], digits: int | None, kind: str
+) -> Node:
+    if term == ONE:
+        return Node(_number(coefficient, digits), "constant")
+    node = _product(term, names, digits)
+    if coefficient == 1.0:
+        return node
+    label = "−" if coefficient == -1.0 else _number(coefficient, digits)
+    return Node(label, kind, (node,))
+
+
+def _product(term: Product, names: tuple[str, ...], digits: int | None) -> Node:
+    above = tuple(_factor(a, n, names, digits) for a, n in term.factors if n > 0)
+    below = tuple(_factor(a, -n, names, digits) for a, n in term.factors if n < 0)
+    top = _times(above) if above else Node("1", "constant")
+    return Node("÷", "operator", (top, _times(below))) if below else top
+
+
+def _times(factors: tuple[Node, ...]) -> Node:
+    return factors[0] if len(factors) == 1 else Node("×", "operator", factors)
+
+
+def _factor(atom: Atom, exponent: int, names: tuple[str, ...], digits: int | None) -> Node:
+    raised = "" if exponent == 1 else str(exponent).translate(_SUPERSCRIPTS)
+    if isinstance(atom, Variable):
+        return Node(names[atom.index] + raised, "variable")
+    if isinstance(atom, Call):
+        arguments = tuple(_sum(a, names, digits, "constant") for a in atom.args)
+        return Node(atom.operator.name + raised, "function", arguments)
+    inner = _sum(atom, names, digits, "constant")
+    return inner if not raised else Node(f"( ){raised}", "operator", (inner,))
+
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _number(value: float, digits: int | None) -> str:
+    mantissa, _, exponent = format_number(value, digits).replace("-", "−").partition("e")
+    if not exponent:
+        return mantissa
+    power = f"10{exponent.replace('−', '-').translate(_SUPERSCRIPTS)}"
+    return mantissa.removesuffix("1") + power if mantissa in ("1", "−1") else f"{mantissa}·{power}"
+
+
+def plot_tree(model: Any, state: str | None = None, ax: Any = None, digits: int | None = 4) -> Any:
+    """Draw the equation of one state as a tree.
+
+    Parameters
+    ----------
+    model : pysindy.SINDy, Equations or LoopReport
+        Fitted model, or what holds one.
+    state : str, optional
+        Name of the state; by default the last one, where the dynamics of a mechanical system are.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; by default a new figure of a size that fits the tree.
+    digits : int or None
+        Significant digits of the numbers.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    ValueError
+        If `state` is not a state of the model.
+    ImportError
+        If matplotlib is not installed.
+    """
+    system = system_of(model, "plot_tree", digits)
+    name = system.lefts[-1] if state is None else state
+    if name not in system.lefts:
+        raise ValueError(
+            f"plot_tree(state=...) must be a state of the model; got {state!r}. "
+            f"Choose from {', '.join(system.lefts)}."
+        )
+    try:
+        from .drawing import draw
+    except ImportError as error:
+        raise ImportError(
+            "plot_tree needs matplotlib; got an environment without it. "
+            'Run pip install "pysindy-evolve[plots]".'
+        ) from error
+    root = expression_tree(system, system.lefts.index(name), digits)
+    return draw(Node(f"{name}′ =", "left", (root,)), ax)
