@@ -406,6 +406,14 @@ def test_preparation_says_how_it_was_done(t):
     assert text.startswith("Preparation(order=2, method='fft', cutoff=3, decimation=4, trim=50")
 
 
+def test_settings_prepare_a_record_of_another_length_alike(t, driven):
+    q, _, force, _ = driven
+    first = prepare(t[:2500], q[:2500], force[:2500], cutoff=4.0)
+    second = prepare(t[2500:], q[2500:], force[2500:], **first.preparation.settings)
+    assert second.preparation.settings == first.preparation.settings
+    assert second.dt == pytest.approx(first.dt)
+
+
 def test_prepare_never_writes_into_its_inputs(t):
     y, u = np.sin(t), np.cos(t)
     before = [a.copy() for a in (t, y, u)]
@@ -582,6 +590,61 @@ def test_windows_refuse_bad_types(windows):
         project(np.ones(50), 5)
     with pytest.raises(TypeError, match=r"choose_windows\(records=...\) must be a Record"):
         choose_windows([1, 2])
+
+
+# --- measured records ---------------------------------------------------------------------
+
+
+def held_out_error(train, test, terms):
+    """Derivative NRMSE %, windowed, of a least-squares fit on train judged on test."""
+    windows = choose_windows(train)
+
+    def sides(record):
+        columns = np.column_stack([*terms(record), record.x_dot[:, 1]])
+        return np.split(project(columns, windows), [-1], axis=1)
+
+    theta, target = sides(train)
+    coef = np.linalg.lstsq(theta, target, rcond=None)[0]
+    theta, target = sides(test)
+    return 100 * nrmse(theta @ coef, target)
+
+
+def test_defaults_show_friction_and_offset_of_a_positioning_axis(data_dir):
+    with np.load(data_dir / "emps" / "emps.npz") as d:
+        train = prepare(d["train_t"], d["train_q"], d["train_force"])
+        test = prepare(d["test_t"], d["test_q"], d["test_force"], **train.preparation.settings)
+    declared = held_out_error(train, test, lambda r: [r.u, r.x[:, 1]])
+    right = held_out_error(
+        train, test, lambda r: [r.u, r.x[:, 1], np.sign(r.x[:, 1]), np.ones(len(r))]
+    )
+    assert declared > 20.0
+    assert right < 8.0
+
+
+def test_defaults_show_dry_friction_of_a_pendulum(data_dir):
+    with np.load(data_dir / "pendulum_multiarm" / "single.npz") as d:
+        t, angle = d["t"], d["theta"]
+    n = int(0.6 * t.size)
+    train = prepare(t[:n], angle[:n])
+    test = prepare(t[n:], angle[n:], **train.preparation.settings)
+    declared = held_out_error(train, test, lambda r: [np.sin(r.x[:, 0]), r.x[:, 1]])
+    right = held_out_error(
+        train, test, lambda r: [np.sin(r.x[:, 0]), r.x[:, 1], np.sign(r.x[:, 1])]
+    )
+    assert declared > 0.5
+    assert right < 0.4
+
+
+def test_defaults_show_the_hardening_spring_of_an_electronic_oscillator(data_dir):
+    with np.load(data_dir / "silverbox" / "silverbox.npz") as d:
+        y, u, dt = d["y"][40650:127400], d["u"][40650:127400] - d["u"].mean(), 1 / d["fs"]
+    n = int(0.75 * y.size)
+    times = np.arange(y.size) * dt
+    train, test = (prepare(times[rows], y[rows], u[rows]) for rows in (slice(n), slice(n, None)))
+    declared = held_out_error(train, test, lambda r: [r.u, *r.x.T])
+    right = held_out_error(train, test, lambda r: [r.u, *r.x.T, r.x[:, 0] ** 3, np.ones(len(r))])
+    assert declared > 3.0
+    assert right < 1.33
 
 
 # --- anything at all ----------------------------------------------------------------------

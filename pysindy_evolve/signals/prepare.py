@@ -78,6 +78,12 @@ class Preparation:
         """Raw sampling time, units of t."""
         return float((self.t[-1] - self.t[0]) / (self.t.size - 1))
 
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Arguments that prepare another record alike: ``prepare(t, y, u, **settings)``."""
+        names = {"order": "order", "cutoff": "cutoff", "decimate": "decimation", "method": "method"}
+        return {argument: getattr(self, name) for argument, name in names.items()}
+
     @cached_property
     def _filter(self) -> SpectralFilter:
         return SpectralFilter(self.t.size, self.dt, self.cutoff, self.decimation, self.trim)
