@@ -65,9 +65,8 @@ def draw(root: Node, ax: Any = None) -> Any:
         placed, _ = _place(root, _extent_sideways, _steps(root, False), 0, 0.0)
     width, height = _span(placed, upright)
     if ax is None:
-        _, ax = plt.subplots(figsize=(width, height), layout="constrained")
-    _frame(ax, placed, upright)
-    scale = _scale(ax, width, height)
+        ax = plt.figure(figsize=(width, height)).add_axes((0.0, 0.0, 1.0, 1.0))
+    scale = _frame(ax, placed, upright)
     for one in placed.walk():
         for child in one.children:
             _edge(ax, one, child, upright, scale)
@@ -150,17 +149,16 @@ def _center(one: _Placed, upright: bool) -> tuple[float, float]:
     return (one.across, -one.along) if upright else (one.along + _width(one.node) / 2, -one.across)
 
 
-def _frame(ax: Any, placed: _Placed, upright: bool) -> None:
+def _frame(ax: Any, placed: _Placed, upright: bool) -> float:
+    """Center the tree in the axes; return how much smaller than planned it has to be."""
     left, right, bottom, top = _limits(placed, upright)
-    ax.set(xlim=(left, right), ylim=(bottom, top))
-    ax.set_aspect("equal")
-    ax.axis("off")
-
-
-def _scale(ax: Any, width: float, height: float) -> float:
-    """Return how much smaller than planned the axes of a user are."""
     box = ax.get_window_extent().transformed(ax.figure.dpi_scale_trans.inverted())
-    return float(min(box.width / width, box.height / height, 1.0))
+    scale = float(min(box.width / (right - left), box.height / (top - bottom), 1.0))
+    x, y = (left + right) / 2, (bottom + top) / 2
+    dx, dy = box.width / scale / 2, box.height / scale / 2
+    ax.set(xlim=(x - dx, x + dx), ylim=(y - dy, y + dy), aspect="equal")
+    ax.axis("off")
+    return scale
 
 
 def _edge(ax: Any, one: _Placed, child: _Placed, upright: bool, scale: float) -> None:
