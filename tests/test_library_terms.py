@@ -16,6 +16,7 @@ from sklearn.exceptions import NotFittedError
 from sklearn.linear_model import ElasticNet
 
 from pysindy_evolve import terms
+from pysindy_evolve.library import TermLibrary
 from pysindy_evolve.library_terms import columns_of, from_model
 from pysindy_evolve.operators import BUILTIN
 
@@ -106,6 +107,9 @@ LIBRARIES = {
     ),
     "parameterized": lambda: ps.ParameterizedLibrary(
         feature_library=ps.PolynomialLibrary(degree=3), num_features=2, num_parameters=1
+    ),
+    "fixed_terms": lambda: TermLibrary(
+        [terms.mul(terms.variable(0), terms.call(BUILTIN["abs"], terms.variable(1))).parts[0][1]]
     ),
     "grown": Grown,
     "grown_on_a_base": lambda: Grown(ps.PolynomialLibrary(degree=2)),
