@@ -127,9 +127,10 @@ class FreeRun:
         is the size of the rounding errors of a state that its terms hold at zero between them.
         """
         rates = self.program.sizes()
-        moves = [h * rate for rate in rates(t, x, u, self.signs, self.parameters)]
+        signs = [1.0 if i in self.sliding else s for i, s in enumerate(self.signs)]
+        moves = [h * rate for rate in rates(t, x, u, signs, self.parameters)]
         moved = [value + move for value, move in zip(x, moves, strict=True)]
-        further = [h * rate for rate in rates(t, moved, u, self.signs, self.parameters)]
+        further = [h * rate for rate in rates(t, moved, u, signs, self.parameters)]
         size = [max(z) for z in zip(self._size, map(abs, x), moves, further, strict=True)]
         changed = size != self._size
         self._size = size

@@ -171,6 +171,8 @@ class Program:
         arguments = [self._sum(argument) for argument in atom.args]
         if atom.operator == BUILTIN["abs"] and atom.args[0] in self._sign_of:
             return self._sign_of[atom.args[0]] * arguments[0]  # no kink within a step
+        if atom.operator == BUILTIN["sqrt"]:
+            return _ROOT(*arguments)  # as a power it would turn complex below zero
         if BUILTIN.get(atom.operator.name) == atom.operator:
             return atom.operator.to_sympy(*arguments)
         return self._user_function(atom)(*arguments)
@@ -327,7 +329,7 @@ class Program:
         return sympy.lambdify(
             arguments,
             result,
-            modules=[dict(self._functions), {"least": min}, "math"],
+            modules=[dict(self._functions), {"least": min, "root": math.sqrt}, "math"],
             cse=lambda expressions: (lines, expressions),
         )
 
@@ -356,6 +358,7 @@ def on_floats(operator: Operator) -> Callable[..., float]:
 
 
 _RATIO = sympy.Function("ratio", real=True)
+_ROOT = sympy.Function("root", real=True)
 _LEAST = sympy.Function("least", real=True)
 
 

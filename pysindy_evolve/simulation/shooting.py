@@ -8,7 +8,7 @@ import numpy as np
 
 from ..equations import Equations
 from .inputs import as_equations, check_input, check_states, check_time
-from .structure import find_switches
+from .structure import find_switches, is_affine
 from .tape import Tape
 from .windows import Columns, Field, advance, choose_substeps, start_signs
 
@@ -105,7 +105,8 @@ def _field(equations: Equations, batch: np.ndarray) -> Field:
     n_states = len(equations.states)
     switches = find_switches(terms, n_states)
     n_variables = n_states + len(equations.inputs) + 1
-    return Field(Tape(terms, switches, n_variables), batch[:, :, used], switches)
+    tape = Tape(terms, switches, n_variables)
+    return Field(tape, batch[:, :, used], switches, is_affine(terms))
 
 
 def _columns(

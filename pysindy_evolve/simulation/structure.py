@@ -17,7 +17,7 @@ from ..equations import Equations
 from ..operators import BUILTIN
 from ..terms import Call, Product, Sum, Variable
 
-__all__ = ["Structure", "Switch", "structure_of"]
+__all__ = ["Structure", "Switch", "find_switches", "is_affine", "structure_of"]
 
 FIRST_MARK = 2.0  # stands for the first inner constant; 1 and -1 would not count as constants
 FREE = 2  # kind of a coefficient that is a parameter; 1 and -1 stand for themselves
@@ -102,6 +102,17 @@ def find_switches(terms: tuple[Product, ...], n_states: int) -> tuple[Switch, ..
         Switch(g, _plain_state(g, n_states), all(i >= n_states for i in g.variables))
         for g in arguments
     )
+
+
+def is_affine(terms: tuple[Product, ...]) -> bool:
+    """Tell whether signs are nothing but factors: none squared, and none inside a function."""
+    for term in terms:
+        for atom, exponent in term.factors:
+            if isinstance(atom, Call) and atom.operator == BUILTIN["sgn"] and exponent == 1:
+                continue
+            if any(True for _ in _sign_arguments(atom)):
+                return False
+    return True
 
 
 def _sign_arguments(node: Any) -> Iterator[Sum]:

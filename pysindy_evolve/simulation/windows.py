@@ -28,6 +28,7 @@ __all__ = ["Columns", "Field", "advance", "choose_substeps", "start_signs"]
 MAX_EVENTS = 8  # in one step
 REFINEMENTS = 2  # of the fraction of the step at which a switch is crossed
 SWEEPS = 8  # over several switches at zero
+SETTLED = 1e-9  # change of a sign between two sweeps
 PROBE = 1e-3  # of a step, along which the slope of a switching function is taken
 
 
@@ -43,11 +44,14 @@ class Field:
         Coefficients of each model.
     switches : tuple of Switch
         Arguments of sgn.
+    affine : bool
+        Whether every sign is but a factor of terms, so that x_dot is affine in it.
     """
 
     tape: Tape
     coef: np.ndarray
     switches: tuple[Switch, ...]
+    affine: bool
 
 
 @dataclass(frozen=True)
@@ -126,12 +130,28 @@ def _rates(field: Field, c: Columns, h: np.ndarray) -> np.ndarray:
     at = np.flatnonzero(c.held.any(axis=0))
     part = c.pick(at)
     signs = _equivalent(field, part, part.held, h[at])
-    balanced = _plain_rates(field, part, signs)
+    balanced = _mixed_rates(field, part, signs)
     for i, switch in enumerate(field.switches):
         if switch.state is not None:
             balanced[switch.state, part.held[i]] = 0.0  # rest is rest, to the last digit
     rates[:, at] = balanced
     return rates
+
+
+def _mixed_rates(field: Field, c: Columns, s: np.ndarray, first: int = 0) -> np.ndarray:
+    """Return Filippov's convex combination of x_dot at the signs -1 and 1 of held switches."""
+    held = [] if field.affine else np.flatnonzero(c.held.any(axis=1)).tolist()
+    held = [i for i in held if i >= first]
+    if not held:
+        return _plain_rates(field, c, s)
+    i = held[0]
+    ends = []
+    for end in (-1.0, 1.0):
+        fixed = s.copy()
+        fixed[i] = np.where(c.held[i], end, s[i])
+        ends.append(_mixed_rates(field, c, fixed, i + 1))
+    share = np.where(c.held[i], (s[i] + 1.0) / 2.0, 0.0)
+    return ends[0] + share * (ends[1] - ends[0])
 
 
 def _plain_rates(field: Field, c: Columns, s: np.ndarray) -> np.ndarray:
@@ -169,9 +189,12 @@ def _equivalent(field: Field, c: Columns, held: np.ndarray, h: np.ndarray) -> np
     s = c.s.copy()
     several = held.sum(axis=0).max() > 1
     for _ in range(SWEEPS if several else 1):
+        before = s.copy()
         for i in np.flatnonzero(held.any(axis=1)).tolist():
             up, down = _both_slopes(field, c, s, i, h)
             s[i] = np.where(held[i], _balance(up, down), s[i])
+        if np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
+            break
     return s
 
 
@@ -187,12 +210,15 @@ def _resolve(field: Field, c: Columns, zero: np.ndarray, h: np.ndarray) -> Colum
     s, held = c.s.copy(), c.held.copy()
     several = zero.sum(axis=0).max() > 1
     for _ in range(SWEEPS if several else 1):
+        before = s.copy()
         for i in np.flatnonzero(zero.any(axis=1)).tolist():
             up, down = _both_slopes(field, c, s, i, h)
             onward = np.where(s[i] == 0.0, 1.0, -np.sign(s[i]))
             rule = np.where(up > 0.0, np.where(down >= 0.0, 1.0, onward), _balance(up, down))
             rule = np.where((up <= 0.0) & (down < 0.0), -1.0, rule)
             s[i] = np.where(zero[i], np.clip(rule, -1.0, 1.0), s[i])
+        if np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
+            break
     held = np.where(zero, np.abs(s) < 1.0, held)
     return replace(c, s=s, held=held)
 
