@@ -24,8 +24,9 @@ from .spectral import Array
 
 # A window (1 - s^2)^4 of full width W halves a sine of frequency 1.24 / W.
 HALF_GAIN = 1.24
-# Width in periods of the cutoff of the states, above which noise is all that is left ...
-PERIODS = 6.0
+# Width in periods of the cutoff of the states. Half gain is then at an eighth of the cutoff:
+# where a spectrum sinks into the noise, the upper octaves tell one term from another badly ...
+PERIODS = 10.0
 # ... but never so wide that less than this share of the derivative's power lies in the band.
 SHARE = 0.9
 # ... and not this multiple of the frequency that halves the power: a single slow oscillation
@@ -199,7 +200,7 @@ def _weigh(rows: Array, windows: Windows, weights: Array) -> Array:
 def choose_windows(records: Record | Sequence[Record]) -> Windows:
     """Choose windows for records of the same sampling time.
 
-    They are as wide as six periods of the cutoff of the states, so that what lies above the
+    They are as wide as ten periods of the cutoff of the states, so that what lies above the
     cutoff is averaged away, but so narrow that nine tenths of the power of every derivative,
     and twice its median frequency, lie below their half gain. Four windows overlap everywhere.
 
