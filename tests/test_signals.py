@@ -379,10 +379,10 @@ def test_lowpass_of_the_preparation_is_what_the_input_went_through(t, driven):
 def test_apply_is_fast_enough_for_hundreds_of_twins(rng):
     t = np.arange(25000) * 1e-3
     made = prepare(t, np.cumsum(rng.standard_normal((25000, 1)), axis=0), t).preparation
-    start = time.perf_counter()
+    start = time.process_time()
     for _ in range(20):
         made.apply(made.t, made.y, made.u)
-    assert time.perf_counter() - start < 1.0
+    assert time.process_time() - start < 1.0
 
 
 def test_apply_refuses_other_samples(t):
@@ -529,9 +529,9 @@ def test_no_window_crosses_from_one_trajectory_to_the_next(rng, windows):
 
 def test_projection_is_fast(rng):
     columns = rng.standard_normal((250_000, 40))
-    start = time.perf_counter()
+    start = time.process_time()
     project(columns, Windows(width=24, stride=6))
-    assert time.perf_counter() - start < 1.0
+    assert time.process_time() - start < 1.0
 
 
 def test_windows_of_one_sample_leave_the_rows_alone(rng):
