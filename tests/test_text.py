@@ -212,13 +212,13 @@ def parses_or_complains(text):
     assert all(isinstance(name, str) for name in side.parameters)
 
 
-@settings(max_examples=400, deadline=2000)
+@settings(max_examples=400, deadline=None, derandomize=True)
 @given(st.lists(st.sampled_from(PIECES), max_size=40).map("".join))
 def test_any_pieces_end_in_a_result_or_the_error(text):
     parses_or_complains(text)
 
 
-@settings(max_examples=200, deadline=2000)
+@settings(max_examples=200, deadline=None, derandomize=True)
 @given(st.text(max_size=60))
 def test_any_text_ends_in_a_result_or_the_error(text):
     parses_or_complains(text)
@@ -237,7 +237,7 @@ def expressions(draw, depth=4):
     return f"({one}){kind}({draw(expressions(depth=depth - 1))})"
 
 
-@settings(max_examples=300, deadline=5000)
+@settings(max_examples=300, deadline=None, derandomize=True)
 @given(expressions())
 def test_any_expression_ends_in_a_result_or_the_error(text):
     parses_or_complains(text)
@@ -250,19 +250,23 @@ def python_value(text, **names):
         return eval(text, {"__builtins__": {}}, functions)  # noqa: S307 - of this test's own making
 
 
-@settings(max_examples=300, deadline=5000)
+@settings(max_examples=300, deadline=None, derandomize=True)
 @given(expressions(depth=3))
 def test_text_means_what_python_means_by_it(text):
     values = {"q": 0.7, "v": 1.3, "F": 2.1, "t": 5.2}
     try:
         side = parse(text, NAMES)
-        expected = python_value(text, **values, k=1.9, c=-0.4)
+        expected = complex(python_value(text, **values, k=1.9, c=-0.4))
+        nearby = {name: value * (1 + 1e-13) for name, value in values.items()}
+        rounding = abs(complex(python_value(text, **nearby, k=1.9, c=-0.4)) - expected)
     except (ValueError, ZeroDivisionError, OverflowError):
         return
     point = np.array([list(values.values())])
     factors = {"k": 1.9, "c": -0.4}
-    found = side.known.evaluate(point)[0] + sum(
-        factors[name] * part.evaluate(point)[0] for name, part in side.free
-    )
-    if np.isreal(expected) and np.isfinite(expected) and abs(expected) < 1e6:
-        assert found == pytest.approx(float(np.real(expected)), rel=1e-6, abs=1e-6)
+    with np.errstate(all="ignore"):
+        found = side.known.evaluate(point)[0] + sum(
+            factors[name] * part.evaluate(point)[0] for name, part in side.free
+        )
+    # A difference of rounding is not ours: sin(t**20) turns by many radians for it.
+    if expected.imag == 0.0 and abs(expected) < 1e6 and rounding < 1e-8:
+        assert found == pytest.approx(expected.real, rel=1e-6, abs=1e-6)
