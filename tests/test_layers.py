@@ -10,7 +10,7 @@ NAME = PACKAGE.name
 
 # From the bottom up; parts of one layer may use each other, but not in a circle.
 LAYERS = (
-    {"operators", "terms"},
+    {"checks", "operators", "terms"},
     {"equations", "text", "grammar"},
     {"tracing", "library_terms"},
     {"genetics", "regression", "constants", "dictionary", "signals", "simulation"},

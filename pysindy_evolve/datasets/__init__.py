@@ -1,5 +1,6 @@
 """Measured sets for judging a model on a real thing, and simulated rigs with a known truth."""
 
+from pysindy_evolve.datasets.drives import Drive, friction_drive, nothing_missing
 from pysindy_evolve.datasets.measured import (
     MeasuredRecord,
     MeasuredSet,
@@ -13,11 +14,16 @@ from pysindy_evolve.datasets.measured import (
     load_tclab,
 )
 from pysindy_evolve.datasets.odebench import OdeSystem, load_odebench
+from pysindy_evolve.datasets.rigs import DuffingRig, duffing
 
 __all__ = [
+    "Drive",
+    "DuffingRig",
     "MeasuredRecord",
     "MeasuredSet",
     "OdeSystem",
+    "duffing",
+    "friction_drive",
     "load_ball_drops",
     "load_cart",
     "load_cascaded_tanks",
@@ -27,4 +33,5 @@ __all__ = [
     "load_pendulum",
     "load_silverbox",
     "load_tclab",
+    "nothing_missing",
 ]

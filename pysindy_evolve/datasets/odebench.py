@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pysindy_evolve.datasets.sources import locate
+from pysindy_evolve.datasets.sources import ENVIRONMENT_VARIABLE, locate
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +63,12 @@ def load_odebench(folder: str | os.PathLike[str] | None = None) -> tuple[OdeSyst
     ----------
     d'Ascoli, Becker, Mathis, Schwaller, Kilbertus, "ODEFormer", arXiv 2310.05573.
     """
-    path = locate("odebench/odebench.json", folder)
+    file = "odebench/odebench.json"
+    path = locate(file, folder)
     if path is None:
         raise FileNotFoundError(
-            "load_odebench(folder=...) must name a folder that holds odebench/odebench.json; got "
-            "None, and neither PYSINDY_EVOLVE_DATA nor ../shared/data has it. Pass the folder."
+            f"load_odebench(folder=...) must name a folder that holds {file}; got None, and "
+            f"neither {ENVIRONMENT_VARIABLE} nor ../shared/data has it. Pass the folder."
         )
     systems = json.loads(path.read_text(encoding="utf-8"))["systems"]
     return tuple(
