@@ -83,8 +83,9 @@ def simulate(
 
     Notes
     -----
-    The cost is about 10 microseconds a sample, and some 100 for each switch. An interrupted run
-    raises KeyboardInterrupt; simulate in pieces to keep what was computed.
+    The cost is about 5 microseconds a sample, and some 100 for each switch. Several switches may
+    stick at once. A sgn inside another sgn is followed, but nothing sticks at the inner one alone.
+    An interrupted run raises KeyboardInterrupt; simulate in pieces to keep what was computed.
 
     Examples
     --------
