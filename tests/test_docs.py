@@ -3,6 +3,7 @@
 import ast
 import inspect
 import re
+import runpy
 from dataclasses import is_dataclass
 
 import pytest
@@ -73,6 +74,24 @@ def test_python_blocks_of_the_readme_parse(blocks):
 def is_result(name):
     """Whether a class is handed out by a function and not made by the user."""
     return "Attributes\n---" in inspect.getdoc(look_up(name)) and is_dataclass(look_up(name))
+
+
+@pytest.mark.slow
+def test_python_blocks_of_the_readme_run(blocks, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for language, code in blocks:
+        if language == "python":
+            runpy.run_path(_saved(code, tmp_path))
+    printed = capsys.readouterr().out
+    for language, output in blocks:
+        if language == "text":
+            assert output.strip() in printed
+
+
+def _saved(code, folder):
+    path = folder / "example.py"
+    path.write_text(code, encoding="utf-8")
+    return str(path)
 
 
 @pytest.mark.parametrize("name", described())

@@ -13,7 +13,7 @@ LAYERS = (
     {"checks", "operators", "terms"},
     {"equations", "text", "grammar"},
     {"tracing", "library_terms"},
-    {"genetics", "regression", "constants", "dictionary", "signals", "simulation"},
+    {"genetics", "refit", "regression", "constants", "dictionary", "signals", "simulation"},
     {"evolution"},
     {"handover", "library", "optimizer"},
     {"export"},
