@@ -171,6 +171,11 @@ def skeleton(term: Product) -> Product:
     return term.with_constants([2.0 + i for i in range(len(term.constants))])
 
 
+def written_out(term: Product) -> int:
+    """Return the number of nodes with powers written out: q^9 is not as simple as sin(q)."""
+    return term.size + sum(abs(n) - 1 for _, n in term.factors)
+
+
 def price(terms: Sequence[Product], n_effective: float) -> np.ndarray:
     """Price of each term in the information criterion.
 
@@ -178,5 +183,5 @@ def price(terms: Sequence[Product], n_effective: float) -> np.ndarray:
     looked at exponentially many terms of a size.
     """
     numbers = np.array([1 + len(term.constants) for term in terms], dtype=float)
-    nodes = np.array([term.size for term in terms], dtype=float)
+    nodes = np.array([written_out(term) for term in terms], dtype=float)
     return numbers * np.log(max(n_effective, 2.0)) + NODE * nodes

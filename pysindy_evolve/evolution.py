@@ -28,14 +28,16 @@ from .constants import tune
 from .dictionary import Dictionary, Problem, Project, build_dictionary, price, skeleton
 from .genetics import Genetics
 from .operators import Operator
+from .refit import refit
 from .terms import ONE, Product, Variable
 
 __all__ = ["Evolution", "Generation", "Settings", "evolve"]
 
 ROWS = 3000  # rows that a generation is scored on; the final refit sees all of them
 FINALISTS = 24  # terms that are weighed against each other on all rows
-N_TUNED = 3  # terms a generation whose inner constants are tuned, best first
-N_BLOCKS = 12  # parts of the record that a coefficient must agree on
+N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
+TUNING_ROWS = 800  # are enough to tune one or two constants
+PATIENCE_IF_PERFECT = 2
 PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
 
 
@@ -165,7 +167,8 @@ def evolve(
         )
     finally:
         bar.close()
-    terms, coef = refit(problem, finalists, history[-1].n_terms if history else 0, settings)
+    n_best = history[-1].n_terms if history else 0
+    terms, coef = refit(problem, finalists, n_best, settings.max_terms)
     return Evolution(terms, coef, tuple(history))
 
 
@@ -182,12 +185,12 @@ def generations(
     for number in range(1, settings.n_generations + 1):
         sample = problem.sample(ROWS, rng)
         dictionary = build_dictionary(sample, [*survivors, *population])
-        support, n_effective = solve_elastic_net(dictionary, survivors, settings.max_terms)
-        fitness = rate(dictionary, support, n_effective)
+        front, n_effective = solve_elastic_net(dictionary, survivors, settings.max_terms)
+        fitness, partners = rate(dictionary, front, n_effective)
 
-        ranking = _ranking(dictionary, support, fitness)
-        yield _record(dictionary, support, number, start), ranking[:FINALISTS]
-        tuned = tune_constants(dictionary, support, ranking)
+        ranking = _ranking(dictionary, front[0], fitness)
+        yield _record(dictionary, front[0], number, start), ranking[:FINALISTS]
+        tuned = tune_constants(dictionary, front, fitness, partners)
         survivors = _unique([*tuned, *ranking[:FINALISTS], *leaves])
         population = genetics.offspring(
             dictionary.terms,
@@ -200,8 +203,8 @@ def generations(
 
 def solve_elastic_net(
     dictionary: Dictionary, survivors: Sequence[Product], max_terms: int
-) -> tuple[np.ndarray, float]:
-    """Find the best equation that the dictionary holds.
+) -> tuple[list[np.ndarray], float]:
+    """Find the best equations that the dictionary holds: the best first, then smaller ones.
 
     The elastic net proposes supports, along with what survived; each is pruned by the information
     criterion, first as if rows were independent, then for as many rows as the residual shows.
@@ -210,89 +213,51 @@ def solve_elastic_net(
     known = {term: j for j, term in enumerate(terms)}
     old = np.array([known[t] for t in survivors if t in known], dtype=int)
     proposals = [*regression.supports(gram, 2 * max_terms), old]
-    support, n_effective = np.arange(0), float(gram.n)
+    n_effective = float(gram.n)
     for _ in range(2):
         cost = price(terms, n_effective)
-        pruned = [regression.prune(gram, s, cost, n_effective) for s in proposals]
-        support = min(pruned, key=lambda s: regression.information(gram, s, cost, n_effective))
-        n_effective = regression.effective_size(dictionary.residual(support))
-    return support, n_effective
+        front = regression.front(gram, proposals, cost, n_effective, max_terms)
+        n_effective = regression.effective_size(dictionary.residual(front[0]))
+    return front, n_effective
 
 
-def rate(dictionary: Dictionary, support: np.ndarray, n_effective: float) -> np.ndarray:
-    """Fitness of each term, lower is better.
+def rate(
+    dictionary: Dictionary, front: Sequence[np.ndarray], n_effective: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fitness of each term, lower is better, and the equation it goes best with.
 
-    It is the mean square error with the term in the best equation against that without it, as
-    the change of the information criterion n log(MSE) + price.
+    It is the mean square error of the best equation that has the term in it, put as information
+    criterion n log(MSE) + price. Small equations are tried as well as the best one, because a
+    term that says at once what ten others say together adds nothing to the ten.
     """
-    gram = dictionary.gram
-    scaled = gram.scaled(gram.scale)
-    with_term, without_term = regression.gains(scaled, support)
-    change = n_effective * np.log(with_term / without_term)
-    return change + price(dictionary.terms, n_effective)
+    gram = dictionary.gram.scaled(dictionary.gram.scale)
+    cost = price(dictionary.terms, n_effective)
+    value = np.empty((len(front), len(cost)))
+    for row, support in zip(value, front, strict=True):
+        with_term, _ = regression.gains(gram, support)
+        row[:] = n_effective * np.log(with_term / gram.n) + cost[support].sum() + cost
+        row[support] -= cost[support]
+    return value.min(axis=0), value.argmin(axis=0)
 
 
 def tune_constants(
-    dictionary: Dictionary, support: np.ndarray, ranking: Sequence[Product]
+    dictionary: Dictionary, front: Sequence[np.ndarray], fitness: np.ndarray, partners: np.ndarray
 ) -> list[Product]:
-    """Tune the inner constants of the best terms that have some, each beside the equation."""
-    problem, n_fixed = dictionary.problem, dictionary.n_fixed
-    members = [dictionary.terms[j] for j in support]
-    tuned = []
-    for term in [term for term in ranking if term.constants][:N_TUNED]:
-        beside = [n_fixed + j for j, t in zip(support, members, strict=True) if t != term]
+    """Tune the inner constants of the best terms that have some, each beside its equation."""
+    problem, n_fixed, tuned = dictionary.problem, dictionary.n_fixed, []
+    step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
+    order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
+    for j in order[:N_TUNED]:
+        beside = [n_fixed + i for i in front[partners[j]] if i != j]
         others = dictionary.theta[:, [*range(n_fixed), *beside]]
-        tuned += tune([term], problem.x, dictionary.y, others, project=problem.project)
-    return tuned
-
-
-def refit(
-    problem: Problem, finalists: Sequence[Product], n_best: int, settings: Settings
-) -> tuple[tuple[Product, ...], tuple[float, ...]]:
-    """Weigh the finalists against each other on all rows and refit by least squares.
-
-    The first `n_best` finalists are the equation so far. A term stays if it pays its price on all
-    rows and if its coefficient is the same all along the record.
-    """
-    terms = [*_tuned_together(problem, finalists[:n_best]), *finalists[n_best:]]
-    n_fixed, n_blocks = problem.fixed.shape[1], N_BLOCKS
-    blocks = problem.blocks(terms, n_blocks)
-    whole = regression.total(blocks)
-    finite = np.flatnonzero(np.isfinite(np.diag(whole.xx)[n_fixed:]))
-    terms = [terms[j] for j in finite]
-    columns, scale = np.r_[np.arange(n_fixed), n_fixed + finite], 1.0
-    whole = whole.select(columns)
-    scale = whole.scale
-    folds = [(whole - b.select(columns)).scaled(scale).without(n_fixed) for b in blocks]
-    whole = whole.scaled(scale).without(n_fixed)
-    scale = scale[n_fixed:]
-
-    support, n_effective = np.arange(len(terms)), float(whole.n)
-    for _ in range(2):
-        cost = price(terms, n_effective)
-        support = regression.prune(
-            whole, np.arange(len(terms)), cost, n_effective, settings.max_terms
+        tuned += tune(
+            [dictionary.terms[j]],
+            problem.x[::step],
+            dictionary.y[::step],
+            others[::step],
+            project=problem.project,
         )
-        n_effective = regression.effective_size(_residual(problem, [terms[j] for j in support]))
-    support = regression.stable(whole, folds, support)
-    coef = regression.least_squares(whole, support)[support] / scale[support]
-    return tuple(terms[j] for j in support), tuple(float(c) for c in coef)
-
-
-def _residual(problem: Problem, terms: Sequence[Product]) -> np.ndarray:
-    theta, y = problem.regression(terms)
-    gram = regression.gram(theta, y)
-    return y - theta @ regression.least_squares(gram, np.arange(theta.shape[1]))
-
-
-def _tuned_together(problem: Problem, terms: Sequence[Product]) -> Sequence[Product]:
-    if not any(term.constants for term in terms):
-        return terms
-    sample = problem.sample(4 * ROWS, np.random.default_rng(0))
-    free = [term for term in terms if term.constants]
-    rest, y = sample.regression([term for term in terms if not term.constants])
-    found = dict(zip(free, tune(free, sample.x, y, rest, project=sample.project), strict=True))
-    return [found.get(term, term) for term in terms]
+    return tuned
 
 
 def _ranking(
@@ -317,9 +282,8 @@ def _record(dictionary: Dictionary, support: np.ndarray, number: int, start: flo
 
 def _settled(history: Sequence[Generation], patience: int) -> bool:
     """Tell whether the search has stopped to find anything."""
-    last = history[-1]
-    if last.fitness <= PERFECT:
-        return True
+    if history[-1].fitness <= PERFECT:
+        patience = min(patience, PATIENCE_IF_PERFECT)  # there may be a shorter way to say it
     recent = {frozenset(map(skeleton, g.terms)) for g in history[-patience - 1 :]}
     return len(history) > patience and len(recent) == 1
 

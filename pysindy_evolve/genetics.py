@@ -55,8 +55,10 @@ class Genetics:
         self.max_depth = max_depth
         self._operators = {operator.name: operator for operator in operators}
         self._arities = {0, *(operator.arity for operator in operators)}
+        self._scale = [float(size) for size in scale]
+        self._smooth = any(name not in LINEAR for name in self._operators)
         self._deap = _deap_drawing_from(self.random)
-        self._pset = self._primitive_set(scale)
+        self._pset = self._primitive_set()
         self._memo: dict[tuple[Any, ...], Sum] = {}
 
     def random_terms(self, n: int, known: Iterable[Product] = ()) -> list[Product]:
@@ -88,21 +90,21 @@ class Genetics:
         Returns
         -------
         list of Product
-            All different and none of them a parent: a child that says nothing new makes way for
-            another, in the end for a random term.
+            All different and none of them a parent: a child that says nothing new is mutated, and
+            where that does not help makes way for another, in the end for a random term.
         """
 
         def child() -> gp.PrimitiveTree:
             tree = self._select(parents, fitness)
             if self.random.random() < crossover_rate:
                 tree = self._crossed(tree, self._select(parents, fitness))
-            if self.random.random() < mutation_rate:
+            if self.random.random() < mutation_rate or known.issuperset(self._terms(tree)):
                 tree = self._mutated(tree)
             return tree
 
         known = set(parents)
         children = self._gather(n, known, child)
-        return children + self._gather(n - len(children), known | set(children), self._random_tree)
+        return children + self._gather(n - len(children), known, self._random_tree)
 
     def _gather(
         self, n: int, known: set[Product], make: Callable[[], gp.PrimitiveTree]
@@ -137,12 +139,25 @@ class Genetics:
         moves = ["mutUniform", "mutInsert", "mutShrink"]
         if {node.arity for node in tree} <= self._arities:  # else there is nothing to replace by
             moves.append("mutNodeReplacement")
+        if self._smooth:
+            moves += ["number"] * 2
         move = self.random.choice(moves)
+        if move == "number":
+            return self._with_number(tree)
         if move == "mutUniform":
             return self._deap[move](tree, self._short_branch, self._pset)[0]
         if move == "mutShrink":
             return self._deap[move](tree)[0]
         return self._deap[move](tree, self._pset)[0]
+
+    def _with_number(self, tree: gp.PrimitiveTree) -> gp.PrimitiveTree:
+        """Put a number beside a variable: q becomes c + q or c q."""
+        leaves = [i for i, node in enumerate(tree) if not node.arity and node.value.variables]
+        if leaves:
+            i, joint = self.random.choice(leaves), self.random.choice((_ADD, _MUL))
+            number = _terminal(constant(self._number()))
+            tree[i : i + 1] = gp.PrimitiveTree([joint, number, tree[i]])
+        return tree
 
     def _short_branch(self, pset: Any, type_: Any) -> list[Any]:
         return self._deap["genHalfAndHalf"](pset, 0, 2, type_)
@@ -172,22 +187,21 @@ class Genetics:
             stack.append(self._memo[key])
         return stack[0]
 
-    def _primitive_set(self, scale: np.ndarray) -> gp.PrimitiveSet:
+    def _primitive_set(self) -> gp.PrimitiveSet:
         pset = gp.PrimitiveSet("terms", 0)
         for operator in self._operators.values():
             pset.addPrimitive(operator.function, operator.arity, name=operator.name)
         self._binary = [_primitive(o) for n, o in self._operators.items() if n in ("mul", "div")]
-        smooth = any(name not in LINEAR for name in self._operators)
-        leaves = [variable(i) for i in range(len(scale)) for _ in range(2)]
-        leaves += [constant(self._number(scale)) for _ in range(len(scale) if smooth else 1)]
+        n_variables = len(self._scale)
+        leaves = [variable(i) for i in range(n_variables) for _ in range(2)]
+        n_numbers = n_variables if self._smooth else 1
+        leaves += [constant(self._number()) for _ in range(n_numbers)]
         pset.terminals[gp.__type__].extend(_terminal(leaf) for leaf in leaves)
         return pset
 
-    def _number(self, scale: np.ndarray) -> float:
-        size = float(self.random.choice(list(scale)))
-        return float(
-            f"{size ** self.random.choice((1, -1)) * self.random.lognormvariate(0, 1):.3g}"
-        )
+    def _number(self) -> float:
+        size = self.random.choice(self._scale) ** self.random.choice((1, -1))
+        return float(f"{size * self.random.lognormvariate(0, 1):.3g}")
 
 
 def _deap_drawing_from(source: random.Random) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from .terms import ONE, Product
 
 __all__ = ["EvolvingLibrary", "TermLibrary"]
 
-OPERATORS = ("add", "sub", "mul", "div", "sin", "cos", "exp", "abs", "sgn")
+OPERATORS = ("add", "sub", "mul", "div", "sin", "cos", "abs", "sgn")
 
 
 class _TermColumns(BaseFeatureLibrary):

@@ -159,7 +159,9 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
             support = min(pruned, key=lambda s: regression.information(whole, s, cost, n_effective))
             coef = regression.least_squares(whole, support)[support] / scale[support]
             n_effective = regression.effective_size(y - theta[:, support] @ coef)
-        return support if n_blocks == 1 else regression.stable(whole, folds, support)
+        if n_blocks > 1:
+            support = regression.stable(whole, folds, support)
+        return regression.material(whole, support)
 
     def _support_at(self, whole: regression.Gram) -> np.ndarray:
         size = np.sqrt(whole.yy * whole.n)

@@ -36,6 +36,8 @@ __all__ = [
 CHUNK = 1 << 14  # rows a chunk: a chunk of 100 columns takes 13 MB
 LEAST = 1e-13  # share of y @ y below which a Gram matrix in double precision sees only rounding
 RIDGE = 1e-12  # keeps nearly equal columns of unit size solvable without moving the others
+MATERIAL = 1e-5  # share of the target's power: derivatives are seldom good to 0.3 %
+REMAINDER = 1e-2  # a smaller term counts if it leaves only this share of the error
 LAMBDA2 = (1e-3, 1e-1)  # relative to columns of unit RMS; orders of magnitude are enough
 
 
@@ -324,6 +326,55 @@ def information(
     return float(n * np.log(error) + penalty[np.asarray(support, dtype=int)].sum())
 
 
+def eliminate(
+    gram: Gram,
+    support: Sequence[int] | np.ndarray,
+    penalty: np.ndarray,
+    n_effective: float,
+) -> list[tuple[np.ndarray, float]]:
+    """Eliminate terms backward, the one that is worth least first, until none is left.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products.
+    support : sequence of int
+        Columns to begin with.
+    penalty : ndarray of shape (p,)
+        Price of each column, in units of `information`.
+    n_effective : float
+        Number of independent rows.
+
+    Returns
+    -------
+    list of (ndarray of int, float)
+        Each support on the way down and its residual sum of squares.
+
+    Notes
+    -----
+    Each step costs k^2 on a support of k terms, because the inverse is downdated.
+    """
+    support = np.asarray(support, dtype=int)
+    part = gram.select(support)
+    part = part.scaled(part.scale)
+    inverse = _inverse(part)
+    coef, price = inverse @ part.xy, penalty[support]
+    floor = max(LEAST * gram.yy, np.finfo(float).tiny)
+    error = max(float(gram.yy - coef @ part.xy), floor)
+    way = [(support, error)]
+    while len(support):
+        rise = coef**2 / np.maximum(np.diag(inverse), np.finfo(float).tiny)
+        worst = int(np.argmin(n_effective * np.log1p(rise / error) - price))
+        error = max(error + float(rise[worst]), floor)
+        keep = np.arange(len(support)) != worst
+        column, pivot = inverse[keep, worst], inverse[worst, worst]
+        coef = coef[keep] - column * coef[worst] / pivot
+        inverse = inverse[np.ix_(keep, keep)] - np.outer(column, column) / pivot
+        support, price = support[keep], price[keep]
+        way.append((support, error))
+    return way
+
+
 def prune(
     gram: Gram,
     support: Sequence[int] | np.ndarray,
@@ -350,41 +401,84 @@ def prune(
     Returns
     -------
     ndarray of int
-        What is left of the support.
+        What is left of the support. The whole way down is walked, as the criterion may have local
+        minima.
+    """
+    return front(gram, [support], penalty, n_effective, max_terms)[0]
+
+
+def front(
+    gram: Gram,
+    proposals: Sequence[Sequence[int] | np.ndarray],
+    penalty: np.ndarray | None = None,
+    n_effective: float | None = None,
+    max_terms: int | None = None,
+) -> list[np.ndarray]:
+    """Eliminate terms backward from several supports and keep the best support of each size.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products.
+    proposals : sequence of sequence of int
+        Supports to begin with.
+    penalty, n_effective, max_terms
+        As in `prune`.
+
+    Returns
+    -------
+    list of ndarray of int
+        The one with the least information criterion first, then the best of each smaller size.
+    """
+    n = float(gram.n) if n_effective is None else n_effective
+    penalty = default_penalty(gram, n) if penalty is None else penalty
+    best: dict[int, tuple[float, tuple[int, ...]]] = {0: (n * np.log(_share(gram, gram.yy)), ())}
+    for proposal in proposals:
+        for support, error in eliminate(gram, proposal, penalty, n):
+            value = n * np.log(_share(gram, error)) + penalty[support].sum()
+            size = len(support)
+            if size <= (max_terms or size) and value < best.get(size, (np.inf,))[0]:
+                best[size] = (float(value), tuple(support))
+    first = min(best, key=lambda size: best[size])
+    return [np.array(best[s][1], dtype=int) for s in sorted(best, reverse=True) if s <= first]
+
+
+def _share(gram: Gram, error: float) -> float:
+    return max(error, np.finfo(float).tiny) / gram.n
+
+
+def material(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray:
+    """Drop terms too small to be told from the error of a derivative.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products.
+    support : sequence of int
+        Columns to begin with.
+
+    Returns
+    -------
+    ndarray of int
+        Terms that explain at least `MATERIAL` of the target's power, or else nearly all of what
+        is left of it. The smallest goes first.
 
     Notes
     -----
-    The whole way down is walked, as the criterion may have local minima; each step costs k^2 on a
-    support of k terms, because the inverse is downdated.
+    A finite difference errs by a smooth function of the state. Terms that fit it are significant
+    by any statistical test, and would be found where nothing is missing.
     """
     support = np.asarray(support, dtype=int)
-    if not len(support):
-        return support
-    penalty = default_penalty(gram, n_effective) if penalty is None else penalty
-    n = gram.n if n_effective is None else n_effective
-    part = gram.select(support)
-    part = part.scaled(part.scale)
-    inverse = _inverse(part)
-    coef = inverse @ part.xy
-    floor = max(LEAST * gram.yy, np.finfo(float).tiny)
-    error = max(float(gram.yy - coef @ part.xy), floor)
-    price = penalty[support]
-    left = np.arange(len(support))
-    limit = len(support) if max_terms is None else max_terms
-    best, best_value = left, n * np.log(error / gram.n) + price.sum()
-    while len(left):
-        rise = coef**2 / np.maximum(np.diag(inverse), np.finfo(float).tiny)
-        worst = int(np.argmin(n * np.log1p(rise / error) - price[left]))
-        error = max(error + float(rise[worst]), floor)
-        keep = np.arange(len(left)) != worst
-        column, pivot = inverse[keep, worst], inverse[worst, worst]
-        coef = coef[keep] - column * coef[worst] / pivot
-        inverse = inverse[np.ix_(keep, keep)] - np.outer(column, column) / pivot
-        left = left[keep]
-        value = n * np.log(error / gram.n) + price[left].sum()
-        if value < best_value or len(best) > limit:
-            best, best_value = left, value
-    return support[best]
+    scaled = gram.scaled(gram.scale)
+    while len(support):
+        _, without = gains(scaled, support)
+        error = rss(scaled, least_squares(scaled, support))
+        rise = without[support] - error
+        worst = int(np.argmin(rise))
+        if rise[worst] >= MATERIAL * gram.yy or rise[worst] >= error / REMAINDER:
+            break
+        support = np.delete(support, worst)
+    return support
 
 
 def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -368,7 +368,8 @@ def mul(a: Sum, b: Sum) -> Sum:
     """Return a * b, multiplied out."""
     if len(a.parts) * len(b.parts) > MAX_PARTS:
         a, b = _as_atom(a), _as_atom(b)
-    return _collect((c * d, _multiply(p, q)) for c, p in a.parts for d, q in b.parts)
+    products = [(c * d, _multiply(p, q)) for c, p in a.parts for d, q in b.parts]
+    return _collect(part for c, product in products for part in _multiplied_out(c, product))
 
 
 def div(a: Sum, b: Sum) -> Sum:
@@ -475,6 +476,15 @@ def _as_atom(a: Sum) -> Sum:
     leading = a.parts[-1][0]
     scaled = Sum(tuple((c / leading, term) for c, term in a.parts))
     return Sum(((leading, Product(((scaled, 1),))),))
+
+
+def _multiplied_out(coefficient: float, term: Product) -> Iterable[tuple[float, Product]]:
+    """Open a short sum that abs(q + v) sgn(q + v) = q + v has brought above the line."""
+    for atom, n in term.factors:
+        if isinstance(atom, Sum) and n > 0 and len(atom.parts) ** n <= MAX_PARTS:
+            rest = Product(tuple(factor for factor in term.factors if factor[0] != atom))
+            return mul(Sum(((coefficient, rest),)), power(atom, n)).parts
+    return [(coefficient, term)]
 
 
 def _multiply(p: Product, q: Product) -> Product:

@@ -1,0 +1,95 @@
+"""The last step of the search: the finalists on all rows.
+
+A generation sees some thousand rows; here every row counts, in chunks, so memory does not grow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import regression
+from .constants import tune
+from .dictionary import Problem, price
+from .regression import Gram
+from .terms import Product
+
+__all__ = ["refit"]
+
+N_BLOCKS = 12  # parts of the record that a coefficient must agree on
+TUNING_ROWS = 10_000  # for all inner constants together
+
+
+def refit(
+    problem: Problem, finalists: Sequence[Product], n_best: int, max_terms: int
+) -> tuple[tuple[Product, ...], tuple[float, ...]]:
+    """Weigh the finalists against each other on all rows.
+
+    Parameters
+    ----------
+    problem : Problem
+        All rows.
+    finalists : sequence of Product
+        Terms to weigh; the first `n_best` are the equation so far.
+    n_best : int
+        Terms whose inner constants are tuned together first.
+    max_terms : int
+        Most terms to keep.
+
+    Returns
+    -------
+    terms : tuple of Product
+        Those that pay their price on all rows, have the same coefficient all along the record,
+        and are larger than the error of a derivative.
+    coef : tuple of float
+        Their coefficients by least squares, in units of the target per unit of the term.
+    """
+    terms = [*_tuned_together(problem, finalists[:n_best]), *finalists[n_best:]]
+    terms, whole, folds, scale = _grams(problem, terms)
+    if not terms:
+        return (), ()
+    proposals = [*regression.supports(whole, max_terms), np.arange(len(terms))]
+    n_effective = float(whole.n)
+    for _ in range(2):
+        cost = price(terms, n_effective)
+        support = regression.front(whole, proposals, cost, n_effective, max_terms)[0]
+        n_effective = regression.effective_size(_residual(problem, [terms[j] for j in support]))
+    support = regression.material(whole, regression.stable(whole, folds, support))
+    coef = regression.least_squares(whole, support)[support] / scale[support]
+    return tuple(terms[j] for j in support), tuple(float(c) for c in coef)
+
+
+def _grams(
+    problem: Problem, terms: Sequence[Product]
+) -> tuple[list[Product], Gram, list[Gram], np.ndarray]:
+    """Return finite terms, the Gram matrix of all rows, those without one block each, and scale.
+
+    Columns have unit RMS on all rows, and the fixed columns are projected out.
+    """
+    n_fixed = problem.fixed.shape[1]
+    blocks = problem.blocks(terms, N_BLOCKS)
+    whole = regression.total(blocks)
+    finite = np.flatnonzero(np.isfinite(np.diag(whole.xx)[n_fixed:]))
+    columns = np.r_[np.arange(n_fixed), n_fixed + finite]
+    whole, blocks = whole.select(columns), [block.select(columns) for block in blocks]
+    scale = whole.scale
+    folds = [(whole - block).scaled(scale).without(n_fixed) for block in blocks]
+    kept = [terms[j] for j in finite]
+    return kept, whole.scaled(scale).without(n_fixed), folds, scale[n_fixed:]
+
+
+def _residual(problem: Problem, terms: Sequence[Product]) -> np.ndarray:
+    theta, y = problem.regression(terms)
+    gram = regression.gram(theta, y)
+    return y - theta @ regression.least_squares(gram, np.arange(theta.shape[1]))
+
+
+def _tuned_together(problem: Problem, terms: Sequence[Product]) -> Sequence[Product]:
+    if not any(term.constants for term in terms):
+        return terms
+    sample = problem.sample(TUNING_ROWS, np.random.default_rng(0))
+    free = [term for term in terms if term.constants]
+    rest, y = sample.regression([term for term in terms if not term.constants])
+    found = dict(zip(free, tune(free, sample.x, y, rest, project=sample.project), strict=True))
+    return [found.get(term, term) for term in terms]
