@@ -1,0 +1,128 @@
+"""The loop: trace the residual, test the best effect on twins, add it, repeat, prune, report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pysindy as ps
+
+from ..signals import Record
+from .declared import DeclaredModel, design_of
+from .design import Design
+from .records import alike, check_records, split_records
+from .report import LoopReport, make_report
+from .residual import Segments, segments
+from .rules import Rules
+from .step import Finding, exchange, find
+
+__all__ = ["close_loop"]
+
+
+def close_loop(
+    declared: DeclaredModel | ps.SINDy,
+    train: Record | Sequence[Record],
+    test: Record | Sequence[Record] | None = None,
+    *,
+    significance: float = 0.05,
+    n_twins: int = 39,
+    min_share: float = 0.05,
+    max_effects: int = 8,
+    random_state: int | np.random.Generator | None = None,
+    n_jobs: int | None = None,
+    progress: bool = False,
+) -> LoopReport:
+    """Find what a declared model lacks, add it, and report the errors before and after.
+
+    Each step scores every effect of the vocabulary, refitted together with the model, on parts of
+    the training data that it was not fitted on, in the derivative and in the simulation. The best
+    one is added if twins, in which nothing is missing, hardly ever show an effect so good.
+
+    Parameters
+    ----------
+    declared : DeclaredModel or pysindy.SINDy
+        The model so far; a SINDy model may be fitted or not.
+    train : Record or sequence of Record
+        Measurements to fit on and to search in.
+    test : Record or sequence of Record, optional
+        Measurements to judge on, which decide nothing. Without them the last of several records,
+        or the last 30 % of a single one, are held out.
+    significance : float
+        Chance to add an effect where nothing is missing, in (0, 1).
+    n_twins : int
+        Twins of each step. The smallest possible p-value is 1 / (n_twins + 1).
+    min_share : float
+        An effect must remove at least this share of the error variance that all candidates
+        together could remove, in the derivative or in the simulation. Real records always hold
+        traces of something; this says how small a trace matters to you.
+    max_effects : int
+        Stop after so many effects.
+    random_state : int, Generator or None
+        Seed of the twins.
+    n_jobs : int, optional
+        Processes that work on the twins; the result does not depend on it.
+    progress : bool
+        Show a progress bar.
+
+    Returns
+    -------
+    LoopReport
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of range, or the records do not fit the model or each other.
+    TypeError
+        If something is of the wrong type.
+
+    Notes
+    -----
+    An interrupt (Ctrl-C) ends the search; what was found until then is reported.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import pysindy_evolve as pse
+    >>> t = np.arange(0.0, 20.0, 0.01)
+    >>> q = np.exp(-0.1 * t) * np.cos(2.0 * t) + 0.5
+    >>> declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})
+    >>> report = pse.close_loop(declared, pse.prepare(t, q), random_state=0)
+    >>> report.verdict, report.effects[0].name
+    ('traced', 'constant offset')
+    """
+    rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress)
+    fit_on, judge_on = split_records(train, test)
+    declared_design = design_of(declared, fit_on)
+    check_records(declared_design, [*fit_on, *judge_on])
+    fit_on, judge_on = alike(fit_on, judge_on)
+    rng = np.random.default_rng(random_state)
+    part = segments(fit_on)
+    findings, finished = _search(declared_design, fit_on, part, rules, rng)
+    verdict = "traced" if findings else "complete"
+    return make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
+
+
+def _search(
+    declared: Design,
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+    rng: np.random.Generator,
+) -> tuple[list[Finding], bool]:
+    """Add effects until nothing passes; tell whether the search came to its end."""
+    findings: list[Finding] = []
+    try:
+        while len(findings) < rules.max_effects:
+            design = _with(declared, findings)
+            found = find(declared, design, records, part, rules, rng)
+            if not found:
+                return findings, True
+            findings = exchange(declared, [*findings, *found], part)
+    except KeyboardInterrupt:
+        if rules.progress is False and not findings:
+            raise
+    return findings, False
+
+
+def _with(declared: Design, findings: Sequence[Finding]) -> Design:
+    return declared.adding(column for finding in findings for column in finding.columns)

@@ -1,0 +1,240 @@
+"""The vocabulary: effects that engineers know by name, as columns that may enter an equation.
+
+Squares, products, absolute values and time have a mean, so each of them can pose as an offset. They
+may enter only where the constant itself already stands (the marginality principle of regression,
+Nelder 1977, DOI 10.2307/2344517).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..operators import BUILTIN
+from ..terms import ONE, Sum, add, call, constant, mul, power, sub, variable
+from .design import Design
+
+__all__ = ["VOCABULARY", "Candidate", "candidates", "periodic_candidates", "standing"]
+
+VOCABULARY = (
+    "Coulomb friction",
+    "asymmetric Coulomb friction",
+    "Stribeck friction",
+    "position-dependent friction",
+    "viscous damping",
+    "quadratic drag",
+    "nonlinear damping",
+    "linear stiffness",
+    "quadratic stiffness",
+    "cubic stiffness",
+    "quintic stiffness",
+    "dead zone",
+    "saturation",
+    "gravity",
+    "constant offset",
+    "coupling",
+    "input nonlinearity",
+    "input gain",
+    "drift",
+    "periodic forcing",
+    "position-periodic ripple",
+    "input delay",
+    "actuator lag",
+    "hysteresis",
+    "hidden state",
+    "evolved term",
+)
+
+# Stribeck speeds and widths of dead zones and saturations, as shares of the size of the signal.
+STRIBECK_SPEEDS = (0.05, 0.15, 0.4)
+DEAD_ZONES = (0.1, 0.25, 0.5)
+SATURATIONS = (0.5, 0.7, 0.9)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect that may be missing: its name, the equation it enters, its columns.
+
+    `parents` are expressions that must already stand in the equation.
+    """
+
+    name: str
+    state: int
+    terms: tuple[Sum, ...]
+    parents: tuple[Sum, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Number of nodes of its terms."""
+        return sum(term.size for term in self.terms)
+
+
+def candidates(design: Design, scales: np.ndarray) -> list[Candidate]:
+    """Return the effects that may be missing from a design.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    scales : ndarray of shape (n_variables,)
+        Largest magnitude of each variable: states, inputs, time.
+
+    Returns
+    -------
+    list of Candidate
+        Effects whose terms all stand in the equation already are left out.
+    """
+    present = standing(design)
+    return [
+        candidate
+        for state in design.open_states
+        for candidate in _of_equation(design, state, scales)
+        if not all((state, _bare(term)) in present for term in candidate.terms)
+    ]
+
+
+def periodic_candidates(
+    state: int, time: int, residual: np.ndarray, dt: float, n_peaks: int = 2
+) -> list[Candidate]:
+    """Return sines and cosines at the strongest frequencies of a residual.
+
+    Parameters
+    ----------
+    state : int
+        Equation that the residual belongs to.
+    time : int
+        Column of the variables that holds time.
+    residual : ndarray of shape (n_samples,)
+        On a uniform grid of step dt.
+    dt : float
+        Sampling time, units of t.
+    n_peaks : int
+        How many frequencies to propose.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    padded = 8 * len(residual)  # a grid fine enough that the true frequency lies close to it
+    window = np.hanning(len(residual))
+    spectrum = np.abs(np.fft.rfft((residual - residual.mean()) * window, padded))
+    lowest = 8 * 3  # fewer than three periods in the record cannot be told from a drift
+    found: list[Candidate] = []
+    for _ in range(n_peaks):
+        peak = lowest + int(np.argmax(spectrum[lowest:])) if len(spectrum) > lowest + 1 else 0
+        if peak == 0 or spectrum[peak] == 0.0:
+            break
+        phase = mul(constant(2 * np.pi * peak / (padded * dt)), variable(time))
+        terms = (call(BUILTIN["sin"], phase), call(BUILTIN["cos"], phase))
+        found.append(Candidate("periodic forcing", state, terms))
+        spectrum[max(peak - 16, 0) : peak + 17] = 0.0
+    return found
+
+
+def standing(design: Design) -> set[tuple[int, Sum]]:
+    """Return equation and expression, without its coefficient, of all that stands in a design."""
+    found = set()
+    for state in range(len(design.states)):
+        for part in (design.fixed[state], *(c.parts[state] for c in design.columns)):
+            if part.parts:
+                found.add((state, _bare(part)))
+            found |= {(state, Sum(((1.0, term),))) for _, term in part.parts}
+    return found
+
+
+def _bare(expression: Sum) -> Sum:
+    """Return an expression with its last coefficient made one."""
+    leading = expression.parts[-1][0]
+    return Sum(tuple((c / leading, term) for c, term in expression.parts))
+
+
+OFFSET = Sum(((1.0, ONE),))
+
+
+def _abs(a: Sum) -> Sum:
+    return call(BUILTIN["abs"], a)
+
+
+def _sgn(a: Sum) -> Sum:
+    return call(BUILTIN["sgn"], a)
+
+
+def _clipped(a: Sum, limit: float) -> Sum:
+    """Return a between -limit and limit, written with absolute values."""
+    edge = constant(limit)
+    return mul(constant(0.5), sub(_abs(add(a, edge)), _abs(sub(a, edge))))
+
+
+def _of_equation(design: Design, state: int, scales: np.ndarray) -> Iterator[Candidate]:
+    """Go through the vocabulary for one equation, simple effects before composed ones."""
+
+    def effect(name: str, *terms: Sum, parents: tuple[Sum, ...] = ()) -> Candidate:
+        return Candidate(name, state, terms, parents)
+
+    n_states, n_inputs = len(design.states), len(design.inputs)
+    v, position = variable(state), design.position_of(state)
+    yield effect("constant offset", OFFSET)
+    yield from _frictions(effect, v, float(scales[state]))
+    if position is not None:
+        yield from _springs(effect, variable(position), v, float(scales[position]))
+    for other in range(n_states):
+        if other not in (state, position):
+            yield from _couplings(effect, design, state, other)
+    for column in range(n_states, n_states + n_inputs):
+        own = [v] if position is None else [v, variable(position)]
+        yield from _inputs(effect, variable(column), own, float(scales[column]))
+    yield effect("drift", variable(n_states + n_inputs), parents=(OFFSET,))
+
+
+def _frictions(effect, v: Sum, speed: float) -> Iterator[Candidate]:  # type: ignore[no-untyped-def]
+    yield effect("viscous damping", v)
+    yield effect("Coulomb friction", _sgn(v))
+    yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
+    for share in STRIBECK_SPEEDS:
+        bell = call(BUILTIN["exp"], mul(constant(-1.0 / (share * speed) ** 2), power(v, 2)))
+        yield effect("Stribeck friction", mul(_sgn(v), bell), parents=(_sgn(v),))
+    yield effect("quadratic drag", mul(v, _abs(v)))
+    yield effect("nonlinear damping", power(v, 3))
+
+
+def _springs(effect, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:  # type: ignore[no-untyped-def]
+    yield effect("linear stiffness", q)
+    yield effect("quadratic stiffness", power(q, 2), parents=(OFFSET,))
+    yield effect("cubic stiffness", power(q, 3))
+    yield effect("quintic stiffness", power(q, 5))
+    for share in DEAD_ZONES:
+        yield effect("dead zone", sub(q, _clipped(q, share * reach)))
+    yield effect("gravity", call(BUILTIN["sin"], q))
+    yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,))
+    yield effect("nonlinear damping", mul(power(q, 2), v))
+    yield effect("position-dependent friction", mul(_abs(q), _sgn(v)))
+    yield effect("position-dependent friction", mul(power(q, 2), _sgn(v)))
+    yield effect("position-dependent friction", mul(q, _sgn(v)), parents=(_sgn(v),))
+    yield effect("coupling", mul(q, v), parents=(OFFSET,))
+
+
+def _couplings(effect, design: Design, state: int, other: int) -> Iterator[Candidate]:  # type: ignore[no-untyped-def]
+    own, w = variable(state), variable(other)
+    yield effect("coupling", w)
+    yield effect("coupling", mul(own, w), parents=(OFFSET,))
+    yield effect("coupling", power(w, 2), parents=(OFFSET,))
+    velocity = design.position_of(state) is not None
+    if velocity and design.position_of(other) is not None:
+        yield effect("Coulomb friction", _sgn(sub(own, w)))
+    position = design.position_of(state)
+    if position is not None and design.derivative_of(other) is not None:
+        stretch = sub(variable(position), w)
+        yield effect("cubic stiffness", power(stretch, 3))
+
+
+def _inputs(effect, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:  # type: ignore[no-untyped-def]
+    yield effect("input gain", u)
+    for x in own:
+        yield effect("input gain", mul(u, x), parents=(OFFSET,))
+    yield effect("input nonlinearity", power(u, 2), parents=(OFFSET,))
+    yield effect("input nonlinearity", mul(u, _abs(u)))
+    yield effect("input nonlinearity", power(u, 3))
+    for share in SATURATIONS:
+        yield effect("saturation", _clipped(u, share * reach))

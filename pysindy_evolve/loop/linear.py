@@ -1,0 +1,28 @@
+"""Normal equations, solved without harm from columns of very different size."""
+
+from __future__ import annotations
+
+import numpy as np
+
+__all__ = ["solve"]
+
+RIDGE = 1e-10  # relative; keeps a column that repeats another one from blowing up
+
+
+def solve(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
+    """Solve normal equations, with columns brought to one size first.
+
+    Parameters
+    ----------
+    xx : ndarray of shape (..., p, p)
+        Inner products of the columns.
+    xy : ndarray of shape (..., p)
+        Inner products with the target.
+
+    Returns
+    -------
+    ndarray of shape (..., p)
+    """
+    size = np.sqrt(np.maximum(np.diagonal(xx, axis1=-2, axis2=-1), 1e-300))
+    scaled = xx / (size[..., :, None] * size[..., None, :]) + RIDGE * np.eye(xx.shape[-1])
+    return np.linalg.solve(scaled, (xy / size)[..., None])[..., 0] / size

@@ -1,0 +1,107 @@
+"""The records that the loop works on: checked, split, and brought to one sampling time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..signals import Record, prepare
+from .design import Design
+
+__all__ = ["alike", "check_records", "split_records"]
+
+
+def split_records(
+    train: Record | Sequence[Record], test: Record | Sequence[Record] | None
+) -> tuple[list[Record], list[Record]]:
+    """Return the records to fit on and those to judge on."""
+    fit_on, judge_on = _listed("train", train), [] if test is None else _listed("test", test)
+    if judge_on:
+        return fit_on, judge_on
+    if len(fit_on) > 1:
+        return fit_on[:-1], fit_on[-1:]
+    first, last = fit_on[0].split(0.3)
+    return [first], [last]
+
+
+def _listed(parameter: str, given: Any) -> list[Record]:
+    records = [given] if isinstance(given, Record) else given
+    if not isinstance(records, list | tuple) or not all(isinstance(r, Record) for r in records):
+        raise TypeError(
+            f"close_loop({parameter}=...) must be a Record or a list of them; "
+            f"got {type(given).__name__}. Make one with prepare(t, q, F)."
+        )
+    if not records:
+        raise ValueError(
+            f"close_loop({parameter}=...) must hold at least one record; got an empty list. "
+            "Make one with prepare(t, q, F)."
+        )
+    return list(records)
+
+
+MIN_SAMPLES = 32
+
+
+def check_records(design: Design, records: Sequence[Record]) -> None:
+    """Raise where records do not fit the model, or are too short to hold anything out."""
+    for record in records:
+        wanted = {"x": (len(design.states), record.n_states, "state")}
+        wanted["u"] = (len(design.inputs), record.n_inputs, "input")
+        for name, (expected, found, what) in wanted.items():
+            if expected != found:
+                raise ValueError(
+                    f"close_loop(train=..., test=...) must have one column of {name} for each "
+                    f"{what} of the model; got {found} for {expected}. Declare each {what}, or "
+                    "prepare the records with the order of the model."
+                )
+        if record.n_samples < MIN_SAMPLES:
+            raise ValueError(
+                f"close_loop(train=..., test=...) must have at least {MIN_SAMPLES} samples a "
+                f"record, held-out part included; got {record.n_samples}. Record longer."
+            )
+        steps = np.diff(record.t)
+        if np.ptp(steps) > 0.01 * steps.mean():
+            raise ValueError(
+                "close_loop(train=..., test=...) must be sampled uniformly; "
+                f"got steps from {steps.min():g} to {steps.max():g}. "
+                "Interpolate the record to one sampling time first."
+            )
+
+
+def alike(train: list[Record], test: list[Record]) -> tuple[list[Record], list[Record]]:
+    """Bring all records to one sampling time and, where they were prepared, to one cutoff.
+
+    The cutoff is the geometric mean of those of the training records; the held-out ones follow.
+    """
+    steps = np.array([record.dt for record in (*train, *test)])
+    if np.ptp(steps) <= 0.01 * steps[0]:
+        return train, test
+    made = train[0].preparation
+    if made is None or any(r.preparation is None for r in (*train, *test)):
+        raise ValueError(
+            "close_loop(train=..., test=...) must have one sampling time in all records; "
+            f"got {steps.min():g} to {steps.max():g}. Make all of them with prepare(t, y, u), or "
+            "interpolate them."
+        )
+    cutoffs = [r.preparation.cutoff for r in train if r.preparation and r.preparation.cutoff]
+    cutoff = float(np.exp(np.mean(np.log(cutoffs)))) if len(cutoffs) == len(train) else None
+    step = float(np.median(steps[: len(train)]))
+    return [_prepared(r, cutoff, step) for r in train], [_prepared(r, cutoff, step) for r in test]
+
+
+def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
+    """Prepare a record again from its raw data, over the same span of time."""
+    made = record.preparation
+    if made is None:  # excluded by the caller
+        return record
+    decimation = round(step / made.dt)
+    if decimation < 1 or abs(decimation * made.dt / step - 1.0) > 0.01:
+        raise ValueError(
+            "close_loop(train=..., test=...) must have raw sampling times that are multiples of "
+            f"one another; got {made.dt:g} for {step:g}. Interpolate the records first."
+        )
+    again = prepare(made.t, made.y, made.u, made.order, cutoff, decimation, made.method)
+    inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
+    return again[int(inside[0]) : int(inside[-1]) + 1]

@@ -1,0 +1,41 @@
+"""The settings of the loop, checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from numbers import Integral, Real
+
+__all__ = ["Rules"]
+
+
+@dataclass(frozen=True)
+class Rules:
+    """When an effect counts, and how hard to look."""
+
+    significance: float
+    n_twins: int
+    min_share: float
+    max_effects: int
+    n_jobs: int | None = None
+    progress: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("significance", "min_share"):
+            value = getattr(self, name)
+            if not isinstance(value, Real) or not 0.0 < float(value) < 1.0:
+                raise ValueError(
+                    f"close_loop({name}=...) must be in (0, 1); got {value!r}. "
+                    "Give a share such as 0.05."
+                )
+        for name, least in (("n_twins", 1), ("max_effects", 0)):
+            value = getattr(self, name)
+            if not isinstance(value, Integral) or value < least:
+                raise ValueError(
+                    f"close_loop({name}=...) must be an integer of at least {least}; "
+                    f"got {value!r}. Give a count."
+                )
+        if (self.n_twins + 1) * self.significance < 1.0:
+            raise ValueError(
+                f"close_loop(n_twins=...) must be at least {1 / self.significance - 1:.0f} for "
+                f"significance={self.significance:g}; got {self.n_twins}. Take more twins."
+            )

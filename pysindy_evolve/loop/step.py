@@ -1,0 +1,271 @@
+"""One step of the loop: propose, score, test on twins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm.auto import tqdm
+
+from ..equations import Equations
+from ..signals import Record
+from .design import Column, Design, in_state
+from .effects import Candidate, candidates, periodic_candidates, standing
+from .linear import solve
+from .residual import Segments, jacobian, spectral_grams, variables_of, view_grams
+from .rules import Rules
+from .trace import Score, rank
+from .twins import TwinMaker
+
+__all__ = ["Finding", "exchange", "find"]
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """An effect that passed, with its evidence.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        Name, equation, terms.
+    columns : tuple of Column
+        Its columns in the design.
+    score : float
+        Log ratio of the errors without and with it, per effect of its group.
+    p_value : float
+        Chance that a twin shows a score as large.
+    twin_scores : ndarray
+        Best score found in each twin.
+    alternatives : tuple of str
+        Names of effects that do not do significantly worse.
+    """
+
+    candidate: Candidate
+    columns: tuple[Column, ...]
+    score: float
+    p_value: float
+    twin_scores: np.ndarray
+    alternatives: tuple[str, ...]
+
+
+def find(
+    declared: Design,
+    design: Design,
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+    rng: np.random.Generator,
+) -> list[Finding]:
+    """Return the effect, or the pair of effects, that a design lacks; nothing if none passes.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start; shares are of its error.
+    design : Design
+        The model so far.
+    records : sequence of Record
+        Training records.
+    part : Segments
+        Pieces of them.
+    rules : Rules
+        When an effect counts.
+    rng : numpy.random.Generator
+        Draws the twins.
+
+    Returns
+    -------
+    list of Finding
+    """
+    equations = quick_fit(design, part)
+    proposed = propose(design, equations, records)
+    scores = score(design, part, proposed)
+    shares = Shares(declared, design, part, proposed)
+    worthy = [s for s in scores if s.value > 0.0 and shares.of(s) >= rules.min_share]
+    if not worthy:
+        return []
+    best = plainest(worthy)
+    richer = design.adding(c for candidate in best.group for c in columns_of(candidate, design))
+    maker = TwinMaker.of(equations, quick_fit(richer, part), records)
+    twins = twin_scores(design, maker, part, best.value, rules, rng)
+    p_value = float((1.0 + np.sum(twins >= best.value)) / (1.0 + len(twins)))
+    if p_value > rules.significance:
+        return []
+    names = rivals(best, scores)
+    return [
+        Finding(c, columns_of(c, design), best.value, p_value, twins, names) for c in best.group
+    ]
+
+
+def quick_fit(design: Design, part: Segments) -> Equations:
+    """Fit a design on segments by its derivative."""
+    still = np.zeros((*part.x_dot.shape, part.n_states))
+    total = view_grams(part, design, design.columns, still)["derivative"].sum(axis=0)
+    return design.equations(solve(total[:-1, :-1], total[:-1, -1]))
+
+
+def propose(design: Design, equations: Equations, records: Sequence[Record]) -> list[Candidate]:
+    """Return what may be missing: the vocabulary, and the frequencies of the residual."""
+    scales = np.max([np.abs(variables_of(record)).max(axis=0) for record in records], axis=0)
+    proposed = candidates(design, scales)
+    longest = max(records, key=len)
+    residual = longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t)
+    time = len(design.states) + len(design.inputs)
+    for state in design.open_states:
+        proposed += periodic_candidates(state, time, residual[:, state], longest.dt)
+    return proposed
+
+
+def score(
+    design: Design, part: Segments, proposed: Sequence[Candidate], *, pairs: bool = True
+) -> list[Score]:
+    """Score candidates on segments, each refitted together with the columns of the design."""
+    extra = [column for candidate in proposed for column in columns_of(candidate, design)]
+    n_fixed = len(design.columns)
+    grams = spectral_grams(part, design, [*design.columns, *extra])
+    return rank(grams, n_fixed, proposed, standing(design), pairs=pairs)
+
+
+def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
+    """Return the columns that a candidate adds to a design."""
+    n_states = len(design.states)
+    return tuple(
+        in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms
+    )
+
+
+class Shares:
+    """What share of the explainable error, as a variance, the effects of a group remove.
+
+    Explainable is what the declared model leaves and the model with all candidates does not. Of
+    derivative and simulation the larger share counts: an offset hardly shows in the first, a
+    ripple hardly in the second.
+    """
+
+    def __init__(
+        self, declared: Design, design: Design, part: Segments, proposed: Sequence[Candidate]
+    ) -> None:
+        extra = [column for candidate in proposed for column in columns_of(candidate, design)]
+        slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
+        views = view_grams(part, design, [*design.columns, *extra], slopes)
+        self._grams = {name: grams.sum(axis=0) for name, grams in views.items()}
+        self._base = tuple(range(len(design.columns)))
+        n_declared, n_columns = len(declared.columns), len(design.columns) + len(extra)
+        self._explainable = {
+            name: _error(gram, range(n_declared)) - _error(gram, range(n_columns))
+            for name, gram in self._grams.items()
+        }
+
+    def of(self, score: Score) -> float:
+        """Return the share that the least useful effect of a group removes."""
+        return min(self._of_effect(score, k) for k in range(len(score.group)))
+
+    def _of_effect(self, score: Score, k: int) -> float:
+        start = sum(len(candidate.terms) for candidate in score.group[:k])
+        own = score.places[start : start + len(score.group[k].terms)]
+        others = tuple(place for place in score.places if place not in own)
+        return max(
+            (_error(gram, self._base + others) - _error(gram, self._base + score.places))
+            / max(self._explainable[name], 1e-300)
+            for name, gram in self._grams.items()
+        )
+
+
+def _error(gram: np.ndarray, columns: Sequence[int]) -> float:
+    """Return what least squares on some columns leaves of the target's square."""
+    index = np.asarray(columns, dtype=int)
+    explained = solve(gram[np.ix_(index, index)], gram[index, -1]) @ gram[index, -1]
+    return float(max(gram[-1, -1] - explained, 0.0))
+
+
+def plainest(scores: Sequence[Score]) -> Score:
+    """Return the smallest of the groups that do as well as the first, to one percent."""
+    equal = [
+        s
+        for s in scores
+        if s.value >= 0.99 * scores[0].value and len(s.group) == len(scores[0].group)
+    ]
+    return min(equal, key=lambda s: sum(candidate.size for candidate in s.group))
+
+
+def twin_scores(
+    design: Design,
+    maker: TwinMaker,
+    part: Segments,
+    observed: float,
+    rules: Rules,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Return the best score that the same search finds in each twin.
+
+    Twins come in batches; once enough of them do better than what was observed for it to fail,
+    the rest are spared (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301).
+    """
+    children = rng.spawn(rules.n_twins)
+    allowed = rules.significance * (rules.n_twins + 1) - 1.0
+    found: list[float] = []
+    bar = tqdm(total=rules.n_twins, desc="twins", disable=not rules.progress, leave=False)
+    with Parallel(n_jobs=rules.n_jobs) as parallel, bar:
+        for start in range(0, rules.n_twins, 4):
+            batch = children[start : start + 4]
+            found += parallel(delayed(_best_in_twin)(design, maker, part, c) for c in batch)
+            bar.update(len(batch))
+            if np.sum(np.array(found) >= observed) > allowed:
+                break
+    return np.array(found)
+
+
+def _best_in_twin(
+    design: Design, maker: TwinMaker, part: Segments, rng: np.random.Generator
+) -> float:
+    twins = maker.make(rng)
+    twin_part = part.of(twins)
+    equations = quick_fit(design, twin_part)
+    scores = score(design, twin_part, propose(design, equations, twins))
+    return max((s.value for s in scores), default=0.0)
+
+
+def rivals(best: Score, scores: Sequence[Score]) -> tuple[str, ...]:
+    """Return names of other effects that do as well within one standard error over the folds."""
+    names, own = [], {candidate.name for candidate in best.group}
+    for other in scores:
+        if len(other.group) != len(best.group):
+            continue
+        gap = np.log((other.errors + 1e-300) / (best.errors + 1e-300))
+        standard_error = gap.std(ddof=1) / np.sqrt(len(gap)) if len(gap) > 1 else np.inf
+        if gap.mean() <= standard_error:
+            names += [c.name for c in other.group if c.name not in own]
+    return tuple(dict.fromkeys(names))
+
+
+def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
+    """Replace an earlier effect where another one does better beside what was found later.
+
+    Effects that only work together may enter one after the other, and the first of them under a
+    wrong name: cubic damping for drag, as long as the friction is not there yet.
+    """
+    for place, finding in enumerate(findings[:-1]):
+        rest = [f for k, f in enumerate(findings) if k != place]
+        parents = {parent for f in rest for parent in f.candidate.parents}
+        if parents & set(finding.candidate.terms):
+            continue
+        design = declared.adding(column for f in rest for column in f.columns)
+        scales = np.abs(part.z).reshape(-1, part.z.shape[-1]).max(axis=0)
+        options = dict.fromkeys([*candidates(design, scales), finding.candidate])
+        scores = score(design, part, list(options), pairs=False)
+        own = next((s for s in scores if s.group == (finding.candidate,)), None)
+        if own is not None and scores[0].value > own.value + MARGIN:
+            better = scores[0].group[0]
+            findings[place] = replace(
+                finding,
+                candidate=better,
+                columns=columns_of(better, design),
+                score=scores[0].value,
+                alternatives=rivals(scores[0], scores),
+            )
+    return findings
+
+
+MARGIN = 0.02  # of the log error: names do not change for less

@@ -1,0 +1,159 @@
+"""Trace a residual: which effects, refitted together with the model, better what is held out.
+
+Inside the training data, each fold of segments is predicted from the others. The score of an
+effect is log(error without it / error with it), where an error is the sum of squares over the
+folds: 0 is no gain, 0.7 halves the error variance. Pairs of effects are scored as well, per effect,
+because some only show together: friction and drag, whose sum the viscous damping had absorbed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from ..terms import Sum
+from .effects import Candidate
+from .linear import solve
+
+__all__ = ["Score", "fold_errors", "rank"]
+
+N_FOLDS = 8
+NEW = 1e-6  # share of a column's square that the model's columns must leave
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """How a group of one or two candidates did: errors of each fold without and with it."""
+
+    group: tuple[Candidate, ...]
+    places: tuple[int, ...]
+    without: np.ndarray
+    errors: np.ndarray
+
+    @property
+    def value(self) -> float:
+        """log(error without / error with), per effect of the group."""
+        before, after = self.without.sum(), self.errors.sum()
+        gain = np.log(max(before, 1e-300) / max(after, 1e-300))
+        return float(gain) / len(self.group)
+
+
+def fold_errors(grams: np.ndarray, models: np.ndarray) -> np.ndarray:
+    """Predict each fold of segments from the others.
+
+    Parameters
+    ----------
+    grams : ndarray of shape (n_segments, p + 1, p + 1)
+        Inner products, target last.
+    models : ndarray of int of shape (n_models, n_columns)
+        Columns of each model.
+
+    Returns
+    -------
+    ndarray of shape (n_models, n_folds)
+        Sum of squared errors in each fold.
+    """
+    n_segments, last = len(grams), grams.shape[1] - 1
+    n_folds = min(N_FOLDS, n_segments)
+    fold = np.arange(n_segments) * n_folds // n_segments
+    held = np.array([grams[fold == k].sum(axis=0) for k in range(n_folds)])
+    rest = held.sum(axis=0) - held
+    models = np.asarray(models, dtype=int)
+    index = np.column_stack([models, np.full(len(models), last)])
+    pick = (slice(None), index[:, :, None], index[:, None, :])
+    trained, judged = rest[pick], held[pick]
+    coef = solve(trained[..., :-1, :-1], trained[..., :-1, -1])
+    contrast = np.concatenate([coef, np.full((*coef.shape[:-1], 1), -1.0)], axis=-1)
+    errors = np.einsum("fmi,fmij,fmj->mf", contrast, judged, contrast)
+    return np.maximum(errors, 0.0)
+
+
+def rank(
+    grams: np.ndarray,
+    n_fixed: int,
+    candidates: Sequence[Candidate],
+    present: set[tuple[int, Sum]],
+    *,
+    pairs: bool = True,
+) -> list[Score]:
+    """Score all candidates and all pairs of them, best first.
+
+    Parameters
+    ----------
+    grams : ndarray of shape (n_segments, p + 1, p + 1)
+        Columns of the model, columns of the candidates in their order, target.
+    n_fixed : int
+        Number of columns of the model.
+    candidates : sequence of Candidate
+        What may be missing.
+    present : set of (int, Sum)
+        Equation and expression of what stands in the model; parents must be in it, or in the
+        group.
+    pairs : bool
+        Whether to score pairs too.
+
+    Returns
+    -------
+    list of Score
+        Candidates that are linear combinations of the model's columns are left out.
+    """
+    without = fold_errors(grams, np.arange(n_fixed)[None, :])[0]
+    own, start = [], n_fixed
+    for candidate in candidates:
+        own.append(tuple(range(start, start + len(candidate.terms))))
+        start += len(candidate.terms)
+    new = [i for i in range(len(candidates)) if _is_new(grams, n_fixed, own[i])]
+    groups: list[tuple[int, ...]] = [(i,) for i in new]
+    groups += [
+        (i, j)
+        for i, j in combinations(new if pairs else [], 2)
+        if candidates[i].name != candidates[j].name
+    ]
+    allowed = [g for g in groups if _parents_stand([candidates[i] for i in g], present)]
+    scores = _scored(grams, n_fixed, candidates, own, allowed, without)
+    return sorted(scores, key=lambda score: -score.value)
+
+
+def _scored(
+    grams: np.ndarray,
+    n_fixed: int,
+    candidates: Sequence[Candidate],
+    own: Sequence[tuple[int, ...]],
+    groups: Sequence[tuple[int, ...]],
+    without: np.ndarray,
+) -> list[Score]:
+    """Solve all groups with equally many columns at once."""
+    base = tuple(range(n_fixed))
+    models: dict[int, list[tuple[tuple[int, ...], tuple[int, ...]]]] = {}
+    for group in groups:
+        columns = sum((own[i] for i in group), ())
+        models.setdefault(len(columns), []).append((group, columns))
+    scores = []
+    for entries in models.values():
+        errors = fold_errors(grams, np.array([base + columns for _, columns in entries]))
+        scores += [
+            Score(tuple(candidates[i] for i in group), columns, without, error)
+            for (group, columns), error in zip(entries, errors, strict=True)
+        ]
+    return scores
+
+
+def _parents_stand(group: Sequence[Candidate], present: set[tuple[int, Sum]]) -> bool:
+    standing = present | {(c.state, term) for c in group for term in c.terms}
+    return all((c.state, parent) in standing for c in group for parent in c.parents)
+
+
+def _is_new(grams: np.ndarray, n_fixed: int, own: Sequence[int]) -> bool:
+    """Tell whether a candidate is finite and more than a combination of the model's columns."""
+    total, base = grams.sum(axis=0), np.arange(n_fixed)
+    for column in own:
+        size = total[column, column]
+        if not np.isfinite(size) or size <= 1e-300:
+            return False
+        fit = solve(total[np.ix_(base, base)], total[base, column])
+        if size - fit @ total[base, column] <= NEW * size:
+            return False
+    return True
