@@ -89,8 +89,8 @@ def _same_lengths(x: Sequence[Any], y: Sequence[Any]) -> None:
     lengths, other = [len(xi) for xi in x], [len(yi) for yi in y]
     if lengths != other:
         raise ValueError(
-            f"EvolvingLibrary.fit(y=...) must have as many samples as x; got {other} for {lengths}. "
-            "Pass x_dot at the samples of x, for each trajectory."
+            f"EvolvingLibrary.fit(y=...) must have as many samples as x; got {other} for "
+            f"{lengths}. Pass x_dot at the samples of x, for each trajectory."
         )
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -63,7 +64,8 @@ class Problem:
 
     def theta(self, terms: Sequence[Product], rows: slice = slice(None)) -> np.ndarray:
         """Evaluate fixed columns and terms, not yet projected: (rows, n_fixed + n_terms)."""
-        x, cache, n_fixed = self.x[rows], {}, self.fixed.shape[1]
+        x, n_fixed = self.x[rows], self.fixed.shape[1]
+        cache: dict[Any, np.ndarray] = {}
         columns = np.empty((len(x), n_fixed + len(terms)))
         columns[:, :n_fixed] = self.fixed[rows]
         for j, term in enumerate(terms):
@@ -105,7 +107,7 @@ class Dictionary:
         return self.theta.shape[1] - len(self.terms)
 
     def residual(self, support: np.ndarray) -> np.ndarray:
-        """What fixed columns and the terms of a support leave of the target, shape (m,)."""
+        """Return what fixed columns and the terms of a support leave of the target: (m,)."""
         n = self.n_fixed
         columns = self.theta[:, [*range(n), *(n + j for j in support)]]
         coef = np.linalg.lstsq(columns, self.y, rcond=None)[0]
@@ -158,7 +160,7 @@ def _different(left: Gram, terms: Sequence[Product]) -> list[int]:
     skeletons = [skeleton(term) if term.constants else None for term in terms]
     keep: list[int] = []
     for j in np.flatnonzero(power > SPANNED):
-        close = [i for i in np.asarray(keep, dtype=int)[correlation[j, keep] > SIBLING]]
+        close = np.asarray(keep, dtype=int)[correlation[j, keep] > SIBLING]
         if any(correlation[j, i] > TWIN for i in close):
             continue
         if skeletons[j] is None or all(skeletons[i] != skeletons[j] for i in close):

@@ -154,8 +154,9 @@ def evolve(
     search = generations(problem, operators, settings, rng)
     bar = tqdm(search, total=settings.n_generations, disable=not progress, desc="generation")
     try:
-        for generation, finalists in bar:
+        for generation, ranking in bar:
             history.append(generation)
+            finalists = ranking
             bar.set_postfix(n_terms=generation.n_terms, fitness=f"{generation.fitness:.3g}")
             if _settled(history, settings.patience):
                 break
@@ -244,7 +245,8 @@ def tune_constants(
     dictionary: Dictionary, front: Sequence[np.ndarray], fitness: np.ndarray, partners: np.ndarray
 ) -> list[Product]:
     """Tune the inner constants of the best terms that have some, each beside its equation."""
-    problem, n_fixed, tuned = dictionary.problem, dictionary.n_fixed, []
+    problem, n_fixed = dictionary.problem, dictionary.n_fixed
+    tuned: list[Product] = []
     step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
     order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
     for j in order[:N_TUNED]:

@@ -172,7 +172,7 @@ class Genetics:
 
     def _fits(self, term: Product) -> bool:
         small = term.size <= NODES_PER_LEVEL * self.max_depth and term.depth <= self.max_depth
-        return bool(term.variables) and small
+        return small and bool(term.variables) and not any(map(_is_mask, term.factors))
 
     def _expression(self, tree: gp.PrimitiveTree) -> Sum:
         stack: list[Sum] = []
@@ -202,6 +202,12 @@ class Genetics:
     def _number(self) -> float:
         size = self.random.choice(self._scale) ** self.random.choice((1, -1))
         return float(f"{size * self.random.lognormvariate(0, 1):.3g}")
+
+
+def _is_mask(factor: tuple[Atom, int]) -> bool:
+    """Tell whether a factor is sgn(v)^2: one everywhere but at zero, it hides single samples."""
+    atom, n = factor
+    return isinstance(atom, Call) and atom.operator == BUILTIN["sgn"] and n % 2 == 0
 
 
 def _deap_drawing_from(source: random.Random) -> dict[str, Any]:

@@ -98,15 +98,16 @@ def target(library: Any, x: Sequence[np.ndarray]) -> list[np.ndarray] | None:
 
 
 def _is_fit(x: Sequence[np.ndarray], groups: list[list[np.ndarray]]) -> bool:
-    """Tell whether groups are the x, x_dot and u of the x that `fit` received."""
+    """Tell whether groups are the x, x_dot and u of the x that `fit` received.
+
+    An x_dot of another length is let through: it has an error of its own.
+    """
     for i, xi in enumerate(x):
-        parts = [group[i] for group in groups]
-        if any(part.ndim != 2 or len(part) != len(xi) for part in parts):
+        state, derivative, *inputs = (group[i] for group in groups)
+        columns = [state, *inputs]
+        if state.shape[1:] != derivative.shape[1:] or any(len(c) != len(xi) for c in columns):
             return False
-        state, derivative, *inputs = parts
-        if state.shape != derivative.shape:
-            return False
-        whole = np.hstack([state, *inputs])
+        whole = np.hstack(columns)
         if whole.shape != xi.shape or not np.array_equal(whole, xi):
             return False
     return True

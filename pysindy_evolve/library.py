@@ -275,13 +275,13 @@ class EvolvingLibrary(_TermColumns):
         return self
 
     def _settings(self) -> Settings:
-        names = ("population_size", "n_generations", "max_depth", "max_terms")
-        for name in names:
+        counts = ("population_size", "n_generations", "max_depth", "max_terms")
+        rates = ("crossover_rate", "mutation_rate")
+        for name in counts:
             checks.positive_integer(getattr(self, name), "EvolvingLibrary", name)
-        for name in ("crossover_rate", "mutation_rate"):
+        for name in rates:
             checks.rate(getattr(self, name), "EvolvingLibrary", name)
-        names += ("crossover_rate", "mutation_rate")
-        return Settings(**{name: getattr(self, name) for name in names})
+        return Settings(**{name: getattr(self, name) for name in (*counts, *rates)})
 
 
 def _stack(parts: Sequence[Any]) -> np.ndarray:

@@ -74,7 +74,7 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         *,
         max_terms: int = 30,
         max_iter: int = 10_000,
-        copy_X: bool = True,  # noqa: N803
+        copy_X: bool = True,
     ) -> None:
         self.lambda1 = lambda1
         self.lambda2 = lambda2
@@ -82,7 +82,7 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.max_iter = max_iter
         self.copy_X = copy_X
 
-    def fit(self, X: np.ndarray, y: np.ndarray) -> ElasticNet:  # noqa: N803
+    def fit(self, X: np.ndarray, y: np.ndarray) -> ElasticNet:
         """Fit one sparse row of coefficients to each target.
 
         Parameters
@@ -107,7 +107,7 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.intercept_ = 0.0
         return self
 
-    def predict(self, X: np.ndarray) -> np.ndarray:  # noqa: N803
+    def predict(self, X: np.ndarray) -> np.ndarray:
         """Return ``X @ coef_.T``.
 
         Parameters

@@ -75,7 +75,7 @@ def _grams(
     whole, blocks = whole.select(columns), [block.select(columns) for block in blocks]
     scale = whole.scale
     folds = [(whole - block).scaled(scale).without(n_fixed) for block in blocks]
-    kept = [terms[j] for j in finite]
+    kept = [terms[int(j)] for j in finite]
     return kept, whole.scaled(scale).without(n_fixed), folds, scale[n_fixed:]
 
 

@@ -22,6 +22,7 @@ import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import pairwise
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft
@@ -150,7 +151,7 @@ def block_grams(
     """
     edges = np.linspace(0, len(y), n_blocks + 1).astype(int)
     blocks = []
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         pieces = (slice(a, min(a + CHUNK, stop)) for a in range(start, stop, CHUNK))
         blocks.append(total(gram(columns(rows), y[rows]) for rows in pieces))
     return blocks
@@ -354,24 +355,24 @@ def eliminate(
     -----
     Each step costs k^2 on a support of k terms, because the inverse is downdated.
     """
-    support = np.asarray(support, dtype=int)
-    part = gram.select(support)
+    left = np.asarray(support, dtype=int)
+    part = gram.select(left)
     part = part.scaled(part.scale)
     inverse = _inverse(part)
-    coef, price = inverse @ part.xy, penalty[support]
+    coef, price = inverse @ part.xy, penalty[left]
     floor = max(LEAST * gram.yy, np.finfo(float).tiny)
     error = max(float(gram.yy - coef @ part.xy), floor)
-    way = [(support, error)]
-    while len(support):
+    way = [(left, error)]
+    while len(left):
         rise = coef**2 / np.maximum(np.diag(inverse), np.finfo(float).tiny)
         worst = int(np.argmin(n_effective * np.log1p(rise / error) - price))
         error = max(error + float(rise[worst]), floor)
-        keep = np.arange(len(support)) != worst
+        keep = np.arange(len(left)) != worst
         column, pivot = inverse[keep, worst], inverse[worst, worst]
         coef = coef[keep] - column * coef[worst] / pivot
         inverse = inverse[np.ix_(keep, keep)] - np.outer(column, column) / pivot
-        support, price = support[keep], price[keep]
-        way.append((support, error))
+        left, price = left[keep], price[keep]
+        way.append((left, error))
     return way
 
 
@@ -559,7 +560,7 @@ def _jackknife_ratio(whole: Gram, folds: Sequence[Gram], support: np.ndarray) ->
 
 
 def effective_size(residual: np.ndarray) -> float:
-    """Number of independent samples in an autocorrelated series.
+    """Count the independent samples in an autocorrelated series.
 
     Parameters
     ----------
