@@ -1,0 +1,113 @@
+"""Simulated machines of which the truth is known, for the tests of the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import pysindy_evolve as pse
+from pysindy_evolve.equations import Equations
+
+DT = 0.01
+
+
+def equations_of(sides: Mapping[str, str], inputs: tuple[str, ...] = ()) -> Equations:
+    """Return equations written as text with all numbers in it."""
+    return pse.DeclaredModel(sides, inputs=inputs).design().equations([])
+
+
+def multisine(duration: float, size: float, seed: int, band: tuple[float, float] = (0.1, 2.5)):
+    """Return times and a force of about 30 sines of equal amplitude and random phase."""
+    t = np.arange(0.0, duration, DT)
+    rng = np.random.default_rng(seed)
+    frequencies = np.linspace(*band, 30) + rng.uniform(-0.02, 0.02, 30)
+    phases = rng.uniform(0.0, 2 * np.pi, 30)
+    waves = np.sin(2 * np.pi * np.outer(t, frequencies) + phases)
+    return t, size * waves.sum(axis=1) / np.sqrt(15.0)
+
+
+def measured(
+    sides: Mapping[str, str],
+    *,
+    noise: float = 1e-3,
+    duration: float = 40.0,
+    size: float = 20.0,
+    seed: int = 0,
+    x0: tuple[float, ...] = (),
+    order: int = 2,
+) -> pse.Record:
+    """Simulate a machine driven by F, put noise on its positions, and prepare the record.
+
+    `noise` is the share of the standard deviation of each position.
+    """
+    model = equations_of(sides, ("F",))
+    t, force = multisine(duration, size, seed)
+    x = pse.simulate(model, list(x0) or [0.0] * len(sides), t, force, tolerance=1e-8)
+    y = x[:, ::order]
+    rng = np.random.default_rng(seed + 1000)
+    y = y + noise * y.std(axis=0) * rng.standard_normal(y.shape)
+    return pse.prepare(t, y, force, order=order)
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """A machine, its declared model, and the effect that the declared model lacks."""
+
+    effect: str
+    truth: Mapping[str, str]
+    declared: Mapping[str, str]
+    state: str = "v"
+    options: Mapping[str, object] = field(default_factory=dict)
+
+    def record(self, **options) -> pse.Record:
+        return measured(self.truth, **{**self.options, **options})
+
+    @property
+    def model(self) -> pse.DeclaredModel:
+        return pse.DeclaredModel(self.declared, inputs=["F"])
+
+
+def oscillator(effect: str, term: str, declared: str = "-k*q - c*v + b*F", **options) -> Hidden:
+    """Return a driven oscillator with one more term."""
+    truth = {"q": "v", "v": f"-40*q - 0.8*v + F {term}"}
+    return Hidden(effect, truth, {"q": "v", "v": declared}, options=options)
+
+
+def hidden_effects() -> list[Hidden]:
+    """Return one machine for each static or time-dependent effect of the vocabulary."""
+    two = {"q1": "v1", "v1": "-40*q1 - 0.8*v1 + F", "q2": "v2", "v2": "-90*q2 - 1.1*v2 + 20*q1"}
+    apart = {"q1": "v1", "v1": "-k*q1 - c*v1 + b*F", "q2": "v2", "v2": "-m*q2 - d*v2"}
+    rubbed = "-k*q - c*v + b*F - f*sgn(v)"
+    return [
+        oscillator("Coulomb friction", "- 2*sgn(v)"),
+        oscillator(
+            "asymmetric Coulomb friction",
+            "- 2*sgn(v) + 0.3 - 0.6*abs(v)",
+            rubbed + " + o",
+        ),
+        oscillator("Stribeck friction", "- sgn(v) - 3*sgn(v)*exp(-(v/0.6)^2)", rubbed),
+        oscillator("position-dependent friction", "- 20*q^2*sgn(v)"),
+        oscillator("viscous damping", "", "-k*q + b*F"),
+        oscillator("quadratic drag", "- 0.5*v*abs(v)"),
+        oscillator("nonlinear damping", "- 8*q^2*v"),
+        oscillator("linear stiffness", "", "-c*v + b*F"),
+        oscillator("quadratic stiffness", "- 12*q^2", "-k*q - c*v + b*F + o", size=6.0),
+        oscillator("cubic stiffness", "- 40*q^3"),
+        oscillator("quintic stiffness", "- 60*q^5"),
+        oscillator("dead zone", "+ 40*0.5*(abs(q + 0.2) - abs(q - 0.2))"),
+        oscillator("saturation", "- F + 0.5*(abs(F + 22) - abs(F - 22))"),
+        Hidden(
+            "gravity",
+            {"q": "v", "v": "-30*sin(q) - 0.8*v + F"},
+            {"q": "v", "v": "-c*v + b*F"},
+            options={"size": 40.0},
+        ),
+        oscillator("constant offset", "+ 1.5"),
+        Hidden("coupling", two, apart, "v2"),
+        oscillator("input nonlinearity", "- 0.0004*F^3"),
+        oscillator("input gain", "", "-k*q - c*v"),
+        oscillator("drift", "+ 0.1*t", "-k*q - c*v + b*F + o"),
+        oscillator("periodic forcing", "+ 2*sin(21.3*t + 0.4)"),
+    ]
