@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pysindy as ps
+from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 
 from ..equations import Equations
@@ -18,6 +19,8 @@ from ..text import RightHandSide, parse
 from .design import Column, Design
 
 __all__ = ["DeclaredModel", "design_of"]
+
+OWNER = "close_loop(declared=...)"
 
 
 class DeclaredModel:
@@ -67,17 +70,21 @@ class DeclaredModel:
         equations: Mapping[str, Any],
         inputs: Sequence[str] = (),
         known: Mapping[str, float] | None = None,
-        operators: Iterable[Operator] = (),
+        operators: Sequence[Operator] = (),
     ) -> None:
-        if not isinstance(equations, Mapping) or not equations:
+        if not isinstance(equations, Mapping):
             raise TypeError(
                 f"DeclaredModel(equations=...) must be a mapping of state to right-hand side; "
                 f'got {type(equations).__name__}. Write {{"q": "v", "v": "-k*q"}}.'
             )
-        if isinstance(inputs, str):
-            inputs = (inputs,)
+        if not equations:
+            raise ValueError(
+                "DeclaredModel(equations=...) must hold at least one state; got none. "
+                'Write {"q": "v", "v": "-k*q"}.'
+            )
+        _check_kinds(inputs, known, operators)
         self.states = tuple(equations)
-        self.inputs = tuple(inputs)
+        self.inputs = (inputs,) if isinstance(inputs, str) else tuple(inputs)
         self.known = dict(known or {})
         _check_names((*self.states, *self.inputs, *self.known))
         self.operators = tuple(operators)
@@ -140,30 +147,28 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
         return declared.design()
     if not isinstance(declared, ps.SINDy):
         raise TypeError(
-            f"close_loop(declared=...) must be a DeclaredModel or a pysindy.SINDy model; "
+            f"{OWNER} must be a DeclaredModel or a pysindy.SINDy model; "
             f'got {type(declared).__name__}. Write DeclaredModel({{"q": "v", "v": "-k*q"}}).'
         )
     try:
-        equations = from_model(declared)
+        equations = from_model(declared, OWNER)
     except NotFittedError:
-        equations = from_model(_fitted(declared, records))
+        equations = from_model(_fitted(declared, records), OWNER)
     return _design_of_equations(equations)
 
 
 def _fitted(model: ps.SINDy, records: Sequence[Record]) -> ps.SINDy:
     """Fit a copy, so that the caller's model stays as it was."""
-    copy = ps.SINDy(
-        optimizer=model.optimizer,
-        feature_library=model.feature_library,
-        differentiation_method=model.differentiation_method,
-    )
-    u = [r.u for r in records] if records[0].u is not None else None
+    copy = ps.SINDy(optimizer=clone(model.optimizer), feature_library=clone(model.feature_library))
+    first = records[0]
+    states = first.states or [f"x{i}" for i in range(first.n_states)]
+    inputs = first.inputs or [f"u{i}" for i in range(first.n_inputs)]
     return copy.fit(
         [r.x for r in records],
         t=[r.t for r in records],
         x_dot=[r.x_dot for r in records],
-        u=u,
-        feature_names=[*(records[0].states or ()), *(records[0].inputs or ())] or None,
+        u=None if first.u is None else [r.u for r in records],
+        feature_names=[*states, *inputs],
     )
 
 
@@ -192,12 +197,36 @@ def _whole_state(expression: Sum, state: int, n_states: int) -> int | None:
     return None
 
 
+def _check_kinds(inputs: Any, known: Any, operators: Any) -> None:
+    """Raise unless the optional arguments are what they are named for."""
+    if not isinstance(inputs, Sequence):
+        raise TypeError(
+            f"DeclaredModel(inputs=...) must be a sequence of names; got {type(inputs).__name__}. "
+            'Write inputs=["F"].'
+        )
+    if known is not None and not isinstance(known, Mapping):
+        raise TypeError(
+            f"DeclaredModel(known=...) must be a mapping of name to number; "
+            f'got {type(known).__name__}. Write known={{"m": 0.5}}.'
+        )
+    if not isinstance(operators, Sequence) or not all(isinstance(o, Operator) for o in operators):
+        raise TypeError(
+            f"DeclaredModel(operators=...) must be a sequence of Operator objects; "
+            f'got {operators!r}. Write operators=[Operator("name", function, arity)].'
+        )
+
+
 def _check_names(names: Sequence[str]) -> None:
     for name in names:
         if not isinstance(name, str):
             raise TypeError(
                 f"DeclaredModel(equations=...) must name states, inputs and constants by text; "
                 f"got {type(name).__name__}. Quote the names."
+            )
+        if not name.isidentifier():
+            raise ValueError(
+                f"DeclaredModel(equations=...) must name states, inputs and constants by "
+                f"identifiers; got {name!r}. Use letters, digits and underscores."
             )
         if names.count(name) > 1 or name == "t":
             raise ValueError(

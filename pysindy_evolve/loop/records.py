@@ -9,6 +9,7 @@ import numpy as np
 
 from ..signals import Record, prepare
 from .design import Design
+from .residual import variables_of
 
 __all__ = ["alike", "check_records", "split_records"]
 
@@ -67,6 +68,23 @@ def check_records(design: Design, records: Sequence[Record]) -> None:
                 "close_loop(train=..., test=...) must be sampled uniformly; "
                 f"got steps from {steps.min():g} to {steps.max():g}. "
                 "Interpolate the record to one sampling time first."
+            )
+        _check_finite(design, record)
+
+
+def _check_finite(design: Design, record: Record) -> None:
+    """Raise where the model has no value on a record, such as a logarithm of a negative state."""
+    variables = variables_of(record)
+    parts = [("known", design.known(variables))]
+    parts += [(column.name, column.evaluate(variables)) for column in design.columns]
+    for name, values in parts:
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        if len(bad):
+            what = "the known part" if name == "known" else f"what {name!r} multiplies"
+            raise ValueError(
+                f"close_loop(declared=...) must be finite on the records; got {what} without a "
+                f"finite value at sample {bad[0]}. Write the model so that it holds there, or cut "
+                "the record."
             )
 
 

@@ -34,6 +34,11 @@ class Rules:
                     f"close_loop({name}=...) must be an integer of at least {least}; "
                     f"got {value!r}. Give a count."
                 )
+        if self.n_jobs is not None and (not isinstance(self.n_jobs, Integral) or self.n_jobs == 0):
+            raise ValueError(
+                f"close_loop(n_jobs=...) must be an integer other than 0, or None; "
+                f"got {self.n_jobs!r}. Give 1 for one process, -1 for as many as there are cores."
+            )
         if (self.n_twins + 1) * self.significance < 1.0:
             raise ValueError(
                 f"close_loop(n_twins=...) must be at least {1 / self.significance - 1:.0f} for "
