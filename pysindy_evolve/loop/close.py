@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pysindy as ps
 
+from ..operators import Operator, resolve
 from ..signals import Record
 from .declared import DeclaredModel, design_of
 from .design import Design
+from .grow import OPERATORS, Garden
 from .records import alike, check_records, split_records
 from .report import LoopReport, make_report
 from .residual import Segments, segments
@@ -28,6 +30,7 @@ def close_loop(
     n_twins: int = 39,
     min_share: float = 0.05,
     max_effects: int = 8,
+    operators: Sequence[str | Operator] = OPERATORS,
     random_state: int | np.random.Generator | None = None,
     n_jobs: int | None = None,
     progress: bool = False,
@@ -57,8 +60,10 @@ def close_loop(
         traces of something; this says how small a trace matters to you.
     max_effects : int
         Stop after so many effects.
+    operators : sequence of str or Operator
+        Basis functions of the terms that are grown where no name fits; empty to grow none.
     random_state : int, Generator or None
-        Seed of the twins.
+        Seed of the twins and of the search.
     n_jobs : int, optional
         Processes that work on the twins; the result does not depend on it.
     progress : bool
@@ -97,7 +102,14 @@ def close_loop(
     fit_on, judge_on = alike(fit_on, judge_on)
     rng = np.random.default_rng(random_state)
     part = segments(fit_on)
-    findings, finished = _search(declared_design, fit_on, part, rules, rng)
+    basis = resolve(operators, "close_loop") if operators else ()
+    findings: list[Finding] = []
+    finished = True
+    try:
+        for found in _search(declared_design, fit_on, part, rules, basis, rng):
+            findings = found
+    except KeyboardInterrupt:
+        finished = False
     verdict = "traced" if findings else "complete"
     return make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
 
@@ -107,21 +119,26 @@ def _search(
     records: Sequence[Record],
     part: Segments,
     rules: Rules,
+    operators: Sequence[Operator],
     rng: np.random.Generator,
-) -> tuple[list[Finding], bool]:
-    """Add effects until nothing passes; tell whether the search came to its end."""
+) -> Iterator[list[Finding]]:
+    """Yield what is found so far: named effects until none passes, then grown terms."""
+    garden = Garden(declared, records, part, rules, operators, rng)
     findings: list[Finding] = []
-    try:
-        while len(findings) < rules.max_effects:
-            design = _with(declared, findings)
-            found = find(declared, design, records, part, rules, rng)
-            if not found:
-                return findings, True
-            findings = exchange(declared, [*findings, *found], part)
-    except KeyboardInterrupt:
-        if rules.progress is False and not findings:
-            raise
-    return findings, False
+    while len(findings) < rules.max_effects:
+        design = _with(declared, findings)
+        found = find(declared, design, records, part, rules, rng)
+        if not found:
+            break
+        found = garden.better(design, found) or found
+        findings = exchange(declared, [*findings, *found], part)
+        yield findings
+    while len(findings) < rules.max_effects:
+        found = garden.find(_with(declared, findings))
+        if not found:
+            break
+        findings = [*findings, *found]
+        yield findings
 
 
 def _with(declared: Design, findings: Sequence[Finding]) -> Design:

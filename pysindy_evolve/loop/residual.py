@@ -28,7 +28,7 @@ grams   (n_segments, n_columns + 1, n_columns + 1)      inner products, target l
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.signal.windows import tukey
@@ -46,6 +46,7 @@ MAX_ROWS = 24_000  # the search looks at no more rows; coefficients are fitted o
 MAX_GROWTH = 1e3  # ... and so short that an unstable model does not blow up in it
 TAPER = 0.5  # share of a segment over which the taper falls to zero
 N_WEIGHINGS = 3  # of the frequencies by what the fit of the one before leaves
+LARGEST = 1e100  # a column with larger values is no candidate; its square would overflow
 LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding
 ROWS_PER_WINDOW = 64  # of the simulated deviation, which is smooth, so many rows are kept
 
@@ -68,19 +69,15 @@ class Segments:
         """Number of states."""
         return self.x_dot.shape[2]
 
+    def every_other(self, start: int) -> Segments:
+        """Return every second piece, beginning with the one numbered `start`."""
+        pick = slice(start, None, 2)
+        return replace(self, z=self.z[pick], x_dot=self.x_dot[pick], places=self.places[pick])
+
     def of(self, records: Sequence[Record]) -> Segments:
         """Return the same pieces of other records of the same shape, such as twins."""
         z, x_dot = _cut(records, self.places, self.z.shape[1])
-        return Segments(
-            z,
-            x_dot,
-            self.dt,
-            self.windows,
-            self.state_scale,
-            self.rate_scale,
-            self.cutoff,
-            self.places,
-        )
+        return replace(self, z=z, x_dot=x_dot)
 
 
 def segments(
@@ -178,10 +175,6 @@ def view_grams(
 def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
     """Return the Gram matrices of each segment in the spectral view.
 
-    The weight of a frequency is the inverse of the noise there: of what all columns together,
-    candidates included, leave. What only the model leaves would hold the effect that is sought,
-    and hide it behind its own power.
-
     Parameters
     ----------
     part : Segments
@@ -195,8 +188,56 @@ def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) ->
     -------
     ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
     """
-    rows = _spectral_rows(part, design, forces(part, design, columns))
-    rows = np.nan_to_num(rows, nan=0.0, posinf=0.0, neginf=0.0)
+    rows = _spectra(part, design, columns)
+    weight = _weights(rows)
+    weighed = (rows * weight[..., None]).reshape(len(rows), -1, rows.shape[-1])
+    parts = np.concatenate([weighed.real, weighed.imag], axis=1)
+    return np.einsum("srk,srl->skl", parts, parts, optimize=True)
+
+
+def spectral_weights(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return the weight of each frequency in each open equation, (n_open, n_frequencies)."""
+    return _weights(_spectra(part, design, columns))
+
+
+def spectral_rows(part: Segments, columns: np.ndarray) -> np.ndarray:
+    """Transform tapered segments.
+
+    Parameters
+    ----------
+    part : Segments
+        Sampling time and cutoff.
+    columns : ndarray of shape (n_segments, n, n_columns)
+        Anything sampled on the segments.
+
+    Returns
+    -------
+    ndarray of complex of shape (n_segments, n_frequencies, n_columns)
+        Frequencies up to the cutoff. A column with a value that is not finite is all zero.
+    """
+    length = columns.shape[1]
+    band = np.fft.rfftfreq(length, part.dt) <= part.cutoff
+    usable = np.all(np.abs(columns) < LARGEST, axis=(0, 1))  # False for NaN too
+    tapered = np.where(usable, columns, 0.0) * tukey(length, TAPER)[None, :, None]
+    return np.fft.rfft(tapered, axis=1)[:, band]
+
+
+def _spectra(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return spectra of columns and target, (n_segments, n_open, n_frequencies, n_columns)."""
+    force = forces(part, design, columns)
+    spectra = [
+        spectral_rows(part, force[:, :, state]) / part.rate_scale[state]
+        for state in design.open_states
+    ]
+    return np.stack(spectra, axis=1)
+
+
+def _weights(rows: np.ndarray) -> np.ndarray:
+    """Weigh each frequency by the inverse of the noise there.
+
+    The noise is what all columns together, candidates included, leave. What only the model leaves
+    would hold the effect that is sought, and hide it behind its own power.
+    """
     weight = np.ones(rows.shape[1:3])
     for _ in range(N_WEIGHINGS):
         flat = (rows * weight[..., None]).reshape(-1, rows.shape[-1])
@@ -204,21 +245,7 @@ def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) ->
         contrast = np.append(solve(gram[:-1, :-1], gram[:-1, -1]), -1.0)
         power = np.mean(np.abs(rows @ contrast) ** 2, axis=0)
         weight = 1.0 / np.sqrt(_smooth(power))
-    weighed = (rows * weight[..., None]).reshape(len(rows), -1, rows.shape[-1])
-    parts = np.concatenate([weighed.real, weighed.imag], axis=1)
-    return np.einsum("srk,srl->skl", parts, parts, optimize=True)
-
-
-def _spectral_rows(part: Segments, design: Design, force: np.ndarray) -> np.ndarray:
-    """Transform tapered segments: shape (n_segments, n_open, n_frequencies, n_columns)."""
-    length = force.shape[1]
-    taper = tukey(length, TAPER)[None, :, None]
-    band = np.fft.rfftfreq(length, part.dt) <= part.cutoff
-    spectra = [
-        np.fft.rfft(force[:, :, state] * taper, axis=1)[:, band] / part.rate_scale[state]
-        for state in design.open_states
-    ]
-    return np.stack(spectra, axis=1)
+    return weight
 
 
 def _smooth(power: np.ndarray) -> np.ndarray:

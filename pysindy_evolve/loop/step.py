@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,10 @@ from .rules import Rules
 from .trace import Score, rank
 from .twins import TwinMaker
 
-__all__ = ["Finding", "exchange", "find"]
+__all__ = ["Finding", "columns_of", "exchange", "find", "propose", "score"]
+
+
+Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +60,7 @@ def find(
     part: Segments,
     rules: Rules,
     rng: np.random.Generator,
+    proposer: Proposer | None = None,
 ) -> list[Finding]:
     """Return the effect, or the pair of effects, that a design lacks; nothing if none passes.
 
@@ -74,13 +78,16 @@ def find(
         When an effect counts.
     rng : numpy.random.Generator
         Draws the twins.
+    proposer : callable, optional
+        Maps design, equations and records to candidates; by default the vocabulary.
 
     Returns
     -------
     list of Finding
     """
+    proposer = proposer or propose
     equations = quick_fit(design, part)
-    proposed = propose(design, equations, records)
+    proposed = proposer(design, equations, records)
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
     worthy = [s for s in scores if s.value > 0.0 and shares.of(s) >= rules.min_share]
@@ -89,7 +96,7 @@ def find(
     best = plainest(worthy)
     richer = design.adding(c for candidate in best.group for c in columns_of(candidate, design))
     maker = TwinMaker.of(equations, quick_fit(richer, part), records)
-    twins = twin_scores(design, maker, part, best.value, rules, rng)
+    twins = twin_scores(design, maker, part, proposer, best.value, rules, rng)
     p_value = float((1.0 + np.sum(twins >= best.value)) / (1.0 + len(twins)))
     if p_value > rules.significance:
         return []
@@ -194,6 +201,7 @@ def twin_scores(
     design: Design,
     maker: TwinMaker,
     part: Segments,
+    proposer: Proposer,
     observed: float,
     rules: Rules,
     rng: np.random.Generator,
@@ -210,7 +218,9 @@ def twin_scores(
     with Parallel(n_jobs=rules.n_jobs) as parallel, bar:
         for start in range(0, rules.n_twins, 4):
             batch = children[start : start + 4]
-            found += parallel(delayed(_best_in_twin)(design, maker, part, c) for c in batch)
+            found += parallel(
+                delayed(_best_in_twin)(design, maker, part, proposer, child) for child in batch
+            )
             bar.update(len(batch))
             if np.sum(np.array(found) >= observed) > allowed:
                 break
@@ -218,12 +228,16 @@ def twin_scores(
 
 
 def _best_in_twin(
-    design: Design, maker: TwinMaker, part: Segments, rng: np.random.Generator
+    design: Design,
+    maker: TwinMaker,
+    part: Segments,
+    proposer: Proposer,
+    rng: np.random.Generator,
 ) -> float:
     twins = maker.make(rng)
     twin_part = part.of(twins)
     equations = quick_fit(design, twin_part)
-    scores = score(design, twin_part, propose(design, equations, twins))
+    scores = score(design, twin_part, proposer(design, equations, twins))
     return max((s.value for s in scores), default=0.0)
 
 

@@ -1,0 +1,164 @@
+"""Terms that no name fits: grown by genetic programming on what the model leaves.
+
+The search sees every other segment only. What it finds is then tested on the segments in between,
+as one fixed candidate among few, so the size of the search does not enter the chance of an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+
+from ..evolution import Settings, evolve
+from ..operators import Operator
+from ..signals import Record
+from ..terms import Product, Sum
+from .design import Design
+from .effects import Candidate, candidates
+from .residual import Segments, forces, spectral_rows, spectral_weights
+from .rules import Rules
+from .step import Finding, columns_of, find, score
+from .trace import Score
+
+__all__ = ["OPERATORS", "Garden", "grow", "named"]
+
+# Without sums inside a term, which would add newtons to meters; sums of terms grow anyway.
+OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh")
+SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
+PRICE = 0.05  # log error that a grown term must gain for each of its nodes: nobody can read ten
+
+
+def grow(
+    design: Design, part: Segments, operators: Sequence[Operator], rng: np.random.Generator
+) -> list[Candidate]:
+    """Grow terms on top of a design, for each equation that may lack something.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far; its columns are refitted beside every term.
+    part : Segments
+        Pieces to search in.
+    operators : sequence of Operator
+        Basis functions.
+    rng : numpy.random.Generator
+        Source of all randomness.
+
+    Returns
+    -------
+    list of Candidate
+        One for each term, under the name of the vocabulary if one fits.
+    """
+    scales = np.abs(part.z).reshape(-1, part.z.shape[-1]).max(axis=0)
+    known = candidates(design, scales)
+    extra = [column for candidate in known for column in columns_of(candidate, design)]
+    weights = spectral_weights(part, design, [*design.columns, *extra])
+    force = forces(part, design, design.columns)
+    flat = force.reshape(-1, *force.shape[2:])
+    variables = part.z[..., :-1].reshape(len(flat), -1)
+    found = []
+    for place, state in enumerate(design.open_states):
+        evolution = evolve(
+            variables,
+            flat[:, state, -1],
+            operators=operators,
+            rng=rng,
+            fixed=flat[:, state, :-1],
+            project=partial(_project, part=part, weight=weights[place]),
+            settings=SETTINGS,
+        )
+        found += [named(term, state, known) for term in evolution.terms]
+    return found
+
+
+def _project(columns: np.ndarray, part: Segments, weight: np.ndarray) -> np.ndarray:
+    """Map rows to weighed spectra, real and imaginary parts below each other."""
+    n_segments, length, _ = part.z.shape
+    rows = spectral_rows(part, columns.reshape(n_segments, length, -1)) * weight[None, :, None]
+    stacked = np.concatenate([rows.real, rows.imag], axis=1)
+    return stacked.reshape(-1, rows.shape[-1])
+
+
+def named(term: Product, state: int, known: Sequence[Candidate]) -> Candidate:
+    """Return a grown term as a candidate, named if it is an effect of the vocabulary."""
+    expression = Sum(((1.0, term),))
+    for candidate in known:
+        if candidate.state == state and candidate.terms == (expression,):
+            return Candidate(candidate.name, state, candidate.terms)
+    return Candidate("evolved term", state, (expression,))
+
+
+class Garden:
+    """Grown terms beside the vocabulary: where they do clearly better, and where nothing else does.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    records : sequence of Record
+        Training records.
+    part : Segments
+        Pieces of them: every other one is searched in, those between are tested on.
+    rules : Rules
+        When a term counts.
+    operators : sequence of Operator
+        Basis functions; without any, nothing grows.
+    rng : numpy.random.Generator
+        Source of all randomness.
+    """
+
+    def __init__(
+        self,
+        declared: Design,
+        records: Sequence[Record],
+        part: Segments,
+        rules: Rules,
+        operators: Sequence[Operator],
+        rng: np.random.Generator,
+    ) -> None:
+        self.declared, self.records, self.rules = declared, records, rules
+        self.operators, self.rng = operators, rng
+        self.seen, self.fresh = part.every_other(0), part.every_other(1)
+        self.pool: list[Candidate] | None = None
+
+    def better(self, design: Design, found: Sequence[Finding]) -> list[Finding]:
+        """Return a grown term that does clearly better on fresh segments than named effects."""
+        if self.pool is None:
+            self.pool = self._grow(self.declared)
+        names = [finding.candidate for finding in found]
+        fresh = [c for c in self.pool if c.name == "evolved term"]
+        grown = score(design, self.fresh, fresh, pairs=False)
+        ours = score(design, self.fresh, names, pairs=True)
+        named_scores = [_net(s) for s in ours if len(s.group) == len(names)]
+        best = max(grown, key=_net, default=None)
+        if best is None or _net(best) <= max(named_scores, default=0.0):
+            return []
+        return self._test(design, list(best.group))
+
+    def find(self, design: Design) -> list[Finding]:
+        """Grow terms on what a design leaves, and return the best one that passes."""
+        grown = self._grow(design)
+        return self._test(design, grown) if grown else []
+
+    def _grow(self, design: Design) -> list[Candidate]:
+        if not self.operators or len(self.fresh.z) < MIN_FRESH:
+            return []
+        return grow(design, self.seen, self.operators, self.rng)
+
+    def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
+        given = partial(_given, grown)
+        return find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
+
+
+MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary
+
+
+def _given(grown: list[Candidate], *_: object) -> list[Candidate]:
+    return grown
+
+
+def _net(score: Score) -> float:
+    """Return what a group gains per effect, less the price of its nodes."""
+    return score.value - PRICE * sum(c.size for c in score.group) / len(score.group)
