@@ -1,0 +1,68 @@
+"""The command line: a demonstration, equations from a CSV, and a declared model corrected by one.
+
+An error in what was given ends with exit code 2 and one line on stderr, an interrupt with 130.
+Results go to stdout, progress and warnings to stderr.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+from .commands import demo, fit, loop
+from .options import PROGRAM, make_parser
+from .output import complain
+
+__all__ = ["main"]
+
+FAILED, INTERRUPTED = 2, 130  # 130 is 128 and the number of SIGINT, as shells have it
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        What follows the name of the program; by default what was typed.
+
+    Returns
+    -------
+    int
+        Exit code: 0; 2 after an error in what was given; 130 after an interrupt.
+    """
+    given = make_parser({"demo": demo, "fit": fit, "loop": loop}).parse_args(arguments)
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        try:
+            finished = given.run(given)
+        except KeyboardInterrupt:
+            complain(f"{PROGRAM}: interrupted; nothing was found yet.")
+            return INTERRUPTED
+        except BrokenPipeError:  # the reader, such as `head`, has seen enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
+        except (OSError, ValueError, TypeError, ImportError) as error:
+            if given.traceback:
+                raise
+            complain(f"{PROGRAM} {given.command}: error: {_message(error)}")
+            return FAILED
+    if not finished:
+        complain(f"{PROGRAM}: interrupted; the report shows what was found until then.")
+    return 0 if finished else INTERRUPTED
+
+
+def _message(error: Exception) -> str:
+    if isinstance(error, OSError) and error.filename is not None:
+        return (
+            f"FILE must be one that can be opened; got {os.fspath(error.filename)!r} "
+            f"({error.strerror}). Check the path."
+        )
+    return str(error)
+
+
+def _show_warning(message: Any, *_: Any, **__: Any) -> None:
+    complain(f"{PROGRAM}: warning: {message}")

@@ -1,0 +1,246 @@
+"""What can be typed: the flags of each command, their checks and their help."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import NoReturn
+
+from ..library import OPERATORS
+from ..operators import BUILTIN
+from .readers import constants, count, cutoff, names, pair, pairs
+
+__all__ = ["PROGRAM", "make_parser"]
+
+PROGRAM = "pysindy-evolve"
+
+ABOUT = """\
+Give it your model and your measurements; it grows the PySINDy terms your model is missing,
+proves them on data it has not seen, and hands back the corrected equation."""
+
+EXAMPLES = """\
+examples:
+  pysindy-evolve demo
+  pysindy-evolve fit rig.csv --position q --inputs F
+  pysindy-evolve loop rig.csv --position q --inputs F \\
+      --equation "q = v" --equation "v = -k*q - c*v + b*F"
+
+Each command has a --help of its own."""
+
+FIT = """\
+Evolve equations from named columns of CSV files. The last 30 % of a file, or the last of
+several files, judge the result; --test names others."""
+
+FIT_EXAMPLES = """\
+examples:
+  Position q and force F were measured; velocity and acceleration are derived from q:
+    pysindy-evolve fit rig.csv --position q --inputs F
+  Both states were measured, and the acceleration in a column named acc:
+    pysindy-evolve fit rig.csv --states q,v --inputs F --target v=acc
+  Two records to fit on, one to judge on, and C code of the result:
+    pysindy-evolve fit a.csv b.csv --test c.csv --states T1,T2 --inputs Q --code c"""
+
+LOOP = """\
+Find what a declared model lacks, add it, and report the errors before and after. The last
+30 % of a file, or the last of several files, judge the result; --test names others."""
+
+LOOP_EXAMPLES = """\
+examples:
+  Position q and force F were measured; k, c and b are fitted, and what is missing is found:
+    pysindy-evolve loop rig.csv --position q --inputs F \\
+        --equation "q = v" --equation "v = -k*q - c*v + b*F"
+  The mass is known, another record judges, report and picture are saved in a folder:
+    pysindy-evolve loop rig.csv --test other.csv --position q --inputs F --known m=95.1 \\
+        --equation "q = v" --equation "v = F/m - c*v" --report results
+  All states were measured, so there is no --position:
+    pysindy-evolve loop tanks.csv --inputs u \\
+        --equation "h1 = a*u - b*sqrt(h1)" --equation "h2 = c*sqrt(h1) - d*sqrt(h2)"
+
+In an equation, names that are neither a state, an input, t nor known are free parameters. They
+are fitted and must enter linearly."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says in one line what is wrong."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: error: {message}. See {self.prog} --help.\n")
+
+
+Command = Callable[[argparse.Namespace], bool]
+
+
+def make_parser(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
+    """Return the parser; what it returns holds the command to call as `run`.
+
+    Parameters
+    ----------
+    commands : mapping of str to callable
+        What to call for demo, fit and loop.
+
+    Returns
+    -------
+    argparse.ArgumentParser
+    """
+    plain = argparse.RawDescriptionHelpFormatter
+    parser = _Parser(PROGRAM, description=ABOUT, epilog=EXAMPLES, formatter_class=plain)
+    parser.add_argument("--version", action="version", version=_version())
+    added = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    texts = {
+        "demo": ("find dry friction in a simulated rig, no file needed", "", ""),
+        "fit": ("evolve equations from a CSV file", FIT, FIT_EXAMPLES),
+        "loop": ("correct a declared model by a CSV file", LOOP, LOOP_EXAMPLES),
+    }
+    for name, (short, long, epilog) in texts.items():
+        one = added.add_parser(
+            name,
+            help=short,
+            description=long or f"{short[0].upper()}{short[1:]}.",
+            epilog=epilog,
+            formatter_class=plain,
+            allow_abbrev=False,
+        )
+        one.set_defaults(run=commands[name])
+        _OPTIONS[name](one)
+        one.add_argument(
+            "--seed", type=count(0), default=0, metavar="N", help="same seed, same result (0)"
+        )
+        one.add_argument("--quiet", action="store_true", help="show no progress bar")
+        one.add_argument("--traceback", action="store_true", help="say where an error came from")
+    return parser
+
+
+def _add_demo(parser: argparse.ArgumentParser) -> None:
+    folder = Path(f"{PROGRAM}-demo")
+    parser.add_argument(
+        "--output", type=Path, default=folder, metavar="FOLDER", help=f"what to save in ({folder})"
+    )
+    parser.set_defaults(max_effects=8)
+
+
+def _add_fit(parser: argparse.ArgumentParser) -> None:
+    columns = _add_columns(parser)
+    states = columns.add_mutually_exclusive_group(required=True)
+    states.add_argument(
+        "--states", type=names, default=(), metavar="q,v", help="columns of measured states"
+    )
+    states.add_argument(
+        "--position",
+        type=names,
+        default=(),
+        metavar="q,...",
+        help="columns of positions, to be differentiated",
+    )
+    columns.add_argument(
+        "--order",
+        type=count(1),
+        metavar="N",
+        help="states for each position: 2 for position and velocity (2)",
+    )
+    search = parser.add_argument_group("search")
+    search.add_argument(
+        "--operators",
+        type=names,
+        default=OPERATORS,
+        metavar="add,...",
+        help=f"functions to build terms from ({','.join(OPERATORS)}); also "
+        + ",".join(name for name in BUILTIN if name not in OPERATORS),
+    )
+    for name, default, text in (
+        ("--population", 80, "new terms in each generation"),
+        ("--generations", 30, "most generations"),
+        ("--max-depth", 4, "height of the tallest term"),
+        ("--max-terms", 12, "most terms in one equation"),
+    ):
+        search.add_argument(
+            name, type=count(1), default=default, metavar="N", help=f"{text} ({default})"
+        )
+
+
+def _add_loop(parser: argparse.ArgumentParser) -> None:
+    model = parser.add_argument_group("declared model")
+    model.add_argument(
+        "--equation",
+        action="append",
+        required=True,
+        type=pair("--equation", "v = -k*q - c*v"),
+        metavar="'STATE = TEXT'",
+        help="derivative of a state; once for each, a position before its velocity",
+    )
+    model.add_argument(
+        "--known", type=constants, default=(), metavar="m=1.2,...", help="constants with a value"
+    )
+    _add_columns(parser).add_argument(
+        "--position",
+        type=names,
+        default=(),
+        metavar="q,...",
+        help="columns of positions, to be differentiated; without it every state is a column",
+    )
+    parser.add_argument("--report", type=Path, metavar="FOLDER", help="save report and picture")
+    search = parser.add_argument_group("search")
+    for name, kind, default, text in (
+        ("--significance", float, 0.05, "chance to add an effect where nothing is missing"),
+        ("--twins", int, 39, "simulated twins that an effect is tested on"),
+        ("--min-share", float, 0.05, "share of the explainable error that an effect must remove"),
+        ("--max-effects", int, 8, "stop after so many effects"),
+        ("--jobs", int, None, "processes that work on the twins"),
+    ):
+        shown = f"{text} ({default or 1})"
+        search.add_argument(name, type=kind, default=default, metavar="N", help=shown)
+
+
+def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Add the files, their columns and the form of the result; return the group of columns."""
+    parser.add_argument(
+        "files", nargs="+", type=Path, metavar="FILE", help="CSV whose first line names its columns"
+    )
+    parser.add_argument(
+        "--test",
+        action="append",
+        type=Path,
+        default=[],
+        metavar="FILE",
+        help="record to judge on; may be repeated",
+    )
+    columns = parser.add_argument_group("columns")
+    columns.add_argument("--time", default="t", metavar="NAME", help="column of time (t)")
+    columns.add_argument(
+        "--inputs", type=names, default=(), metavar="F,...", help="columns of inputs"
+    )
+    columns.add_argument(
+        "--target",
+        type=pairs("--target", "v=acc"),
+        default=(),
+        metavar="STATE=COLUMN,...",
+        help="measured derivatives; the others are computed. If all are measured, nothing is "
+        "filtered unless --cutoff is given",
+    )
+    columns.add_argument(
+        "--cutoff",
+        type=cutoff,
+        default="auto",
+        metavar="HZ",
+        help="low-pass, cycles per unit of t; auto takes it from the noise, none omits it (auto)",
+    )
+    columns.add_argument(
+        "--delimiter", default=",", metavar="SIGN", help="character between the fields (,)"
+    )
+    result = parser.add_argument_group("result")
+    result.add_argument("--latex", action="store_true", help="print the equations as LaTeX, too")
+    result.add_argument(
+        "--code", metavar="LANGUAGE", help="print code: python, c, matlab, julia or modelica"
+    )
+    return columns
+
+
+_OPTIONS = {"demo": _add_demo, "fit": _add_fit, "loop": _add_loop}
+
+
+def _version() -> str:
+    try:
+        return f"{PROGRAM} {metadata.version(PROGRAM)}"
+    except metadata.PackageNotFoundError:
+        return f"{PROGRAM} (not installed)"

@@ -1,0 +1,77 @@
+"""What the commands print and save."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..equations import Equations
+from ..export import to_code, to_latex
+from ..loop import LoopReport
+from ..loop.report import simulation_errors
+from ..signals import Record
+
+__all__ = ["complain", "indented", "print_code", "print_errors", "progress", "save", "say"]
+
+
+def say(text: object = "") -> None:
+    """Write to stdout at once, so that it stands in order with what goes to stderr."""
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
+
+
+def complain(text: str) -> None:
+    """Write one line to stderr."""
+    sys.stderr.write(f"{' '.join(text.split())}\n")
+
+
+def indented(text: str) -> str:
+    """Return lines shifted by four columns."""
+    return "\n".join("    " + line for line in text.splitlines())
+
+
+def progress(given: Namespace) -> bool:
+    """Tell whether somebody watches."""
+    return sys.stderr.isatty() and not given.quiet
+
+
+def print_errors(equations: Equations, records: Sequence[Record]) -> None:
+    """Print derivative and free-run error of each state on held-out data."""
+    x_dot = np.concatenate([record.x_dot for record in records])
+    predicted = [equations.evaluate(record.x, record.u, record.t) for record in records]
+    rms = np.sqrt(np.mean((np.concatenate(predicted) - x_dot) ** 2, axis=0))
+    spread = x_dot.std(axis=0)
+    derivative = 100.0 * rms / np.where(spread > 0.0, spread, 1.0)
+    say("\nErrors on held-out data, % of the standard deviation (NRMSE)")
+    say(f"{'':<12}{'derivative':>12}{'free run':>12}")
+    rows = zip(equations.states, derivative, simulation_errors(equations, records), strict=True)
+    for state, *errors in rows:
+        cells = [f"{value:.3g}" if np.isfinite(value) else "diverges" for value in errors]
+        say(f"    {state:<8}" + "".join(f"{cell:>12}" for cell in cells))
+
+
+def print_code(model: Any, given: Namespace) -> None:
+    """Print the model in the languages that were asked for."""
+    if given.latex:
+        say(f"\n{to_latex(model)}")
+    if given.code:
+        say(f"\n{to_code(model, given.code)}")
+
+
+def save(report: LoopReport, folder: Path) -> None:
+    """Write the report and, where matplotlib is there, its picture."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "report.txt").write_text(f"{report}\n", encoding="utf-8")
+    say(f"Saved the report: {folder / 'report.txt'}")
+    try:
+        figure = report.plot()
+    except ImportError as error:
+        say(f"Saved no plot: {error}")
+        return
+    figure.savefig(folder / "residual.png", dpi=150)
+    say(f"Saved the plot:   {folder / 'residual.png'}")

@@ -1,0 +1,76 @@
+"""Readers of what follows a flag; what they refuse, argparse reports with the name of the flag."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+
+__all__ = ["constants", "count", "cutoff", "names", "pair", "pairs"]
+
+
+def names(text: str) -> tuple[str, ...]:
+    """Read different names with commas between."""
+    found = tuple(name.strip() for name in text.split(","))
+    if not all(found) or len(set(found)) < len(found):
+        raise argparse.ArgumentTypeError(f"must be different names with commas; got {text!r}")
+    return found
+
+
+def pair(flag: str, example: str) -> Callable[[str], tuple[str, str]]:
+    """Return a reader of ``name = text``; a prime after the name is left out."""
+
+    def read(text: str) -> tuple[str, str]:
+        name, sign, value = (part.strip() for part in text.partition("="))
+        name = name.removesuffix("'").rstrip()
+        if not (name and sign and value):
+            raise argparse.ArgumentTypeError(
+                f'must be NAME=VALUE; got {text!r}; write {flag} "{example}"'
+            )
+        return name, value
+
+    return read
+
+
+def pairs(flag: str, example: str) -> Callable[[str], tuple[tuple[str, str], ...]]:
+    """Return a reader of ``name = text`` pairs with commas between."""
+    one = pair(flag, example)
+
+    def read(text: str) -> tuple[tuple[str, str], ...]:
+        found = tuple(one(part) for part in text.split(","))
+        if len(dict(found)) < len(found):
+            raise argparse.ArgumentTypeError(f"must name each of them once; got {text!r}")
+        return found
+
+    return read
+
+
+def constants(text: str) -> tuple[tuple[str, float], ...]:
+    """Read ``name=number`` pairs with commas between."""
+    found = pairs("--known", "m=1.2,g=9.81")(text)
+    try:
+        return tuple((name, float(value)) for name, value in found)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"must have numbers as values; got {text!r}") from error
+
+
+def cutoff(text: str) -> str | float | None:
+    """Read a frequency, auto or none."""
+    if text in ("auto", "none"):
+        return None if text == "none" else text
+    try:
+        return float(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"must be auto, none or a number; got {text!r}") from error
+
+
+def count(least: int) -> Callable[[str], int]:
+    """Return a reader of integers."""
+
+    def read(text: str) -> int:
+        if not text.isdecimal() or int(text) < least:
+            raise argparse.ArgumentTypeError(
+                f"must be an integer of at least {least}; got {text!r}"
+            )
+        return int(text)
+
+    return read

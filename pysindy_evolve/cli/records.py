@@ -1,0 +1,70 @@
+"""From named columns of files to records."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..loop.records import split_records
+from ..signals import Record, prepare, read_csv
+
+__all__ = ["derived_names", "order_of", "read_all", "read_split"]
+
+
+def derived_names(positions: Sequence[str], order: int) -> tuple[str, ...]:
+    """Name positions and their derivatives: q, q_dot, q_ddot, q_d3."""
+    endings = ["", "_dot", "_ddot", *(f"_d{k}" for k in range(3, order))][:order]
+    return tuple(name + ending for name in positions for ending in endings)
+
+
+def order_of(states: Sequence[str], positions: Sequence[str]) -> int:
+    """Return how many states there are for each measured position; 1 if all are measured."""
+    if not positions:
+        return 1
+    order, rest = divmod(len(states), len(positions))
+    if rest or tuple(states[::order]) != tuple(positions):
+        raise ValueError(
+            "--equation must be given for each position and then for its derivatives in turn; got "
+            f"{', '.join(states)} for --position {','.join(positions)}. Sort or add equations."
+        )
+    return order
+
+
+def read_split(given: Namespace, states: Sequence[str]) -> tuple[list[Record], list[Record]]:
+    """Return records to fit on and records to judge on, held out as `close_loop` does."""
+    train, test = read_all(given, given.files, states), read_all(given, given.test, states)
+    return split_records(train, test or None)
+
+
+def read_all(given: Namespace, paths: Iterable[Path], states: Iterable[str]) -> list[Record]:
+    """Read files; what is not measured is derived, and everything filtered alike."""
+    names = tuple(states)
+    unknown = [state for state, _ in given.target if state not in names]
+    if unknown:
+        raise ValueError(
+            f"--target must name states; got {unknown[0]!r}. Choose from {', '.join(names)}."
+        )
+    return [_read(path, given, names) for path in paths]
+
+
+def _read(path: Path, given: Namespace, states: tuple[str, ...]) -> Record:
+    targets, measured = dict(given.target), given.position or states
+    wanted = dict.fromkeys([given.time, *measured, *given.inputs, *targets.values()])
+    columns = read_csv(path, list(wanted), given.delimiter)
+    t, y = columns[given.time], np.column_stack([columns[name] for name in measured])
+    u = np.column_stack([columns[name] for name in given.inputs]) if given.inputs else None
+    inputs = tuple(given.inputs) or None
+    if given.cutoff == "auto" and set(targets) == set(states) == set(measured):
+        # Everything was measured: there is nothing to derive, so nothing to filter for.
+        x_dot = np.column_stack([columns[targets[state]] for state in states])
+        return Record(t, y, x_dot, u, states=states, inputs=inputs)
+    record = prepare(t, y, u, order=given.order, cutoff=given.cutoff)
+    x_dot = record.x_dot.copy()
+    for state, column in targets.items():
+        if record.preparation is not None:
+            x_dot[:, states.index(state)] = record.preparation.lowpass(columns[column])
+    return replace(record, x_dot=x_dot, states=states, inputs=inputs)
