@@ -322,8 +322,9 @@ def _respond(
 def jacobian(equations: Equations, z: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Return d x_dot / d x on each row, without the jumps of sgn terms.
 
-    The smaller of the forward and the backward difference is taken: across a jump one of the
-    two is huge, elsewhere they agree.
+    The smaller of two differences is taken, one just ahead and one just behind: across a jump one
+    of the two is huge, elsewhere they agree. Neither touches the row itself, which may stand
+    exactly on a jump, as a mass at rest does.
 
     Parameters
     ----------
@@ -340,17 +341,21 @@ def jacobian(equations: Equations, z: np.ndarray, scale: np.ndarray) -> np.ndarr
     """
     n_states = len(equations.states)
     flat = z.reshape(-1, z.shape[-1])
-    here = _rates(equations, flat)
     result = np.empty((len(flat), n_states, n_states))
     for j in range(n_states):
         step = 1e-6 * scale[j]
-        ahead, behind = flat.copy(), flat.copy()
-        ahead[:, j] += step
-        behind[:, j] -= step
-        forward = (_rates(equations, ahead) - here) / step
-        backward = (here - _rates(equations, behind)) / step
+        forward = (_moved(equations, flat, j, 2 * step) - _moved(equations, flat, j, step)) / step
+        backward = (
+            _moved(equations, flat, j, -step) - _moved(equations, flat, j, -2 * step)
+        ) / step
         result[:, :, j] = np.where(np.abs(forward) < np.abs(backward), forward, backward)
     return result.reshape(*z.shape[:-1], n_states, n_states)
+
+
+def _moved(equations: Equations, flat: np.ndarray, column: int, step: float) -> np.ndarray:
+    moved = flat.copy()
+    moved[:, column] += step
+    return _rates(equations, moved)
 
 
 def _rates(equations: Equations, flat: np.ndarray) -> np.ndarray:
