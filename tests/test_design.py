@@ -43,7 +43,7 @@ def test_equations_without_free_parameters_or_terms_are_zero():
 
 
 def test_wrong_number_of_coefficients_is_not_taken():
-    with pytest.raises(ValueError, match="longer|shorter"):
+    with pytest.raises(ValueError, match=r"longer|shorter"):
         two_masses().equations([1.0])
 
 

@@ -1,0 +1,177 @@
+"""The vocabulary: which effects are proposed for which equation, and under which condition."""
+
+import numpy as np
+import pytest
+
+from pysindy_evolve import DeclaredModel
+from pysindy_evolve.loop.design import in_state
+from pysindy_evolve.loop.effects import (
+    OFFSET,
+    VOCABULARY,
+    candidates,
+    periodic_candidates,
+    standing,
+)
+
+ONE_MASS = {"q": "v", "v": "-k*q - c*v"}
+TWO_MASSES = {"a": "va", "va": "-k*a", "b": "vb", "vb": "-m*b"}
+STATIC = {
+    "Coulomb friction",
+    "asymmetric Coulomb friction",
+    "Stribeck friction",
+    "position-dependent friction",
+    "viscous damping",
+    "quadratic drag",
+    "nonlinear damping",
+    "linear stiffness",
+    "quadratic stiffness",
+    "cubic stiffness",
+    "quintic stiffness",
+    "dead zone",
+    "saturation",
+    "gravity",
+    "constant offset",
+    "coupling",
+    "input nonlinearity",
+    "input gain",
+    "drift",
+}
+
+
+def design_of(equations, inputs=("F",)):
+    return DeclaredModel(equations, inputs=inputs).design()
+
+
+def proposed(design, scale=3.0):
+    return candidates(design, np.full(len(design.states) + len(design.inputs) + 1, scale))
+
+
+def points(design, n=200):
+    n_variables = len(design.states) + len(design.inputs) + 1
+    return np.random.default_rng(0).uniform(-3.0, 3.0, (n, n_variables))
+
+
+def test_every_static_effect_is_proposed_for_a_mass_of_which_nothing_is_declared():
+    names = {c.name for c in proposed(design_of({"q": "v", "v": "0"}))}
+    assert names == STATIC
+    assert names < set(VOCABULARY)
+
+
+@pytest.mark.parametrize("equations", [ONE_MASS, TWO_MASSES, {"h": "-k*sqrt(h)"}])
+def test_candidates_evaluate_to_columns_that_vary_or_are_the_offset(equations):
+    design = design_of(equations)
+    z = points(design)
+    for candidate in proposed(design):
+        for term in candidate.terms:
+            values = term.evaluate(z)
+            assert values.shape == (len(z),)
+            assert np.all(np.isfinite(values))
+            assert np.ptp(values) > 0.0 or term == OFFSET
+
+
+@pytest.mark.parametrize("equations", [ONE_MASS, TWO_MASSES, {"h": "-k*sqrt(h)"}])
+def test_no_candidate_is_proposed_twice_for_an_equation(equations):
+    keys = [(c.state, c.terms) for c in proposed(design_of(equations))]
+    assert len(keys) == len(set(keys))
+
+
+def test_kinematic_equations_get_no_candidates():
+    design = design_of(TWO_MASSES)
+    assert {c.state for c in proposed(design)} == {1, 3}
+
+
+def test_effects_with_a_mean_need_the_constant_first():
+    design = design_of(ONE_MASS)
+    z = points(design, n=4000)
+    z = np.concatenate([z, -z])  # now every odd function of the variables has no mean
+    for candidate in proposed(design):
+        (values,) = (term.evaluate(z) for term in candidate.terms)
+        if abs(values.mean()) > 0.05 * np.abs(values).mean() and candidate.terms != (OFFSET,):
+            assert OFFSET in candidate.parents, candidate.name
+
+
+def test_stribeck_friction_needs_coulomb_friction_first():
+    design = design_of(ONE_MASS)
+    (friction,) = (c for c in proposed(design) if c.name == "Coulomb friction")
+    stribeck = [c for c in proposed(design) if c.name == "Stribeck friction"]
+    assert stribeck
+    assert all(c.parents == friction.terms for c in stribeck)
+
+
+def test_effects_that_stand_in_the_equation_are_not_proposed_again():
+    design = design_of({"q": "v", "v": "-k*q - c*v - f*sgn(v) + 9.81 + b*F"})
+    names = {c.name for c in proposed(design)}
+    assert not names & {
+        "linear stiffness",
+        "viscous damping",
+        "Coulomb friction",
+        "constant offset",
+    }
+    # A gain that is declared leaves the products of input and state.
+    gains = [c.terms[0].name(("q", "v", "F", "t")) for c in proposed(design) if "gain" in c.name]
+    assert sorted(gains) == ["q F", "v F"]
+
+
+def test_every_effect_that_is_added_is_not_proposed_again():
+    design = design_of(ONE_MASS)
+    for candidate in proposed(design):
+        column = in_state(candidate.name, candidate.terms[0], candidate.state, 2)
+        again = proposed(design.adding([column]))
+        assert (candidate.state, candidate.terms) not in {(c.state, c.terms) for c in again}
+
+
+def test_an_effect_that_stands_in_one_equation_is_proposed_for_the_other():
+    design = design_of({**TWO_MASSES, "va": "-k*a - f*sgn(va)"})
+    assert {c.state for c in proposed(design) if c.name == "Coulomb friction"} >= {3}
+
+
+def test_each_part_of_a_parameter_stands_by_itself():
+    present = standing(design_of({"q": "v", "v": "-k*(q + 2) + F"}))
+    assert (1, OFFSET) in present
+    assert len([state for state, _ in present if state == 1]) == 4  # q + 2, q, 1, F
+
+
+def test_velocities_of_two_masses_may_rub_and_their_positions_couple():
+    design = design_of(TWO_MASSES)
+    names = (*design.states, *design.inputs, "t")
+    found = {c.terms[0].name(names): c.name for c in proposed(design) if c.state == 1}
+    assert found["b"] == found["vb"] == found["va vb"] == "coupling"
+    assert found["-sgn(-va + vb)"] == "Coulomb friction"
+
+
+def test_first_order_state_gets_no_springs():
+    names = {c.name for c in proposed(design_of({"h": "-k*sqrt(h)"}))}
+    assert not names & {"linear stiffness", "cubic stiffness", "gravity", "dead zone"}
+
+
+@pytest.mark.parametrize("omega", [2.7, 11.3, 40.0])
+def test_frequency_of_a_periodic_residual_is_proposed_within_a_percent(omega):
+    t = np.arange(0.0, 20.0, 0.02)
+    noise = 0.5 * np.random.default_rng(0).standard_normal(len(t))
+    residual = 3.0 + np.cos(omega * t + 0.3) + noise
+    first, *_ = periodic_candidates(1, 3, residual, 0.02)
+    assert first.name == "periodic forcing"
+    assert first.state == 1
+    assert first.terms[0].constants[0] == pytest.approx(omega, rel=0.01)
+    z = np.column_stack([np.zeros((len(t), 3)), t])
+    sine, cosine = (term.evaluate(z) for term in first.terms)
+    assert sine**2 + cosine**2 == pytest.approx(1.0)
+
+
+def test_two_frequencies_are_both_proposed():
+    t = np.arange(0.0, 20.0, 0.02)
+    residual = np.cos(7.0 * t) + 0.5 * np.sin(19.0 * t)
+    found = periodic_candidates(0, 1, residual, 0.02)
+    assert [c.terms[0].constants[0] for c in found] == pytest.approx([7.0, 19.0], rel=0.01)
+
+
+@pytest.mark.parametrize("residual", [np.zeros(200), np.ones(200), np.zeros(5)])
+def test_residual_without_any_frequency_proposes_none(residual):
+    assert periodic_candidates(0, 1, residual, 0.02) == []
+
+
+def test_slow_drift_is_no_periodic_forcing():
+    t = np.arange(0.0, 20.0, 0.02)
+    for candidate in periodic_candidates(0, 1, 0.3 * t, 0.02):
+        periods = candidate.terms[0].constants[0] * t[-1] / (2 * np.pi)
+        assert periods >= 2.9
