@@ -15,6 +15,7 @@ from .readers import constants, count, cutoff, names, pair, pairs
 __all__ = ["PROGRAM", "make_parser"]
 
 PROGRAM = "pysindy-evolve"
+LANGUAGES = ("python", "c", "matlab", "julia", "modelica")
 
 ABOUT = """\
 Give it your model and your measurements; it grows the PySINDy terms your model is missing,
@@ -231,7 +232,7 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     result = parser.add_argument_group("result")
     result.add_argument("--latex", action="store_true", help="print the equations as LaTeX, too")
     result.add_argument(
-        "--code", metavar="LANGUAGE", help="print code: python, c, matlab, julia or modelica"
+        "--code", choices=LANGUAGES, metavar="LANGUAGE", help=f"print code: {', '.join(LANGUAGES)}"
     )
     return columns
 
