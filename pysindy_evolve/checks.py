@@ -7,15 +7,22 @@ from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
+from scipy.sparse import issparse
 
-__all__ = ["finite", "positive_integer", "rate", "training_data"]
+__all__ = ["finite", "numbers", "positive_integer", "rate", "training_data"]
 
-MIN_SAMPLES = 16  # fewer rows cannot tell two terms from one
+HUGE = 1e30  # its tenth power can still be computed
+MIN_SAMPLES = 10  # fewer rows cannot tell two terms from one
 
 
 def finite(array: Any, owner: str, name: str) -> None:
-    """Raise unless every value is finite."""
+    """Raise unless every value is a finite real number."""
     values = np.asarray(array)
+    if np.iscomplexobj(values):
+        raise ValueError(
+            f"{owner}({name}=...) must hold real numbers; got type {values.dtype}: "
+            "Complex data not supported. Pass real and imaginary parts as two columns."
+        )
     if values.dtype.kind not in "biuf":
         raise TypeError(
             f"{owner}({name}=...) must hold real numbers; got type {values.dtype}. "
@@ -25,9 +32,27 @@ def finite(array: Any, owner: str, name: str) -> None:
     if bad.any():
         row = int(np.argwhere(bad)[0][0])
         raise ValueError(
-            f"{owner}({name}=...) must be finite; got {values[bad].flat[0]} at sample {row}. "
-            "Drop or interpolate such samples."
+            f"{owner}({name}=...) must be finite, neither NaN nor inf; got {values[bad].flat[0]} "
+            f"at sample {row}. Drop or interpolate such samples."
         )
+
+
+def numbers(array: Any, owner: str, name: str) -> np.ndarray:
+    """Return an array-like as a dense array of finite floats."""
+    if issparse(array):
+        raise TypeError(
+            f"{owner}({name}=...) must be dense; got a sparse matrix. Call its .toarray()."
+        )
+    values = np.asarray(array)
+    if values.dtype.kind == "O":
+        try:
+            values = values.astype(float)
+        except (TypeError, ValueError) as error:
+            raise TypeError(
+                f"{owner}({name}=...) must hold real numbers; got {error}. Convert it to float."
+            ) from error
+    finite(values, owner, name)
+    return values.astype(float)
 
 
 def positive_integer(value: Any, owner: str, name: str) -> None:
@@ -74,23 +99,45 @@ def training_data(x: Sequence[Any], y: Any) -> tuple[np.ndarray, np.ndarray]:
             "or GeneralizedLibrary x_dot cannot reach it, so pass the other library as "
             "EvolvingLibrary(base_library=...) instead; outside of ps.SINDy, pass y."
         )
-    parts = list(y) if isinstance(y, list | tuple) else [y]
-    _same_lengths(x, parts)
-    columns = np.concatenate([np.asarray(xi).reshape(-1, np.shape(xi)[-1]) for xi in x])
-    targets = np.concatenate([np.asarray(yi).reshape(len(yi), -1) for yi in parts])
-    finite(columns, "EvolvingLibrary.fit", "x")
-    finite(targets, "EvolvingLibrary.fit", "y")
-    columns, targets = columns.astype(float), targets.astype(float)
-    _informative(columns, targets)
-    return columns, targets
-
-
-def _same_lengths(x: Sequence[Any], y: Sequence[Any]) -> None:
-    lengths, other = [len(xi) for xi in x], [len(yi) for yi in y]
+    trajectories = [numbers(xi, "EvolvingLibrary.fit", "x") for xi in x]
+    given = list(y) if isinstance(y, list | tuple) and y and np.ndim(y[0]) > 0 else [y]
+    targets = [numbers(yi, "EvolvingLibrary.fit", "y") for yi in given]
+    for trajectory in trajectories:
+        _two_dimensional(trajectory)
+    lengths, other = [len(xi) for xi in trajectories], [len(yi) for yi in targets]
     if lengths != other:
         raise ValueError(
             f"EvolvingLibrary.fit(y=...) must have as many samples as x; got {other} for "
             f"{lengths}. Pass x_dot at the samples of x, for each trajectory."
+        )
+    columns = np.concatenate(trajectories)
+    joined = np.concatenate([yi[:, None] if yi.ndim == 1 else yi for yi in targets])
+    _informative(columns, joined)
+    _computable(columns, "x")
+    _computable(joined, "y")
+    return columns, joined
+
+
+def _two_dimensional(x: np.ndarray) -> None:
+    if x.ndim != 2:
+        raise ValueError(
+            f"EvolvingLibrary.fit(x=...) must be 2-D, (n_samples, n_features); got shape {x.shape}."
+            " Reshape your data with x.reshape(-1, 1) if it has one column."
+        )
+    if x.shape[1] == 0:
+        raise ValueError(
+            f"EvolvingLibrary.fit(x=...) must have columns; got 0 feature(s) (shape={x.shape}) "
+            "while a minimum of 1 is required. Pass the states."
+        )
+
+
+def _computable(values: np.ndarray, name: str) -> None:
+    """Raise where powers of the values would leave the range of floating-point numbers."""
+    sizes = np.abs(values[values != 0.0])
+    if len(sizes) and (sizes.max() > HUGE or sizes.max() < 1.0 / HUGE):
+        raise ValueError(
+            f"EvolvingLibrary.fit({name}=...) must have sizes between {1 / HUGE:.0e} and "
+            f"{HUGE:.0e}; got {sizes.max():.3g}. Change its unit."
         )
 
 
@@ -98,7 +145,7 @@ def _informative(x: np.ndarray, y: np.ndarray) -> None:
     if len(x) < max(MIN_SAMPLES, 2 * x.shape[1]):
         raise ValueError(
             "EvolvingLibrary.fit(x=...) must have more samples than terms, at least "
-            f"{max(MIN_SAMPLES, 2 * x.shape[1])}; got {len(x)}. Record longer."
+            f"{max(MIN_SAMPLES, 2 * x.shape[1])}; got n_samples = {len(x)}. Record longer."
         )
     still = np.flatnonzero(np.ptp(x, axis=0) == 0.0)
     if len(still):

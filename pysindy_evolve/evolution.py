@@ -218,7 +218,10 @@ def solve_elastic_net(
     for _ in range(2):
         cost = price(terms, n_effective)
         front = regression.front(gram, proposals, cost, n_effective, max_terms)
-        n_effective = regression.effective_size(dictionary.residual(front[0]))
+        residual = dictionary.residual(front[0])
+        if residual @ residual <= PERFECT * (dictionary.y @ dictionary.y):
+            break  # what is left is rounding
+        n_effective = regression.effective_size(residual)
     return front, n_effective
 
 

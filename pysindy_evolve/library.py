@@ -66,12 +66,16 @@ class _TermColumns(BaseFeatureLibrary):
         return first + [term.name(names) for term in self.terms_]
 
     def _theta(self, x: Any) -> AxesArray:
-        flat = np.asarray(x, dtype=float).reshape(-1, x.shape[-1])
-        if flat.shape[1] != self.n_features_in_:
+        x = np.asarray(x)
+        if x.ndim < 2 or x.shape[-1] != self.n_features_in_:
+            name, width = type(self).__name__, x.shape[-1] if x.ndim > 1 else 1
             raise ValueError(
-                f"{type(self).__name__}.transform(x=...) must have {self.n_features_in_} columns, "
-                f"as in fit; got {flat.shape[1]}. Pass the same states and inputs."
+                f"{name}.transform(x=...) must have the columns of fit; got shape {x.shape}: "
+                f"X has {width} features, but {name} is expecting {self.n_features_in_} features "
+                "as input. Pass the same states and inputs. Reshape your data with "
+                "x.reshape(-1, 1) if it has one column."
             )
+        flat = checks.numbers(x, f"{type(self).__name__}.transform", "x").reshape(-1, x.shape[-1])
         theta = np.empty((*x.shape[:-1], self.n_output_features_))
         n_base = self.n_output_features_ - len(self.terms_)
         if self.base_library_ is not None:
@@ -248,7 +252,8 @@ class EvolvingLibrary(_TermColumns):
         EvolvingLibrary
             Itself.
         """
-        seen = handover.target(self, x_full)
+        seen = None if y is not None else handover.target(self, x_full)
+        handover.forget(self)
         x, targets = checks.training_data(x_full, seen if y is None else y)
         operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
         base = None if self.base_library is None else clone(self.base_library).fit(x_full)

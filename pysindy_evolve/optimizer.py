@@ -102,6 +102,11 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         theta, targets = np.asarray(X, dtype=float), np.asarray(y, dtype=float)
         self._one_target = targets.ndim == 1
         targets = targets.reshape(len(theta), -1)
+        if len(theta) < theta.shape[1]:
+            raise ValueError(
+                "ElasticNet.fit(X=...) must have at least as many samples as terms; got "
+                f"{len(theta)} samples for {theta.shape[1]} terms. Record longer or offer fewer."
+            )
         self.coef_ = np.array([self._fit_target(theta, column) for column in targets.T])
         self.ind_ = self.coef_ != 0.0
         self.intercept_ = 0.0

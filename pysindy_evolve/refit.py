@@ -18,6 +18,7 @@ from .terms import Product
 __all__ = ["refit"]
 
 N_BLOCKS = 12  # parts of the record that a coefficient must agree on
+ROWS_PER_BLOCK = 20  # at least
 TUNING_ROWS = 10_000  # for all inner constants together
 
 
@@ -55,7 +56,9 @@ def refit(
         cost = price(terms, n_effective)
         support = regression.front(whole, proposals, cost, n_effective, max_terms)[0]
         n_effective = regression.effective_size(_residual(problem, [terms[j] for j in support]))
-    support = regression.material(whole, regression.stable(whole, folds, support))
+    if folds:
+        support = regression.stable(whole, folds, support)
+    support = regression.material(whole, support)
     coef = regression.least_squares(whole, support)[support] / scale[support]
     return tuple(terms[j] for j in support), tuple(float(c) for c in coef)
 
@@ -68,13 +71,15 @@ def _grams(
     Columns have unit RMS on all rows, and the fixed columns are projected out.
     """
     n_fixed = problem.fixed.shape[1]
-    blocks = problem.blocks(terms, N_BLOCKS)
+    n_blocks = max(min(N_BLOCKS, len(problem.x) // ROWS_PER_BLOCK), 1)
+    blocks = problem.blocks(terms, n_blocks)
     whole = regression.total(blocks)
     finite = np.flatnonzero(np.isfinite(np.diag(whole.xx)[n_fixed:]))
     columns = np.r_[np.arange(n_fixed), n_fixed + finite]
     whole, blocks = whole.select(columns), [block.select(columns) for block in blocks]
     scale = whole.scale
-    folds = [(whole - block).scaled(scale).without(n_fixed) for block in blocks]
+    held_out = blocks if n_blocks > 3 else []  # fewer parts cannot disagree
+    folds = [(whole - block).scaled(scale).without(n_fixed) for block in held_out]
     kept = [terms[int(j)] for j in finite]
     return kept, whole.scaled(scale).without(n_fixed), folds, scale[n_fixed:]
 

@@ -440,8 +440,11 @@ def front(
             size = len(support)
             if size <= (max_terms or size) and value < best.get(size, (np.inf,))[0]:
                 best[size] = (float(value), tuple(support))
-    first = min(best, key=lambda size: best[size])
-    return [np.array(best[s][1], dtype=int) for s in sorted(best, reverse=True) if s <= first]
+    found = {size: np.array(support, dtype=int) for size, (_, support) in best.items()}
+    # Downdating loses digits where terms are nearly collinear, so the winners are solved afresh.
+    value = {size: information(gram, s, penalty, n) for size, s in found.items()}
+    first = min(value, key=lambda size: (value[size], size))
+    return [found[size] for size in sorted(found, reverse=True) if size <= first]
 
 
 def _share(gram: Gram, error: float) -> float:

@@ -16,7 +16,7 @@ Floats inside an atom (the 2.1 and 0.3 above) are the *inner constants* of a ter
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -422,7 +422,7 @@ def call(operator: Operator, *args: Sum) -> Sum:
 
 
 _ODD = ("sin", "tan", "tanh")
-_ARITHMETIC = {
+_ARITHMETIC: dict[str, Callable[..., Sum]] = {
     "add": add,
     "sub": sub,
     "mul": mul,

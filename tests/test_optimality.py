@@ -1,0 +1,78 @@
+"""The elastic net satisfies its optimality conditions; predictions are theta @ coef.T."""
+
+import numpy as np
+import pytest
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.linear_model import ElasticNet as ReferenceElasticNet
+
+from pysindy_evolve import regression
+from pysindy_evolve.optimizer import ElasticNet
+
+
+@pytest.fixture
+def problem():
+    rng = np.random.default_rng(0)
+    theta = rng.normal(size=(200, 8))
+    theta[:, 3] = theta[:, 2] + 0.1 * rng.normal(size=200)
+    return theta, theta @ [1.0, 0, 2.0, 0, 0, -0.5, 0, 0] + 0.2 * rng.normal(size=200)
+
+
+def conditions(theta, y, coef, lambda1, lambda2):
+    """Distance from the optimality conditions of equation (11), in units of lambda1."""
+    slope = 2 * theta.T @ (theta @ coef - y) + 2 * lambda2 * coef
+    active = coef != 0.0
+    at = np.abs(slope[active] + lambda1 * np.sign(coef[active]))
+    off = np.maximum(np.abs(slope[~active]) - lambda1, 0.0)
+    return max([*at, *off]) / lambda1
+
+
+@pytest.mark.parametrize("lambda1", [0.1, 10.0, 100.0])
+@pytest.mark.parametrize("lambda2", [0.0, 1.0, 100.0])
+def test_coordinate_descent_is_optimal(problem, lambda1, lambda2):
+    theta, y = problem
+    coef = regression.elastic_net(regression.gram(theta, y), lambda1, lambda2)
+    assert conditions(theta, y, coef, lambda1, lambda2) < 1e-8
+
+
+@pytest.mark.parametrize("lambda2", [1e-3, 1.0, 100.0])
+def test_every_knot_of_the_path_is_optimal(problem, lambda2):
+    theta, y = problem
+    weights, coefs = regression.path(regression.gram(theta, y), lambda2)
+    assert len(weights) > 4
+    for lambda1, coef in zip(weights[:-1], coefs[:-1], strict=True):
+        assert conditions(theta, y, coef, lambda1, lambda2) < 1e-8
+
+
+def test_it_agrees_with_scikit_learn(problem):
+    theta, y = problem
+    alpha, ratio, n = 0.05, 0.7, len(y)
+    reference = ReferenceElasticNet(alpha=alpha, l1_ratio=ratio, fit_intercept=False, tol=1e-12)
+    ours = regression.elastic_net(
+        regression.gram(theta, y), 2 * n * alpha * ratio, n * alpha * (1 - ratio)
+    )
+    np.testing.assert_allclose(ours, reference.fit(theta, y).coef_, atol=1e-8)
+
+
+def test_too_few_sweeps_are_reported(problem):
+    theta, y = problem
+    with pytest.warns(ConvergenceWarning, match="max_sweeps"):
+        regression.elastic_net(regression.gram(theta, y), 0.1, 0.0, max_sweeps=1)
+
+
+@pytest.mark.parametrize("parameters", [{}, {"lambda1": 0.1}, {"lambda1": 0.05, "lambda2": 0.1}])
+def test_predictions_are_theta_times_coefficients(problem, parameters):
+    theta, y = problem
+    targets = np.column_stack([y, -y, theta[:, 1]])
+    fitted = ElasticNet(**parameters).fit(theta, targets)
+    assert fitted.coef_.shape == (3, 8)
+    np.testing.assert_allclose(fitted.predict(theta), theta @ fitted.coef_.T, rtol=1e-12)
+
+
+@pytest.mark.parametrize("parameters", [{}, {"lambda1": 0.1, "lambda2": 0.01}])
+def test_coefficients_are_least_squares_on_the_support(problem, parameters):
+    theta, y = problem
+    fitted = ElasticNet(**parameters).fit(theta, y)
+    support = fitted.ind_[0]
+    assert 0 < support.sum() < 8
+    residual = y - theta @ fitted.coef_[0]
+    np.testing.assert_allclose(theta[:, support].T @ residual, 0.0, atol=1e-9 * len(y))

@@ -1,0 +1,160 @@
+"""Terms: one canonical form, and one value in every view."""
+
+import pickle
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pysindy_evolve.operators import BUILTIN, Operator
+from pysindy_evolve.terms import (
+    ONE,
+    Product,
+    Sum,
+    add,
+    call,
+    constant,
+    div,
+    mul,
+    neg,
+    power,
+    sub,
+    variable,
+)  # fmt: skip
+
+NAMES = ("q", "v")
+SYMBOLS = sympy.symbols("q v", real=True)
+UNARY = ("sin", "cos", "tan", "exp", "abs", "sgn", "tanh", "neg", "square", "cube", "log", "sqrt")
+
+leaves = st.one_of(
+    st.sampled_from([variable(0), variable(1)]),
+    st.sampled_from([-2.0, -1.0, 0.5, 1.0, 3.0]).map(constant),
+)
+expressions = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.builds(lambda name, a: call(BUILTIN[name], a), st.sampled_from(UNARY), inner),
+        st.builds(
+            lambda name, a, b: call(BUILTIN[name], a, b),
+            st.sampled_from(("add", "sub", "mul", "div")),
+            inner,
+            inner,
+        ),
+    ),
+    max_leaves=6,
+)
+values = st.sampled_from([-1.3, -0.5, 0.0, 0.7, 1.0, 2.1])
+
+
+def q():
+    return variable(0)
+
+
+def v():
+    return variable(1)
+
+
+def sgn(a):
+    return call(BUILTIN["sgn"], a)
+
+
+def magnitude(a):
+    return call(BUILTIN["abs"], a)
+
+
+@pytest.mark.parametrize(
+    ("expression", "name"),
+    [
+        (lambda: mul(q(), mul(q(), q())), "q^3"),
+        (lambda: call(BUILTIN["cube"], q()), "q^3"),
+        (lambda: mul(v(), sgn(v())), "abs(v)"),
+        (lambda: mul(magnitude(v()), sgn(v())), "v"),
+        (lambda: mul(magnitude(v()), magnitude(v())), "v^2"),
+        (lambda: mul(sgn(v()), mul(sgn(v()), sgn(v()))), "sgn(v)"),
+        (lambda: mul(mul(q(), q()), sgn(v())), "q^2 sgn(v)"),
+        (lambda: sub(q(), q()), "0"),
+        (lambda: add(q(), q()), "2 q"),
+        (lambda: mul(add(q(), v()), sub(q(), v())), "q^2 - v^2"),
+        (lambda: div(mul(q(), v()), q()), "v"),
+        (lambda: div(q(), add(constant(0.5), q())), "q/(0.5 + q)"),
+        (lambda: sgn(mul(constant(-3.0), v())), "-sgn(v)"),
+        (lambda: magnitude(mul(constant(-3.0), mul(q(), v()))), "3 abs(q) abs(v)"),
+        (lambda: call(BUILTIN["sin"], neg(q())), "-sin(q)"),
+        (lambda: call(BUILTIN["cos"], neg(q())), "cos(q)"),
+        (lambda: mul(magnitude(add(q(), v())), sgn(add(q(), v()))), "q + v"),
+        (lambda: mul(add(q(), v()), power(add(q(), v()), -1)), "q/(q + v) + v/(q + v)"),
+        (lambda: call(BUILTIN["exp"], constant(0.0)), "1"),
+    ],
+)
+def test_an_expression_has_one_form(expression, name):
+    assert expression().name(NAMES) == name
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(expression=expressions, a=values, b=values)
+def test_numpy_and_sympy_give_the_same_value_at_zero_too(expression, a, b):
+    ours = expression.evaluate(np.array([[a, b]]))[0]
+    view = expression.to_sympy(SYMBOLS)
+    if not np.isfinite(ours) or abs(ours) > 1e8:
+        return  # such a term is rejected by the search
+    with np.errstate(all="ignore"):
+        theirs = sympy.lambdify(SYMBOLS, view, "numpy")(a, b)
+    assert theirs == pytest.approx(ours, rel=1e-6, abs=1e-6)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(one=expressions, other=expressions, a=values, b=values)
+def test_arithmetic_on_sums_is_arithmetic_on_values(one, other, a, b):
+    x = np.array([[a, b]])
+    left, right = one.evaluate(x)[0], other.evaluate(x)[0]
+    if not (np.isfinite([left, right]).all() and max(abs(left), abs(right)) < 1e4):
+        return
+    for build, value in ((add, left + right), (sub, left - right), (mul, left * right)):
+        result = build(one, other).evaluate(x)[0]
+        if np.isfinite(result):  # 1/q times q is one, but at q = 0 only where both were finite
+            assert result == pytest.approx(value, rel=1e-6, abs=1e-6)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(expression=expressions)
+def test_terms_pickle_hash_and_compare(expression):
+    copy = pickle.loads(pickle.dumps(expression))
+    assert copy == expression
+    assert hash(copy) == hash(expression)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(expression=expressions)
+def test_constants_put_back_change_nothing(expression):
+    for _, term in expression.parts:
+        assert term.with_constants(term.constants) == term
+
+
+def test_inner_constants_are_replaced_from_left_to_right():
+    ((_, term),) = div(q(), add(constant(0.5), q())).parts
+    assert term.constants == (0.5,)
+    assert term.with_constants([2.0]).name(NAMES) == "q/(2 + q)"
+
+
+def test_a_cache_is_shared_between_terms():
+    ((_, term),) = mul(q(), sgn(v())).parts
+    cache = {}
+    x = np.array([[2.0, -1.0]])
+    assert term.evaluate(x, cache)[0] == -2.0
+    assert term in cache
+
+
+def test_an_operator_of_the_user_is_printed_under_its_name():
+    relu = Operator("relu", lambda a: np.maximum(a, 0.0), 1)
+    expression = mul(q(), call(relu, v()))
+    assert expression.name(NAMES) == "q relu(v)"
+    assert str(expression.to_sympy(SYMBOLS)) == "q*relu(v)"
+
+
+def test_one_is_the_constant_term():
+    assert Product(()) == ONE
+    assert ONE.name(NAMES) == "1"
+    np.testing.assert_array_equal(ONE.evaluate(np.zeros((3, 2))), np.ones(3))
+    assert constant(2.0) == Sum(((2.0, ONE),))
