@@ -16,7 +16,8 @@ from .records import alike, check_records, split_records
 from .report import LoopReport, make_report
 from .residual import Segments, segments
 from .rules import Rules
-from .step import Finding, exchange, find
+from .step import Finding, exchange, find, prune
+from .structure import has_structure
 
 __all__ = ["close_loop"]
 
@@ -111,6 +112,8 @@ def close_loop(
     except KeyboardInterrupt:
         finished = False
     verdict = "traced" if findings else "complete"
+    if not findings and finished and has_structure(declared_design, fit_on, part, rules, rng):
+        verdict = "untraced"
     return make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
 
 
@@ -133,6 +136,8 @@ def _search(
         found = garden.better(design, found) or found
         findings = exchange(declared, [*findings, *found], part)
         yield findings
+    findings = prune(declared, findings, part)
+    yield findings
     while len(findings) < rules.max_effects:
         found = garden.find(_with(declared, findings))
         if not found:

@@ -51,6 +51,8 @@ VOCABULARY = (
 STRIBECK_SPEEDS = (0.05, 0.15, 0.4)
 DEAD_ZONES = (0.1, 0.25, 0.5)
 SATURATIONS = (0.5, 0.7, 0.9)
+FINENESS = 8  # of the grid of frequencies: the true one lies close to it
+LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
 
 
 @dataclass(frozen=True)
@@ -96,9 +98,17 @@ def candidates(design: Design, scales: np.ndarray) -> list[Candidate]:
 
 
 def periodic_candidates(
-    state: int, time: int, residual: np.ndarray, dt: float, n_peaks: int = 2
+    state: int,
+    time: int,
+    residual: np.ndarray,
+    drivers: np.ndarray,
+    dt: float,
+    n_peaks: int = 2,
 ) -> list[Candidate]:
     """Return sines and cosines at the strongest frequencies of a residual.
+
+    A line that an input has too is no forcing of its own, but a response to the input that the
+    model gets wrong, and is left out.
 
     Parameters
     ----------
@@ -108,6 +118,8 @@ def periodic_candidates(
         Column of the variables that holds time.
     residual : ndarray of shape (n_samples,)
         On a uniform grid of step dt.
+    drivers : ndarray of shape (n_samples, n_inputs)
+        Inputs.
     dt : float
         Sampling time, units of t.
     n_peaks : int
@@ -117,20 +129,43 @@ def periodic_candidates(
     -------
     list of Candidate
     """
-    padded = 8 * len(residual)  # a grid fine enough that the true frequency lies close to it
-    window = np.hanning(len(residual))
-    spectrum = np.abs(np.fft.rfft((residual - residual.mean()) * window, padded))
-    lowest = 8 * 3  # fewer than three periods in the record cannot be told from a drift
+    spectrum = _fine_spectrum(residual)
+    inputs = [_fine_spectrum(column) for column in drivers.T]
+    lowest = FINENESS * 3  # fewer than three periods in the record cannot be told from a drift
     found: list[Candidate] = []
-    for _ in range(n_peaks):
-        peak = lowest + int(np.argmax(spectrum[lowest:])) if len(spectrum) > lowest + 1 else 0
-        if peak == 0 or spectrum[peak] == 0.0:
+    while len(spectrum) > lowest + 1 and len(found) < n_peaks:
+        peak = lowest + int(np.argmax(spectrum[lowest:]))
+        if _prominence(spectrum, peak) < LINE:
             break
-        phase = mul(constant(2 * np.pi * peak / (padded * dt)), variable(time))
-        terms = (call(BUILTIN["sin"], phase), call(BUILTIN["cos"], phase))
-        found.append(Candidate("periodic forcing", state, terms))
-        spectrum[max(peak - 16, 0) : peak + 17] = 0.0
+        if all(_prominence(driver, peak) < LINE for driver in inputs):
+            cycles = _vertex(spectrum, peak) / (FINENESS * len(residual) * dt)
+            phase = mul(constant(2 * np.pi * cycles), variable(time))
+            terms = (call(BUILTIN["sin"], phase), call(BUILTIN["cos"], phase))
+            found.append(Candidate("periodic forcing", state, terms))
+        spectrum[max(peak - 2 * FINENESS, 0) : peak + 2 * FINENESS + 1] = 0.0
     return found
+
+
+def _fine_spectrum(signal: np.ndarray) -> np.ndarray:
+    """Return the amplitude spectrum on a grid that is eight times finer than the record gives."""
+    centered = (signal - signal.mean()) * np.hanning(len(signal))
+    return np.abs(np.fft.rfft(centered, FINENESS * len(signal)))
+
+
+def _vertex(spectrum: np.ndarray, peak: int) -> float:
+    """Return the place of a peak between grid points, from the parabola through three of them."""
+    if not 0 < peak < len(spectrum) - 1:
+        return float(peak)
+    left, top, right = np.log(np.maximum(spectrum[peak - 1 : peak + 2], 1e-300))
+    bend = left - 2.0 * top + right
+    return peak + (0.5 * float((left - right) / bend) if bend < 0.0 else 0.0)
+
+
+def _prominence(spectrum: np.ndarray, peak: int) -> float:
+    """Return how far a line stands out of its surroundings, as a ratio of amplitudes."""
+    near = slice(max(peak - FINENESS // 2, 0), peak + FINENESS // 2 + 1)
+    wide = spectrum[max(peak - 20 * FINENESS, 0) : peak + 20 * FINENESS + 1]
+    return float(spectrum[near].max() / max(np.median(wide), 1e-300))
 
 
 def standing(design: Design) -> set[tuple[int, Sum]]:

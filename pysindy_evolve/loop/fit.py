@@ -25,6 +25,9 @@ N_BLOCKS = 40  # of the derivative fit: long against the memory of a residual
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each from one initial state
 JUDGED = 16  # stretches by which the simulation fit is compared with the derivative fit
 N_RESAMPLES = 400
+# A model that lacks something fits simulation and derivative with different coefficients; where the
+# square of the derivative error would rise by more than this, the derivative is kept.
+MAX_TORN = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +75,11 @@ def fit(design: Design, records: Sequence[Record], rng: np.random.Generator) -> 
         _square(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
     )
     plain = sum(_square(stretch, by_derivative) for stretch in judged)
-    if len(judged) < 2 or not held_out < plain:
-        return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
     by_simulation = _solve(np.array([_normalized(grams) for grams in horizons.values()]))
+    whole = blocks.sum(axis=0)
+    torn = _square(whole, by_simulation) > MAX_TORN * _square(whole, by_derivative)
+    if len(judged) < 2 or torn or not held_out < plain:
+        return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
     shortest = horizons[max(horizons)]
     shift = by_simulation - _solve(shortest)
     return Fit(by_simulation, _bootstrap(shortest, rng) + shift[:, None], "simulation")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -19,7 +20,7 @@ from .rules import Rules
 from .trace import Score, rank
 from .twins import TwinMaker
 
-__all__ = ["Finding", "columns_of", "exchange", "find", "propose", "score"]
+__all__ = ["Finding", "columns_of", "exchange", "find", "propose", "prune", "score"]
 
 
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
@@ -96,7 +97,8 @@ def find(
     best = plainest(worthy)
     richer = design.adding(c for candidate in best.group for c in columns_of(candidate, design))
     maker = TwinMaker.of(equations, quick_fit(richer, part), records)
-    twins = twin_scores(design, maker, part, proposer, best.value, rules, rng)
+    statistic = partial(_best_score, design=design, proposer=proposer)
+    twins = twin_values(maker, part, statistic, best.value, rules, rng)
     p_value = float((1.0 + np.sum(twins >= best.value)) / (1.0 + len(twins)))
     if p_value > rules.significance:
         return []
@@ -121,7 +123,8 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
     residual = longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t)
     time = len(design.states) + len(design.inputs)
     for state in design.open_states:
-        proposed += periodic_candidates(state, time, residual[:, state], longest.dt)
+        drivers = longest.x[:, :0] if longest.u is None else longest.u
+        proposed += periodic_candidates(state, time, residual[:, state], drivers, longest.dt)
     return proposed
 
 
@@ -197,16 +200,18 @@ def plainest(scores: Sequence[Score]) -> Score:
     return min(equal, key=lambda s: sum(candidate.size for candidate in s.group))
 
 
-def twin_scores(
-    design: Design,
+Statistic = Callable[[Segments, list[Record]], float]
+
+
+def twin_values(
     maker: TwinMaker,
     part: Segments,
-    proposer: Proposer,
+    statistic: Statistic,
     observed: float,
     rules: Rules,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Return the best score that the same search finds in each twin.
+    """Return a statistic of each twin: what the same search finds where nothing is missing.
 
     Twins come in batches; once enough of them do better than what was observed for it to fail,
     the rest are spared (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301).
@@ -216,29 +221,27 @@ def twin_scores(
     found: list[float] = []
     bar = tqdm(total=rules.n_twins, desc="twins", disable=not rules.progress, leave=False)
     with Parallel(n_jobs=rules.n_jobs) as parallel, bar:
-        for start in range(0, rules.n_twins, 4):
-            batch = children[start : start + 4]
-            found += parallel(
-                delayed(_best_in_twin)(design, maker, part, proposer, child) for child in batch
-            )
+        for start in range(0, rules.n_twins, BATCH):
+            batch = children[start : start + BATCH]
+            found += parallel(delayed(_in_twin)(maker, part, statistic, c) for c in batch)
             bar.update(len(batch))
             if np.sum(np.array(found) >= observed) > allowed:
                 break
     return np.array(found)
 
 
-def _best_in_twin(
-    design: Design,
-    maker: TwinMaker,
-    part: Segments,
-    proposer: Proposer,
-    rng: np.random.Generator,
+def _in_twin(
+    maker: TwinMaker, part: Segments, statistic: Statistic, rng: np.random.Generator
 ) -> float:
     twins = maker.make(rng)
-    twin_part = part.of(twins)
-    equations = quick_fit(design, twin_part)
-    scores = score(design, twin_part, proposer(design, equations, twins))
-    return max((s.value for s in scores), default=0.0)
+    return statistic(part.of(twins), twins)
+
+
+def _best_score(
+    part: Segments, records: list[Record], *, design: Design, proposer: Proposer
+) -> float:
+    proposed = proposer(design, quick_fit(design, part), records)
+    return max((s.value for s in score(design, part, proposed)), default=0.0)
 
 
 def rivals(best: Score, scores: Sequence[Score]) -> tuple[str, ...]:
@@ -282,4 +285,19 @@ def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[
     return findings
 
 
+BATCH = 4  # twins between two looks at whether the rest can be spared
 MARGIN = 0.02  # of the log error: names do not change for less
+
+
+def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
+    """Drop effects that later ones made superfluous, unless one of those needs them."""
+    for finding in list(findings):
+        rest = [f for f in findings if f is not finding]
+        needed = {parent for f in rest for parent in f.candidate.parents}
+        if needed & set(finding.candidate.terms):
+            continue
+        design = declared.adding(column for f in rest for column in f.columns)
+        scores = score(design, part, [finding.candidate], pairs=False)
+        if not scores or scores[0].value < MARGIN:
+            findings = rest
+    return findings

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..export import format_equations
+from ..export import format_equations, format_expression
 
 if TYPE_CHECKING:
     from .report import Effect, LoopReport
@@ -68,10 +68,10 @@ def _percent(value: float) -> str:
 def sentence(number: int, effect: Effect) -> str:
     """Return what is known of one effect, in a few lines."""
     lines = [f"{number}. {effect.name} in the equation of {effect.state}"]
-    terms = effect.term.args if len(effect.coefficients) > 1 else (effect.term,)
+    terms = [effect.term] if len(effect.coefficients) == 1 else effect.term.as_ordered_terms()
     intervals = zip(terms, effect.coefficients, effect.confidence_intervals, strict=True)
     for term, value, (low, high) in intervals:
-        shown = str(term).replace("sign(", "sgn(").replace("**", "^")
+        shown = format_expression(term)
         lines.append(f"   {value:.4g} times {shown}   (95 %: {low:.4g} to {high:.4g})")
     lines.append(
         f"   removes {100 * effect.explained:.0f} % of the held-out residual variance; "
