@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pysindy as ps
@@ -134,7 +135,7 @@ def _search(
         if not found:
             break
         found = garden.better(design, found) or found
-        findings = exchange(declared, [*findings, *found], part)
+        findings = exchange(declared, [*findings, *_numbered(found, findings)], part)
         yield findings
     findings = prune(declared, findings, part)
     yield findings
@@ -142,8 +143,13 @@ def _search(
         found = garden.find(_with(declared, findings))
         if not found:
             break
-        findings = [*findings, *found]
+        findings = [*findings, *_numbered(found, findings)]
         yield findings
+
+
+def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:
+    step = 1 + max((finding.step for finding in before), default=0)
+    return [replace(finding, step=step) for finding in found]
 
 
 def _with(declared: Design, findings: Sequence[Finding]) -> Design:

@@ -19,7 +19,7 @@ from .design import Design
 from .linear import solve
 from .residual import jacobian, segments, variables_of, view_grams
 
-__all__ = ["Fit", "derivative_errors", "fit"]
+__all__ = ["Fit", "derivative_errors", "derivative_fit_errors", "fit"]
 
 N_BLOCKS = 40  # of the derivative fit: long against the memory of a residual
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each from one initial state
@@ -166,3 +166,11 @@ def derivative_errors(
     spread = np.concatenate(samples).std(axis=0)
     rms = np.sqrt(np.concatenate(squares).mean(axis=0))
     return 100.0 * rms / np.where(spread > 0.0, spread, 1.0)
+
+
+def derivative_fit_errors(
+    design: Design, train: Sequence[Record], test: Sequence[Record]
+) -> np.ndarray:
+    """Fit the derivative on training records; return its NRMSE on others, for each state."""
+    coef = _solve(derivative_grams(design, train))
+    return derivative_errors(design, coef, test, choose_windows(list(train)))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..signals import Record, choose_windows
 from ..simulation import simulate
 from ..terms import Sum
 from .design import Design
-from .fit import Fit, derivative_errors, fit
+from .fit import Fit, derivative_errors, derivative_fit_errors, fit
 from .model import as_sindy
 from .step import Finding
 from .text import as_text
@@ -66,7 +67,8 @@ class Effect:
     confidence_intervals : ndarray of shape (n_terms, 2)
         95 %, from a bootstrap over blocks of the training data.
     explained : float
-        Share of the variance of the held-out derivative residual that it removed when it came in.
+        Share of the variance of the held-out derivative residual that it removed when it came in,
+        beside what came with it.
     p_value : float
         Chance of a score as large in a twin, where nothing is missing.
     alternatives : tuple of str
@@ -94,7 +96,7 @@ class Effect:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The errors after one effect was added."""
+    """The errors after one effect was added; the effects of a pair share them."""
 
     name: str
     state: str
@@ -199,41 +201,43 @@ def make_report(
     rng: np.random.Generator,
 ) -> LoopReport:
     """Fit each stage on all training rows and judge it on held-out records."""
-    stages, design = [_judge(declared, train, test, rng)], declared
-    for finding in findings:
-        design = design.adding(finding.columns)
-        stages.append(_judge(design, train, test, rng))
-    coef, intervals = stages[-1][0].coef, stages[-1][0].intervals
-    errors = [error for _, error in stages]
-    effects, place = [], len(declared.columns)
-    for finding, before, after in zip(findings, errors[:-1], errors[1:], strict=True):
+    design = declared
+    fitted, errors = _judge(declared, train, test, rng)
+    before, effects, steps = errors, [], []
+    for _, group in groupby(findings, key=lambda finding: finding.step):
+        found = list(group)
+        design = design.adding(column for finding in found for column in finding.columns)
+        fitted, errors = _judge(design, train, test, rng)
+        for finding in found:
+            effects.append(_effect(design, finding, train, test))
+            steps.append(Step(finding.candidate.name, effects[-1].state, errors))
+    place = len(declared.columns)
+    for k, finding in enumerate(findings):
         own = slice(place, place + len(finding.columns))
         place = own.stop
-        effects.append(_effect(design, finding, coef[own], intervals[own], before, after))
-    steps = [Step(e.name, e.state, after) for e, after in zip(effects, errors[1:], strict=True)]
+        effects[k] = replace(
+            effects[k], coefficients=fitted.coef[own], confidence_intervals=fitted.intervals[own]
+        )
     records = tuple(train), tuple(test)
-    return LoopReport(verdict, effects, errors[0], errors[-1], steps, *records, finished)
+    return LoopReport(verdict, effects, before, errors, steps, *records, finished)
 
 
 def _effect(
-    design: Design,
-    finding: Finding,
-    coef: np.ndarray,
-    intervals: np.ndarray,
-    before: Errors,
-    after: Errors,
+    design: Design, finding: Finding, train: Sequence[Record], test: Sequence[Record]
 ) -> Effect:
-    state = finding.candidate.state
-    symbols = after.model.symbols
-    terms = finding.candidate.terms
-    ratio = after.derivative_error[state] / max(before.derivative_error[state], 1e-300)
+    """Return an effect with its evidence; its coefficients are those of the final model."""
+    state, terms = finding.candidate.state, finding.candidate.terms
+    symbols = design.equations(np.zeros(len(design.columns))).symbols
+    poorer = design.dropping(finding.columns)
+    without, with_it = (derivative_fit_errors(d, train, test)[state] for d in (poorer, design))
+    unknown = np.full(len(terms), np.nan)
     return Effect(
         name=finding.candidate.name,
         state=design.states[state],
         term=sum((term.to_sympy(symbols) for term in terms[1:]), terms[0].to_sympy(symbols)),
-        coefficients=coef,
-        confidence_intervals=intervals,
-        explained=float(1.0 - ratio**2),
+        coefficients=unknown,
+        confidence_intervals=np.column_stack([unknown, unknown]),
+        explained=float(1.0 - (with_it / max(without, 1e-300)) ** 2),
         p_value=finding.p_value,
         alternatives=finding.alternatives,
         expressions=terms,

@@ -44,6 +44,8 @@ class Finding:
         Best score found in each twin.
     alternatives : tuple of str
         Names of effects that do not do significantly worse.
+    step : int
+        Number of the step that found it; the effects of a pair share one.
     """
 
     candidate: Candidate
@@ -52,6 +54,7 @@ class Finding:
     p_value: float
     twin_scores: np.ndarray
     alternatives: tuple[str, ...]
+    step: int = 0
 
 
 def find(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,7 +45,9 @@ def _table(report: LoopReport) -> str:
     """Return both errors before and after every step, one column for each state."""
     states = report.equations.states
     rows = [("declared", report.before)]
-    rows += [(f"+ {step.name}", step.errors) for step in report.steps]
+    for _, group in groupby(report.steps, key=lambda step: id(step.errors)):
+        added = list(group)
+        rows.append(("+ " + ", ".join(step.name for step in added), added[0].errors))
     rated = [i for i in range(len(states)) if _is_rated(report, i)]
     head = [f"d{states[i]}/dt" for i in rated] + [f"{state} free run" for state in states]
     lines = ["Errors on held-out data, % of the standard deviation (NRMSE)"]
