@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,14 +18,19 @@ def equations_of(sides: Mapping[str, str], inputs: tuple[str, ...] = ()) -> Equa
     return pse.DeclaredModel(sides, inputs=inputs).design().equations([])
 
 
-def multisine(duration: float, size: float, seed: int, band: tuple[float, float] = (0.1, 2.5)):
-    """Return times and a force of about 30 sines of equal amplitude and random phase."""
-    t = np.arange(0.0, duration, DT)
+def multisine(
+    size: float, seed: int, band: tuple[float, float] = (0.1, 2.5)
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Return a force of 30 sines of equal amplitude and random phase as a function of time."""
     rng = np.random.default_rng(seed)
     frequencies = np.linspace(*band, 30) + rng.uniform(-0.02, 0.02, 30)
     phases = rng.uniform(0.0, 2 * np.pi, 30)
-    waves = np.sin(2 * np.pi * np.outer(t, frequencies) + phases)
-    return t, size * waves.sum(axis=1) / np.sqrt(15.0)
+
+    def force(t: np.ndarray) -> np.ndarray:
+        waves = np.sin(2 * np.pi * np.outer(t, frequencies) + phases)
+        return size * waves.sum(axis=1) / np.sqrt(15.0)
+
+    return force
 
 
 def measured(
@@ -43,12 +48,13 @@ def measured(
     `noise` is the share of the standard deviation of each position.
     """
     model = equations_of(sides, ("F",))
-    t, force = multisine(duration, size, seed)
+    t, force = np.arange(0.0, duration, DT), multisine(size, seed)
+    # As a function: a force that is linear between samples would be another force.
     x = pse.simulate(model, list(x0) or [0.0] * len(sides), t, force, tolerance=1e-8)
     y = x[:, ::order]
     rng = np.random.default_rng(seed + 1000)
     y = y + noise * y.std(axis=0) * rng.standard_normal(y.shape)
-    return pse.prepare(t, y, force, order=order)
+    return pse.prepare(t, y, force(t), order=order)
 
 
 @dataclass(frozen=True)
@@ -87,8 +93,8 @@ def hidden_effects() -> list[Hidden]:
             "- 2*sgn(v) + 0.3 - 0.6*abs(v)",
             rubbed + " + o",
         ),
-        oscillator("Stribeck friction", "- sgn(v) - 3*sgn(v)*exp(-(v/0.6)^2)", rubbed),
-        oscillator("position-dependent friction", "- 20*q^2*sgn(v)"),
+        oscillator("Stribeck friction", "- 2*sgn(v) - 4*sgn(v)*exp(-(v/2)^2)", rubbed),
+        oscillator("position-dependent friction", "- 3*q^2*sgn(v)"),
         oscillator("viscous damping", "", "-k*q + b*F"),
         oscillator("quadratic drag", "- 0.5*v*abs(v)"),
         oscillator("nonlinear damping", "- 8*q^2*v"),
@@ -97,7 +103,7 @@ def hidden_effects() -> list[Hidden]:
         oscillator("cubic stiffness", "- 40*q^3"),
         oscillator("quintic stiffness", "- 60*q^5"),
         oscillator("dead zone", "+ 40*0.5*(abs(q + 0.2) - abs(q - 0.2))"),
-        oscillator("saturation", "- F + 0.5*(abs(F + 22) - abs(F - 22))"),
+        oscillator("saturation", "- F + 0.5*(abs(F + 36) - abs(F - 36))"),
         Hidden(
             "gravity",
             {"q": "v", "v": "-30*sin(q) - 0.8*v + F"},
