@@ -78,9 +78,9 @@ class Problem:
         if self.project is None:
             return theta, y
         finite = np.isfinite(theta)
-        theta = self.project(np.where(finite, theta, 0.0))
-        theta[:, ~finite.all(axis=0)] = np.nan
-        return theta, self.project(y[:, None])[:, 0]
+        both = self.project(np.column_stack([np.where(finite, theta, 0.0), y]))
+        both[:, :-1][:, ~finite.all(axis=0)] = np.nan
+        return both[:, :-1], both[:, -1]
 
     def blocks(self, terms: Sequence[Product], n_blocks: int) -> list[Gram]:
         """Return Gram matrices of consecutive blocks of all rows, fixed columns first."""

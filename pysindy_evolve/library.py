@@ -192,7 +192,7 @@ class EvolvingLibrary(_TermColumns):
     >>> x = np.random.default_rng(0).normal(size=(300, 2))
     >>> y = 2 * x[:, [0]] * x[:, [1]] - 3 * np.sign(x[:, [1]])
     >>> EvolvingLibrary(random_state=0).fit(x, y).get_feature_names(["q", "v"])
-    ['q v', 'sgn(v)']
+    ['sgn(v)', 'q v']
     """
 
     def __init__(

@@ -63,8 +63,8 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
     --------
     >>> import numpy as np
     >>> theta = np.random.default_rng(0).normal(size=(200, 5))
-    >>> ElasticNet().fit(theta, 3 * theta[:, 1] - 1e-4 * theta[:, 4]).coef_.round(6)
-    array([[ 0. ,  3. ,  0. ,  0. , -0.0001]])
+    >>> ElasticNet().fit(theta, 3 * theta[:, 1] - 0.5 * theta[:, 4]).coef_.round(6)
+    array([[ 0. ,  3. ,  0. ,  0. , -0.5]])
     """
 
     def __init__(

@@ -58,9 +58,9 @@ def refit(
         n_effective = regression.effective_size(_residual(problem, [terms[j] for j in support]))
     if folds:
         support = regression.stable(whole, folds, support)
-    support = regression.material(whole, support)
-    coef = regression.least_squares(whole, support)[support] / scale[support]
-    return tuple(terms[j] for j in support), tuple(float(c) for c in coef)
+    kept = sorted(regression.material(whole, support), key=lambda j: terms[j].size)
+    coef = regression.least_squares(whole, kept)[kept] / scale[kept]
+    return tuple(terms[j] for j in kept), tuple(float(c) for c in coef)
 
 
 def _grams(
