@@ -121,7 +121,7 @@ def test_columns_may_have_other_names_and_another_delimiter(capsys, tmp_path):
     options = ("--time", "Time", "--states", "level", "--delimiter", ";", "--cutoff", "none")
     code, out, _ = run(capsys, "fit", str(path), *options)
     assert code == 0
-    np.testing.assert_allclose(coefficients(out, "level", ["level"]), [-1.0], rtol=1e-2)
+    assert "level' = -level\n" in out
 
 
 def test_languages_are_those_of_to_code():
