@@ -25,6 +25,8 @@ from .text import as_text
 
 __all__ = ["Effect", "Errors", "LoopReport", "Step", "make_report"]
 
+REFINEMENT = 4  # steps that splines put into each sample of an input
+
 
 @dataclass(frozen=True, eq=False)
 class Errors:
@@ -257,9 +259,18 @@ def _judge(
 
 
 def free_run(equations: Equations, record: Record, **options: Any) -> np.ndarray:
-    """Simulate over a record from its first state; inputs are smooth between the samples."""
-    u = None if record.u is None else CubicSpline(record.t, record.u, axis=0)
-    return simulate(equations, record.x[0], record.t, u, **options)
+    """Simulate over a record from its first state.
+
+    Prepared inputs are smooth between the samples, so they are refined by splines: straight lines
+    would take five percent off a sine with nine samples a period.
+    """
+    if record.u is None:
+        return simulate(equations, record.x[0], record.t, **options)
+    fine = np.interp(
+        np.arange(REFINEMENT * (len(record) - 1) + 1) / REFINEMENT, np.arange(len(record)), record.t
+    )
+    u = CubicSpline(record.t, record.u, axis=0)(fine)
+    return simulate(equations, record.x[0], fine, u, **options)[::REFINEMENT]
 
 
 def simulation_errors(equations: Equations, records: Sequence[Record]) -> np.ndarray:

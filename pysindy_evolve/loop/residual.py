@@ -39,7 +39,7 @@ from ..terms import Cache
 from .design import Column, Design
 from .linear import solve
 
-__all__ = ["Segments", "jacobian", "segments", "spectral_grams", "view_grams"]
+__all__ = ["Segments", "derivative_grams", "jacobian", "segments", "spectral_grams", "view_grams"]
 
 N_SEGMENTS = 16
 MAX_ROWS = 24_000  # the search looks at no more rows; coefficients are fitted on all of them
@@ -170,6 +170,12 @@ def view_grams(
     rows = {"derivative": _derivative_rows(part, design, force)}
     rows["simulation"] = _simulation_rows(part, force, jacobians)
     return {name: np.einsum("srk,srl->skl", r, r, optimize=True) for name, r in rows.items()}
+
+
+def derivative_grams(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return the Gram matrices of each segment in the derivative view alone."""
+    rows = _derivative_rows(part, design, forces(part, design, columns))
+    return np.einsum("srk,srl->skl", rows, rows, optimize=True)
 
 
 def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:

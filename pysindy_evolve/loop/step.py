@@ -15,7 +15,7 @@ from ..signals import Record
 from .design import Column, Design, in_state
 from .effects import Candidate, candidates, periodic_candidates, standing
 from .linear import solve
-from .residual import Segments, jacobian, spectral_grams, variables_of, view_grams
+from .residual import Segments, derivative_grams, jacobian, spectral_grams, variables_of, view_grams
 from .rules import Rules
 from .trace import Score, rank
 from .twins import TwinMaker
@@ -113,8 +113,7 @@ def find(
 
 def quick_fit(design: Design, part: Segments) -> Equations:
     """Fit a design on segments by its derivative."""
-    still = np.zeros((*part.x_dot.shape, part.n_states))
-    total = view_grams(part, design, design.columns, still)["derivative"].sum(axis=0)
+    total = derivative_grams(part, design, design.columns).sum(axis=0)
     return design.equations(solve(total[:-1, :-1], total[:-1, -1]))
 
 
