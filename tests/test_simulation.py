@@ -532,3 +532,19 @@ class TestErrors:
         given = {"x": np.zeros((11, 2)), "t": self.t, "u": np.zeros(11), "window": 5, **changed}
         with pytest.raises(ValueError, match=match):
             simulate_windows(block(), **given)
+
+
+def test_a_root_of_the_speed_beside_its_sign_is_followed_through_zero() -> None:
+    q, v = variable(0), variable(1)
+    root = call(BUILTIN["sqrt"], call(BUILTIN["abs"], v))
+    drag = mul(root, call(BUILTIN["sgn"], v))
+    t = np.arange(0.0, 3.0, 0.01)
+    system = equations([v, total((-20.0, q), (-0.6, v), (-1.0, drag))], ("q", "v"))
+    run = simulate(system, [0.1, 0.0], t)
+
+    def rates(_: float, x: np.ndarray) -> list[float]:
+        drag = np.sqrt(abs(x[1])) * np.sign(x[1])
+        return [x[1], -20 * x[0] - 0.6 * x[1] - drag]
+
+    reference = solve_ivp(rates, (0.0, 3.0), [0.1, 0.0], t_eval=t, max_step=1e-3).y.T
+    np.testing.assert_allclose(run, reference, atol=2e-4)

@@ -94,6 +94,7 @@ class Program:
     def __init__(self, structure: Structure) -> None:
         self.structure = structure
         self._functions: dict[str, Any] = {"ratio": ratio}
+        self._nested = 0  # how many functions the atom that is being translated stands in
         self._literals: dict[float, Any] = {}
         self._steps: dict[frozenset[int], Callable[..., Any]] = {}
         self._slopes: Callable[..., Any] | None = None
@@ -168,9 +169,14 @@ class Program:
             return self._sum(atom)
         if atom.operator == BUILTIN["sgn"]:
             return self._sign_of[atom.args[0]]
-        arguments = [self._sum(argument) for argument in atom.args]
         if atom.operator == BUILTIN["abs"] and atom.args[0] in self._sign_of:
-            return self._sign_of[atom.args[0]] * arguments[0]  # no kink within a step
+            argument = self._sum(atom.args[0])
+            if self._nested:  # a root or logarithm has no value on the continuation below zero
+                return sympy.Abs(argument)
+            return self._sign_of[atom.args[0]] * argument  # no kink within a step
+        self._nested += 1
+        arguments = [self._sum(argument) for argument in atom.args]
+        self._nested -= 1
         if atom.operator == BUILTIN["sqrt"]:
             return _ROOT(*arguments)  # as a power it would turn complex below zero
         if BUILTIN.get(atom.operator.name) == atom.operator:

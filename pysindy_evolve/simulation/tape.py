@@ -47,6 +47,7 @@ class Tape:
         self._first_sign = n_variables
         self._signs = {switch.g: n_variables + i for i, switch in enumerate(switches)}
         self._n_given = n_variables + len(switches)
+        self._nested = 0  # how many functions the atom that is being recorded stands in
         self._known: dict[Any, int] = {}
         self._constants: list[tuple[int, float]] = []
         self._instructions: list[Instruction | None] = []
@@ -129,7 +130,9 @@ class Tape:
     def _call(self, atom: Call) -> int:
         if atom.operator == BUILTIN["sgn"]:
             return self._signs[atom.args[0]]
+        if atom.operator == BUILTIN["abs"] and atom.args[0] in self._signs and not self._nested:
+            return self._emit(np.multiply, self._signs[atom.args[0]], self._sum(atom.args[0]))
+        self._nested += 1
         arguments = [self._sum(argument) for argument in atom.args]
-        if atom.operator == BUILTIN["abs"] and atom.args[0] in self._signs:
-            return self._emit(np.multiply, self._signs[atom.args[0]], arguments[0])
+        self._nested -= 1
         return self._emit(atom.operator.function, *arguments)
