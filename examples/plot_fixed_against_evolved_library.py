@@ -6,7 +6,7 @@ A fixed library against an evolved one
 the evolved library finds the terms, and its model holds beyond the motion it was fitted on.
 
 Two free swings: a Duffing oscillator, whose cubic spring stands in PySINDy's polynomials, and a
-pendulum with air drag, whose sine and v |v| do not. Both are fitted on one swing with noise of
+pendulum with air drag, whose sine and ``v |v|`` do not. Both are fitted on one swing with noise of
 30 dB on the acceleration, and judged on a free run from another start.
 """
 

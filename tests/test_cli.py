@@ -110,7 +110,7 @@ def test_fit_prints_latex_and_code(capsys, oscillator):
 
 
 def test_the_same_seed_prints_the_same(capsys, oscillator):
-    options = ("fit", oscillator, "--position", "q", "--inputs", "F", "--seed", "3")
+    options = ("fit", oscillator, "--position", "q", "--inputs", "F", "--generations", "3")
     assert run(capsys, *options) == run(capsys, *options)
 
 
