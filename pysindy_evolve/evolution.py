@@ -218,6 +218,7 @@ def solve_elastic_net(
     for _ in range(2):
         cost = price(terms, n_effective)
         front = regression.front(gram, proposals, cost, n_effective, max_terms)
+        front = regression.frugal(gram, front)
         residual = dictionary.residual(front[0])
         if residual @ residual <= PERFECT * (dictionary.y @ dictionary.y):
             break  # what is left is rounding

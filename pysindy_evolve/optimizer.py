@@ -160,8 +160,8 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         support, n_effective = np.arange(0), None
         for _ in range(2):
             cost = regression.default_penalty(whole, n_effective)
-            pruned = [regression.prune(whole, s, cost, n_effective) for s in proposals]
-            support = min(pruned, key=lambda s: regression.information(whole, s, cost, n_effective))
+            front = regression.front(whole, proposals, cost, n_effective)
+            support = regression.frugal(whole, front)[0]
             coef = regression.least_squares(whole, support)[support] / scale[support]
             n_effective = regression.effective_size(y - theta[:, support] @ coef)
         if n_blocks > 1:

@@ -54,7 +54,8 @@ def refit(
     n_effective = float(whole.n)
     for _ in range(2):
         cost = price(terms, n_effective)
-        support = regression.front(whole, proposals, cost, n_effective, max_terms)[0]
+        front = regression.front(whole, proposals, cost, n_effective, max_terms)
+        support = regression.frugal(whole, front)[0]
         n_effective = regression.effective_size(_residual(problem, [terms[j] for j in support]))
     if folds:
         support = regression.stable(whole, folds, support)

@@ -30,7 +30,8 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import lars_path_gram
 
 __all__ = [
-    "Gram", "block_grams", "default_penalty", "effective_size", "elastic_net", "gains", "gram",
+    "Gram", "block_grams", "default_penalty", "effective_size", "elastic_net", "frugal", "gains",
+    "gram",
     "information", "least_squares", "path", "prune", "stable", "supports",
 ]  # fmt: skip
 
@@ -38,7 +39,8 @@ CHUNK = 1 << 14  # rows a chunk: a chunk of 100 columns takes 13 MB
 LEAST = 1e-13  # share of y @ y below which a Gram matrix in double precision sees only rounding
 RIDGE = 1e-12  # keeps nearly equal columns of unit size solvable without moving the others
 MATERIAL = 1e-5  # share of the target's power: derivatives are seldom good to 0.3 %
-REMAINDER = 1e-2  # a smaller term counts if it leaves only this share of the error
+REMAINDER = 1e-2  # share of the error that a smaller term may leave, if it is to count
+FORWARD = 6  # steps of forward selection beside the elastic net
 LAMBDA2 = (1e-3, 1e-1)  # relative to columns of unit RMS; orders of magnitude are enough
 
 
@@ -290,7 +292,8 @@ def supports(gram: Gram, max_terms: int, lambda2: Sequence[float] = LAMBDA2) -> 
     Returns
     -------
     list of ndarray of int
-        The largest support of each path, and one of half its size.
+        The largest support of each path, one of half its size, and what forward selection finds:
+        where all terms are nearly collinear, as on a closed orbit, it is the short way.
     """
     scaled = gram.scaled(gram.scale)
     found = []
@@ -301,7 +304,18 @@ def supports(gram: Gram, max_terms: int, lambda2: Sequence[float] = LAMBDA2) -> 
             knots = np.flatnonzero(sizes <= size)
             if len(knots):
                 found.append(np.flatnonzero(coef[knots[np.argmax(sizes[knots])]]))
-    return found
+    return [*found, _forward(scaled, min(max_terms, FORWARD))]
+
+
+def _forward(gram: Gram, max_terms: int) -> np.ndarray:
+    """Add the column that helps most, again and again."""
+    support: list[int] = []
+    for _ in range(min(max_terms, len(gram.xy))):
+        with_column, _ = gains(gram, support)
+        support.append(int(np.argmin(with_column)))
+        if with_column[support[-1]] <= 2.0 * LEAST * gram.yy:
+            break
+    return np.array(sorted(set(support)), dtype=int)
 
 
 def default_penalty(gram: Gram, n_effective: float | None = None) -> np.ndarray:
@@ -451,6 +465,30 @@ def _share(gram: Gram, error: float) -> float:
     return max(error, np.finfo(float).tiny) / gram.n
 
 
+def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Leave out equations of a front that explain immaterially more than a smaller one.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products.
+    front : list of ndarray of int
+        As `front` returns it, largest first.
+
+    Returns
+    -------
+    list of ndarray of int
+        What is left of the front; see `material` for the reason and the measure.
+    """
+    errors = [rss(gram, least_squares(gram, support)) for support in front]
+    limit = errors[0] + MATERIAL * gram.yy
+    chosen = max(i for i, error in enumerate(errors) if error <= limit)
+    for i in range(chosen - 1, -1, -1):
+        if errors[i] <= errors[chosen] * REMAINDER ** (len(front[i]) - len(front[chosen])):
+            chosen = i
+    return list(front[chosen:])
+
+
 def material(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray:
     """Drop terms too small to be told from the error of a derivative.
 
@@ -465,7 +503,7 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray:
     -------
     ndarray of int
         Terms that explain at least `MATERIAL` of the target's power, or else nearly all of what
-        is left of it. The smallest goes first.
+        is left of it, as on exact data. The smallest goes first.
 
     Notes
     -----
