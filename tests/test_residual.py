@@ -208,3 +208,15 @@ def test_solve_shares_a_coefficient_among_equal_columns_instead_of_failing():
 
 def test_solve_gives_a_column_of_zeros_no_coefficient():
     assert solve(np.diag([4.0, 0.0]), np.array([8.0, 0.0])) == pytest.approx([2.0, 0.0])
+
+
+def test_band_of_a_record_that_the_user_smoothed_ends_with_its_power():
+    t = 0.01 * np.arange(2000)
+    x = np.column_stack([np.sin(3.0 * t), 3.0 * np.cos(3.0 * t)])
+    slow = pse.Record(t=t, x=x, x_dot=np.column_stack([x[:, 1], -9.0 * x[:, 0]]))
+    assert segments([slow]).cutoff == pytest.approx(8 / (125 * 0.01))  # a few frequencies stay
+    noise = np.random.default_rng(0).standard_normal((2000, 2))
+    raw = pse.Record(t=t, x=x, x_dot=slow.x_dot + 3.0 * noise)
+    assert segments([raw]).cutoff > 45.0
+    prepared = pse.prepare(t, x[:, 0], cutoff=5.0)
+    assert segments([prepared]).cutoff == 5.0

@@ -31,6 +31,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.fft import dct
 from scipy.signal.windows import tukey
 
 from ..equations import Equations
@@ -48,6 +49,8 @@ TAPER = 0.5  # share of a segment over which the taper falls to zero
 N_WEIGHINGS = 3  # of the frequencies by what the fit of the one before leaves
 LARGEST = 1e100  # a column with larger values is no candidate; its square would overflow
 LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding
+BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
+FEWEST_FREQUENCIES = 8  # of a segment
 ROWS_PER_WINDOW = 64  # of the simulated deviation, which is smooth, so many rows are kept
 
 
@@ -110,8 +113,8 @@ def segments(
     windows = choose_windows(list(records))
     if windows.width > length // 2:
         windows = Windows(width=max(1, length // 2), stride=max(1, length // 8))
-    cutoffs = [r.preparation.cutoff for r in records if r.preparation and r.preparation.cutoff]
-    cutoff = min(cutoffs, default=np.inf)
+    slowest = FEWEST_FREQUENCIES / (length * records[0].dt)
+    cutoff = min(_band(record, slowest) for record in records)
     return Segments(z, x_dot, records[0].dt, windows, state_scale, rate_scale, cutoff, places)
 
 
@@ -128,6 +131,26 @@ def variables_of(record: Record) -> np.ndarray:
     """Return states, inputs and time side by side, shape (n_samples, n_variables)."""
     parts = [record.x] if record.u is None else [record.x, record.u]
     return np.column_stack([*parts, record.t])
+
+
+def _band(record: Record, slowest: float) -> float:
+    """Return the highest frequency to look at, in cycles per unit of t.
+
+    It is the cutoff of the preparation. Nobody knows how a record of the user was smoothed, but
+    what is gone from its derivatives still is in sgn and its like, whose harmonics would speak
+    against them; so the band ends where the power of the derivatives does, but not below the
+    slowest that a segment can hold.
+    """
+    if record.preparation is not None:
+        return record.preparation.cutoff or np.inf
+    moving = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0.0]
+    if moving.shape[1] == 0:
+        return np.inf
+    # Cosine transform: no taper, so what happens at the ends counts as well.
+    power = dct(moving / np.ptp(moving, axis=0), axis=0)[1:] ** 2
+    share = np.cumsum(power, axis=0) / power.sum(axis=0)
+    reached = 1 + int(np.max(np.argmax(share >= BAND, axis=0)))
+    return max(reached / (2.0 * record.n_samples * record.dt), slowest)
 
 
 def _std(values: np.ndarray) -> np.ndarray:
