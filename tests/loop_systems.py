@@ -103,7 +103,7 @@ def hidden_effects() -> list[Hidden]:
         oscillator("cubic stiffness", "- 40*q^3"),
         oscillator("quintic stiffness", "- 60*q^5"),
         oscillator("dead zone", "+ 40*0.5*(abs(q + 0.2) - abs(q - 0.2))"),
-        oscillator("saturation", "- F + 0.5*(abs(F + 36) - abs(F - 36))"),
+        oscillator("saturation", "- F + 0.5*(abs(F + 29) - abs(F - 29))"),
         Hidden(
             "gravity",
             {"q": "v", "v": "-30*sin(q) - 0.8*v + F"},

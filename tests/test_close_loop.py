@@ -1,0 +1,282 @@
+"""close_loop: what is missing is found, named, added, and judged on data it was not fitted on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pysindy as ps
+import pytest
+from loop_systems import Hidden, hidden_effects, measured, oscillator
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop import close
+
+FRICTION = oscillator("Coulomb friction", "- 2*sgn(v)")
+NOTHING = oscillator("nothing", "")
+
+
+def names(report):
+    return [effect.name for effect in report.effects]
+
+
+def close_by_name(model, train, **options):
+    """Close the loop with the named effects alone, which takes a second."""
+    return pse.close_loop(model, train, **{"operators": (), "random_state": 0, **options})
+
+
+@pytest.fixture(scope="module")
+def friction_report():
+    return close_by_name(FRICTION.model, FRICTION.record())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_friction_is_named_although_terms_may_grow(seed):
+    report = pse.close_loop(FRICTION.model, FRICTION.record(seed=seed), random_state=seed)
+    assert names(report) == ["Coulomb friction"]
+
+
+@pytest.mark.slow
+def test_effect_that_no_name_fits_is_grown():
+    hidden = oscillator("evolved term", "- 15*q*sin(3*v)")
+    report = pse.close_loop(hidden.model, hidden.record(size=5.0), random_state=0)
+    assert "evolved term" in names(report)
+    assert report.after.derivative_error[1] < 0.5 * report.before.derivative_error[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [1e-3, 5e-3])
+@pytest.mark.parametrize("hidden", hidden_effects(), ids=lambda hidden: hidden.effect)
+def test_hidden_effect_is_found_and_betters_what_was_held_out(hidden, noise):
+    report = close_by_name(hidden.model, hidden.record(noise=noise))
+    assert report.verdict == "traced"
+    assert names(report)[0] == hidden.effect
+    assert report.effects[0].state == hidden.state
+    place = report.equations.states.index(hidden.state)
+    assert report.after.derivative_error[place] < 0.9 * report.before.derivative_error[place]
+    assert np.sum(report.after.simulation_error) < np.sum(report.before.simulation_error)
+
+
+def test_friction_is_found_with_its_size_and_both_errors_fall(friction_report):
+    report = friction_report
+    assert report.verdict == "traced"
+    assert names(report) == ["Coulomb friction"]
+    (effect,) = report.effects
+    assert effect.state == "v"
+    assert str(effect.term) == "sign(v)"
+    assert effect.coefficients == pytest.approx([-2.0], rel=0.03)
+    assert effect.p_value == pytest.approx(1 / 40)
+    assert effect.explained > 0.9
+    assert effect.score > effect.twin_scores.max()
+    assert report.after.derivative_error[1] < 0.5 * report.before.derivative_error[1]
+    assert np.all(report.after.simulation_error < 0.2 * report.before.simulation_error)
+    assert report.finished
+
+
+def test_frequency_of_a_forcing_is_found_within_a_percent():
+    hidden = oscillator("periodic forcing", "+ 2*sin(21.3*t + 0.4)")
+    report = close_by_name(hidden.model, hidden.record())
+    (effect,) = report.effects
+    assert effect.name == "periodic forcing"
+    assert effect.expressions[0].constants[0] == pytest.approx(21.3, rel=0.01)
+    assert np.hypot(*effect.coefficients) == pytest.approx(2.0, rel=0.1)
+
+
+def test_two_effects_are_found_one_after_the_other_or_together():
+    hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
+    report = close_by_name(hidden.model, hidden.record())
+    assert sorted(names(report)) == ["Coulomb friction", "constant offset"]
+    assert [step.name for step in report.steps] == names(report)
+    assert report.steps[-1].errors is report.after
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [1e-3, 5e-3])
+def test_nothing_is_found_where_nothing_is_missing(noise):
+    verdicts = [
+        pse.close_loop(
+            NOTHING.model, NOTHING.record(noise=noise, seed=seed, duration=20.0), random_state=seed
+        ).verdict
+        for seed in range(12)
+    ]
+    # At a significance of 5 % three or more of 12 would come once in fifty.
+    assert verdicts.count("complete") >= 10, verdicts
+
+
+def test_complete_model_has_no_effects_and_no_steps():
+    report = close_by_name(NOTHING.model, NOTHING.record())
+    assert report.verdict == "complete"
+    assert report.effects == []
+    assert report.steps == []
+    assert report.before.derivative_error == pytest.approx(report.after.derivative_error)
+
+
+def test_same_seed_gives_the_same_report(friction_report):
+    again = close_by_name(FRICTION.model, FRICTION.record())
+    assert str(again) == str(friction_report)
+    assert np.array_equal(again.effects[0].twin_scores, friction_report.effects[0].twin_scores)
+
+
+def test_generator_may_be_the_seed(friction_report):
+    rng = np.random.default_rng(0)
+    assert str(close_by_name(FRICTION.model, FRICTION.record(), random_state=rng)) == str(
+        friction_report
+    )
+
+
+def test_random_streams_of_the_caller_are_left_alone():
+    np.random.seed(3)  # noqa: NPY002
+    before = np.random.get_state()[1].copy()  # noqa: NPY002
+    close_by_name(NOTHING.model, NOTHING.record(duration=10.0))
+    assert np.array_equal(np.random.get_state()[1], before)  # noqa: NPY002
+
+
+@pytest.mark.slow
+def test_number_of_processes_does_not_change_the_result(friction_report):
+    parallel = close_by_name(FRICTION.model, FRICTION.record(), random_state=0, n_jobs=2)
+    assert str(parallel) == str(friction_report)
+    assert np.array_equal(parallel.effects[0].twin_scores, friction_report.effects[0].twin_scores)
+
+
+def test_arguments_are_left_as_they_were(friction_report):
+    record, model = FRICTION.record(), FRICTION.model
+    before, text = [a.copy() for a in (record.t, record.x, record.x_dot, record.u)], repr(model)
+    close_by_name(model, record)
+    after = (record.t, record.x, record.x_dot, record.u)
+    assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
+    assert repr(model) == text
+
+
+def test_last_thirty_percent_are_held_out_of_a_single_record(friction_report):
+    record = FRICTION.record()
+    (train,), (test,) = friction_report.train, friction_report.test
+    assert len(train) + len(test) == len(record)
+    assert len(test) == pytest.approx(0.3 * len(record), abs=1)
+    assert test.t[0] > train.t[-1]
+    assert [r.shape for r in friction_report.residual_before] == [test.x.shape]
+
+
+def test_last_of_several_records_is_held_out():
+    records = [FRICTION.record(duration=d, seed=s) for s, d in enumerate((20.0, 12.0, 15.0))]
+    prepared = [pse.prepare(r.preparation.t, r.preparation.y, r.preparation.u) for r in records]
+    report = close_by_name(FRICTION.model, prepared)
+    assert len(report.train) == 2
+    assert len(report.test) == 1
+    assert report.test[0].t[-1] == pytest.approx(prepared[-1].t[-1], abs=0.1)
+    assert names(report) == ["Coulomb friction"]
+
+
+def test_given_test_records_decide_nothing():
+    train = FRICTION.record(duration=20.0)
+    tests = [FRICTION.record(duration=10.0, seed=seed) for seed in (5, 6)]
+    one = close_by_name(FRICTION.model, train, test=tests[0])
+    two = close_by_name(FRICTION.model, train, test=tests)
+    assert names(one) == names(two) == ["Coulomb friction"]
+    assert np.array_equal(one.effects[0].coefficients, two.effects[0].coefficients)
+    assert not np.array_equal(one.after.simulation_error, two.after.simulation_error)
+    assert len(two.residual_after) == 2
+
+
+def test_record_of_the_user_with_its_own_derivatives():
+    made = FRICTION.record()
+    bare = pse.Record(t=made.t, x=made.x, x_dot=made.x_dot, u=made.u)
+    assert names(close_by_name(FRICTION.model, bare)) == ["Coulomb friction"]
+
+
+def test_order_of_the_inputs_only_orders_the_columns():
+    record = FRICTION.record()
+    idle = np.cos(0.9 * record.t)
+    first = replace(record, u=np.column_stack([record.u, idle]), preparation=None)
+    last = replace(record, u=np.column_stack([idle, record.u]), preparation=None)
+    sides = {"q": "v", "v": "-k*q - c*v + b*F + g*z"}
+    one = close_by_name(pse.DeclaredModel(sides, inputs=["F", "z"]), first)
+    two = close_by_name(pse.DeclaredModel(sides, inputs=["z", "F"]), last)
+    assert names(one) == names(two) == ["Coulomb friction"]
+    assert one.effects[0].coefficients == pytest.approx(two.effects[0].coefficients, rel=1e-9)
+
+
+@pytest.mark.parametrize("fitted", [True, False])
+def test_sindy_model_may_be_declared(fitted):
+    record = replace(FRICTION.record(), states=("q", "v"), inputs=("F",))
+    library = ps.PolynomialLibrary(degree=1, include_bias=False)
+    model = ps.SINDy(feature_library=library, optimizer=ps.STLSQ(threshold=0.05))
+    if fitted:
+        model.fit(
+            record.x, t=record.t, x_dot=record.x_dot, u=record.u, feature_names=["q", "v", "F"]
+        )
+    report = close_by_name(model, record)
+    assert names(report) == ["Coulomb friction"]
+    assert report.effects[0].state == "v"
+    assert report.effects[0].coefficients == pytest.approx([-2.0], rel=0.05)
+
+
+def test_max_effects_ends_the_search_and_is_told():
+    hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
+    report = close_by_name(hidden.model, hidden.record(), random_state=0, max_effects=1)
+    assert len(report.effects) <= 2  # a pair may come at once
+
+
+def test_interrupt_keeps_what_was_found(monkeypatch):
+    hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
+    find, calls = close.find, []
+
+    def interrupted(*args, **options):
+        if calls:
+            raise KeyboardInterrupt
+        calls.append(1)
+        return find(*args, **options)
+
+    monkeypatch.setattr(close, "find", interrupted)
+    report = close_by_name(hidden.model, hidden.record())
+    assert not report.finished
+    assert report.effects
+    assert report.verdict == "traced"
+    assert "did not come to its end" in str(report)
+
+
+def test_pendulum_without_its_gravity_is_given_it():
+    hidden = Hidden(
+        "gravity",
+        {"q": "v", "v": "-30*sin(q) - 0.3*v"},
+        {"q": "v", "v": "-c*v"},
+    )
+    t = np.arange(0.0, 30.0, 0.01)
+    machine = pse.DeclaredModel(hidden.truth).design().equations([])
+    q = pse.simulate(machine, [2.8, 0.0], t)[:, 0]
+    q = q + 1e-3 * np.random.default_rng(0).standard_normal(len(t))
+    report = close_by_name(pse.DeclaredModel(hidden.declared), pse.prepare(t, q))
+    assert names(report) == ["gravity"]
+    assert report.effects[0].coefficients == pytest.approx([-30.0], rel=0.02)
+
+
+def test_first_order_system_lacks_its_drain():
+    truth = pse.DeclaredModel({"h": "0.5*p - 0.3*h - 0.2"}, inputs=["p"]).design().equations([])
+    t = np.arange(0.0, 200.0, 0.1)
+
+    def pump(t):
+        return 1.5 + np.sin(0.31 * t) + 0.5 * np.sin(0.83 * t + 1.0)
+
+    h = pse.simulate(truth, [2.0], t, pump)
+    h = h + 2e-3 * np.random.default_rng(0).standard_normal(h.shape)
+    record = pse.prepare(t, h, pump(t), order=1)
+    report = close_by_name(
+        pse.DeclaredModel({"h": "a*p - b*h"}, inputs=["p"]), record, random_state=0
+    )
+    assert names(report) == ["constant offset"]
+    assert report.effects[0].coefficients == pytest.approx([-0.2], rel=0.1)
+
+
+@pytest.mark.slow
+def test_two_masses_with_friction_between_them():
+    truth = {
+        "a": "va",
+        "va": "-40*a - va + F - 2*sgn(va - vb)",
+        "b": "vb",
+        "vb": "-90*b - vb",
+    }
+    declared = {"a": "va", "va": "-k*a - c*va + F", "b": "vb", "vb": "-m*b - d*vb"}
+    model = pse.DeclaredModel({**declared, "vb": "-m*b - d*vb + g*F"}, inputs=["F"])
+    truth["vb"] += " + 0.5*F"
+    report = close_by_name(model, measured(truth))
+    assert names(report)[0] == "Coulomb friction"
+    assert report.effects[0].state == "va"
+    assert set(map(str, report.effects[0].term.free_symbols)) == {"va", "vb"}
