@@ -38,7 +38,7 @@ __all__ = [
 CHUNK = 1 << 14  # rows a chunk: a chunk of 100 columns takes 13 MB
 LEAST = 1e-13  # share of y @ y below which a Gram matrix in double precision sees only rounding
 RIDGE = 1e-12  # keeps nearly equal columns of unit size solvable without moving the others
-MATERIAL = 1e-5  # share of the target's power: derivatives are seldom good to 0.3 %
+MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
 REMAINDER = 1e-2  # share of the error that a smaller term may leave, if it is to count
 FORWARD = 6  # steps of forward selection beside the elastic net
 LAMBDA2 = (1e-3, 1e-1)  # relative to columns of unit RMS; orders of magnitude are enough
@@ -466,7 +466,7 @@ def _share(gram: Gram, error: float) -> float:
 
 
 def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Leave out equations of a front that explain immaterially more than a smaller one.
+    """Leave out equations of a front where a smaller one fits as well as a derivative is known.
 
     Parameters
     ----------
@@ -481,7 +481,7 @@ def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
         What is left of the front; see `material` for the reason and the measure.
     """
     errors = [rss(gram, least_squares(gram, support)) for support in front]
-    limit = errors[0] + MATERIAL * gram.yy
+    limit = max(errors[0], MATERIAL * gram.yy)
     chosen = max(i for i, error in enumerate(errors) if error <= limit)
     for i in range(chosen - 1, -1, -1):
         if errors[i] <= errors[chosen] * REMAINDER ** (len(front[i]) - len(front[chosen])):
@@ -502,8 +502,8 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray of int
-        Terms that explain at least `MATERIAL` of the target's power, or else nearly all of what
-        is left of it, as on exact data. The smallest goes first.
+        Terms without which more than `MATERIAL` of the target's power would be left, or a
+        hundred times as much as with them, as on exact data. The smallest goes first.
 
     Notes
     -----
@@ -517,7 +517,7 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray:
         error = rss(scaled, least_squares(scaled, support))
         rise = without[support] - error
         worst = int(np.argmin(rise))
-        if rise[worst] >= MATERIAL * gram.yy or rise[worst] >= error / REMAINDER:
+        if error + rise[worst] >= MATERIAL * gram.yy or rise[worst] >= error / REMAINDER:
             break
         support = np.delete(support, worst)
     return support
