@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pysindy as ps
 
 from ..equations import Equations
 from ..library import TermLibrary
 from ..optimizer import ElasticNet
+from ..terms import ONE
 
 __all__ = ["as_sindy"]
 
@@ -27,9 +30,13 @@ def as_sindy(equations: Equations) -> ps.SINDy:
     """
     inputs = (*equations.inputs, "t") if equations.needs_time else equations.inputs
     n_variables = len(equations.states) + len(inputs)
+    if not equations.terms:  # a library needs a column, even where all right-hand sides are zero
+        equations = replace(equations, terms=(ONE,), coef=np.zeros((len(equations.states), 1)))
     library = TermLibrary(equations.terms)
-    theta = library.fit(np.ones((2, n_variables))).transform(np.ones((2, n_variables)))
-    optimizer = ElasticNet().fit(np.asarray(theta), np.ones((2, len(equations.states))))
+    library.fit(np.ones((2, n_variables)))
+    n_terms, n_states = len(equations.terms), len(equations.states)
+    # Any fit will do: its coefficients are replaced by those that were found.
+    optimizer = ElasticNet().fit(np.eye(n_terms), np.ones((n_terms, n_states)))
     optimizer.coef_ = np.array(equations.coef, dtype=float)
     optimizer.ind_ = optimizer.coef_ != 0.0
     model = ps.SINDy(feature_library=library, optimizer=optimizer)

@@ -1,0 +1,184 @@
+"""LoopReport: what is printed, predicted, simulated and drawn is one model."""
+
+import re
+
+import numpy as np
+import pytest
+import sympy
+from loop_systems import measured, oscillator
+
+import pysindy_evolve as pse
+
+FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
+
+
+@pytest.fixture(scope="module")
+def report():
+    """Friction and offset are found."""
+    record = FRICTION.record()
+    return pse.close_loop(FRICTION.model, record, operators=(), random_state=0)
+
+
+@pytest.fixture(scope="module")
+def complete():
+    record = measured({"q": "v", "v": "-40*q - 0.8*v + F"})
+    return pse.close_loop(FRICTION.model, record, operators=(), random_state=0)
+
+
+@pytest.fixture(scope="module")
+def drifting():
+    """The corrected model depends on time."""
+    hidden = oscillator("drift", "+ 0.1*t + 1", "-k*q - c*v + b*F + o")
+    return pse.close_loop(hidden.model, hidden.record(), operators=(), random_state=0)
+
+
+def test_report_prints_verdict_equations_table_and_evidence_in_this_order(report):
+    text = str(report)
+    expected = (
+        r"Verdict: traced: the model lacked what is listed below\.\n\n"
+        r"Declared model, fitted\n    q' = v\n    v' = .*\n\n"
+        r"Corrected model\n    q' = v\n    v' = .*sgn\(v\).*\n\n"
+        r"Errors on held-out data, % of the standard deviation \(NRMSE\)\n"
+        r" +dv/dt +q free run +v free run\n"
+        r"    declared( +[\d.e+]+){3}\n"
+        r"(    \+ .*( +[\d.e+]+){3}\n)+"
+        r"\n1\. .* in the equation of v\n"
+        r"(   -?[\d.e+-]+ times .*\(95 %: -?[\d.e+-]+ to -?[\d.e+-]+\)\n)+"
+        r"   removes .* % of the held-out residual variance; p = 0\.025 \(39 twins\)"
+    )
+    assert re.match(expected, text), text
+    assert max(map(len, text.splitlines())) <= 100
+    for effect in report.effects:
+        assert f"{effect.name} in the equation of {effect.state}" in text
+
+
+def test_complete_report_says_so_and_shows_one_equation(complete):
+    text = str(complete)
+    assert text.startswith("Verdict: complete: nothing is missing that this data can show.")
+    assert "Corrected model" not in text
+    assert "1. " not in text.split("NRMSE")[1]
+
+
+def test_table_shows_the_errors_of_the_report(report):
+    row = next(line for line in str(report).splitlines() if line.strip().startswith("declared "))
+    shown = [float(value) for value in row.split()[1:]]
+    errors = [report.before.derivative_error[1], *report.before.simulation_error]
+    assert shown == pytest.approx(errors, rel=6e-3)
+
+
+@pytest.mark.parametrize("which", ["report", "drifting"])
+def test_model_predicts_what_the_equations_evaluate(which, request):
+    report = request.getfixturevalue(which)
+    (test,) = report.test
+    u = np.column_stack([test.u, test.t]) if report.equations.needs_time else test.u
+    expected = report.equations.evaluate(test.x, test.u, test.t)
+    assert report.model.predict(test.x, u=u) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("which", ["report", "drifting"])
+def test_sympy_form_has_the_same_values(which, request):
+    report = request.getfixturevalue(which)
+    (test,) = report.test
+    symbols = sympy.symbols(report.equations.names, real=True)
+    sides = sympy.lambdify(symbols, pse.to_sympy(report.model), "numpy")
+    values = sides(*test.x.T, *test.u.T, test.t)
+    stacked = np.column_stack([np.broadcast_to(v, len(test)) for v in values])
+    expected = report.equations.evaluate(test.x, test.u, test.t)
+    assert stacked == pytest.approx(expected, rel=1e-6)
+    assert report.after.equations == report.equations.to_sympy()
+
+
+@pytest.mark.parametrize("which", ["report", "drifting"])
+def test_free_run_of_the_report_is_a_simulation_of_its_model(which, request):
+    report = request.getfixturevalue(which)
+    (test,) = report.test
+    run = report.simulate(test)
+    assert run.shape == test.x.shape
+    assert np.array_equal(run[0], test.x[0])
+    direct = pse.simulate(report.model, test.x[0], test.t, test.u)
+    assert run == pytest.approx(direct, abs=0.02 * np.abs(test.x).max())
+    error = 100 * np.sqrt(np.mean((run - test.x) ** 2, axis=0)) / test.x.std(axis=0)
+    assert report.after.simulation_error == pytest.approx(error, rel=0.05)
+
+
+def test_time_is_an_input_of_a_model_that_needs_it(drifting):
+    assert [effect.name for effect in drifting.effects] == ["drift"]
+    assert drifting.model.feature_names == ["q", "v", "F", "t"]
+
+
+def test_effects_are_the_terms_of_the_corrected_equation(report):
+    q, v, force = sympy.symbols("q v F", real=True)
+    added = sympy.expand(report.after.equations[1])
+    terms = {sympy.sign(v): -2.0, sympy.Integer(1): 1.5}
+    for effect in report.effects:
+        assert effect.coefficients == pytest.approx([terms[effect.term]], rel=0.05)
+        low, high = effect.confidence_intervals.T
+        assert np.all((low <= effect.coefficients) & (effect.coefficients <= high))
+        assert 0.0 < effect.p_value <= 0.05
+        assert effect.name not in effect.alternatives
+    assert added.free_symbols == {q, v, force}
+    assert added.coeff(sympy.sign(v)) == pytest.approx(-2.0, rel=0.05)
+
+
+def test_steps_lead_from_before_to_after(report):
+    assert [step.name for step in report.steps][-1] == report.effects[-1].name
+    assert report.steps[-1].errors is report.after
+    errors = [report.before, *(step.errors for step in report.steps)]
+    derivative = [e.derivative_error[1] for e in errors]
+    assert derivative == sorted(derivative, reverse=True)
+
+
+def test_residuals_are_the_measured_derivative_less_the_model(report):
+    (test,) = report.test
+    expected = test.x_dot - report.equations.evaluate(test.x, test.u, test.t)
+    assert report.residual_after[0] == pytest.approx(expected)
+    assert report.residual_before[0].std(axis=0)[1] > report.residual_after[0].std(axis=0)[1]
+
+
+def test_kinematic_equation_is_not_rated(report):
+    assert report.before.derivative_error[0] == pytest.approx(0.0, abs=1e-6)
+    assert "dq/dt" not in str(report)
+
+
+def test_picture_shows_the_residual_before_and_after_over_time_and_over_a_variable(report):
+    pytest.importorskip("matplotlib")
+    from matplotlib.figure import Figure
+
+    figure = report.plot()
+    assert isinstance(figure, Figure)
+    over_time, over_variable = figure.axes
+    assert over_time.get_xlabel() == "t"
+    assert over_variable.get_xlabel() == "v"
+    assert "dv/dt" in over_time.get_ylabel()
+    before, after = over_time.lines[:2]
+    assert np.array_equal(before.get_ydata(), report.residual_before[0][:, 1])
+    assert np.array_equal(after.get_ydata(), report.residual_after[0][:, 1])
+    from matplotlib import pyplot as plt
+
+    plt.close(figure)
+
+
+def test_picture_of_a_complete_model_shows_one_residual(complete):
+    pytest.importorskip("matplotlib")
+    from matplotlib import pyplot as plt
+
+    figure = complete.plot("q")
+    over_time, _ = figure.axes
+    assert "dq/dt" in over_time.get_ylabel()
+    assert len([line for line in over_time.lines if len(line.get_xdata()) > 2]) == 1
+    plt.close(figure)
+
+
+def test_picture_of_a_state_that_is_none_is_refused(report):
+    pytest.importorskip("matplotlib")
+    with pytest.raises(ValueError, match=r"plot\(state=\.\.\.\) must be a state of the model; got"):
+        report.plot("w")
+
+
+def test_model_of_nothing_at_all_predicts_zeros():
+    t = 0.01 * np.arange(400)
+    rng = np.random.default_rng(0)
+    record = pse.Record(t=t, x=rng.normal(size=400), x_dot=rng.normal(size=400))
+    report = pse.close_loop(pse.DeclaredModel({"q": "0"}), record, operators=(), max_effects=0)
+    assert report.model.predict(np.ones((3, 1))).tolist() == [[0.0]] * 3
+    assert "q' = 0" in str(report)
