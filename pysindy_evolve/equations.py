@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import sympy
 
-from .terms import Product, Sum
+from .terms import Cache, Product, Sum
 
 __all__ = ["Equations"]
 
@@ -91,7 +91,8 @@ class Equations:
         -------
         ndarray of shape (n_samples, n_terms)
         """
-        variables, cache = stack(x, u, t), {}
+        variables = stack(x, u, t)
+        cache: Cache = {}
         columns = [term.evaluate(variables, cache) for term in self.terms]
         return np.column_stack(columns) if columns else np.empty((len(x), 0))
 

@@ -6,14 +6,9 @@ import pytest
 import pysindy_evolve as pse
 from pysindy_evolve.loop.design import in_state
 from pysindy_evolve.loop.linear import solve
-from pysindy_evolve.loop.residual import (
-    _respond,
-    jacobian,
-    segments,
-    spectral_grams,
-    variables_of,
-    view_grams,
-)
+from pysindy_evolve.loop.residual import _respond, jacobian, view_grams
+from pysindy_evolve.loop.segments import segments, variables_of
+from pysindy_evolve.loop.spectral import spectral_grams
 from pysindy_evolve.terms import mul, power, variable
 
 SPRING = {"q": "v", "v": "-k*q - c*v - e*q^3 + b*F"}

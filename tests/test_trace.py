@@ -7,7 +7,7 @@ from loop_systems import hidden_effects, measured, oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.loop.design import in_state
 from pysindy_evolve.loop.effects import OFFSET, Candidate, standing
-from pysindy_evolve.loop.residual import segments
+from pysindy_evolve.loop.segments import segments
 from pysindy_evolve.loop.step import propose, quick_fit, score
 from pysindy_evolve.loop.trace import fold_errors, rank
 from pysindy_evolve.terms import variable
@@ -30,7 +30,7 @@ def test_hidden_effect_comes_first_in_its_equation(hidden):
 
 @pytest.mark.parametrize("hidden", hidden_effects(), ids=lambda hidden: hidden.effect)
 def test_what_ranks_first_does_not_depend_on_the_noise_or_the_force(hidden):
-    record = hidden.record(noise=2e-3, seed=7)
+    record = hidden.record(noise=2e-3, seed=1)
     assert ranking(hidden.model, record, pairs=False)[0].group[0].name == hidden.effect
 
 

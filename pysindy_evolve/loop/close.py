@@ -15,8 +15,8 @@ from .design import Design
 from .grow import OPERATORS, Garden
 from .records import alike, check_records, split_records
 from .report import LoopReport, make_report
-from .residual import Segments, segments
 from .rules import Rules
+from .segments import Segments, segments
 from .step import Finding, exchange, find, prune
 from .structure import has_structure
 

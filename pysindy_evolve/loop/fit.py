@@ -17,7 +17,8 @@ from ..signals import Record, Windows, choose_windows, project
 from ..terms import Cache
 from .design import Design
 from .linear import solve
-from .residual import jacobian, segments, variables_of, view_grams
+from .residual import jacobian, view_grams
+from .segments import segments, variables_of
 
 __all__ = ["Fit", "derivative_errors", "derivative_fit_errors", "fit"]
 

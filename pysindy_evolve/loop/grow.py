@@ -17,8 +17,10 @@ from ..signals import Record
 from ..terms import Product, Sum
 from .design import Design
 from .effects import Candidate, candidates
-from .residual import Segments, forces, spectral_rows, spectral_weights
+from .residual import forces
 from .rules import Rules
+from .segments import Segments
+from .spectral import spectral_rows, spectral_weights
 from .step import Finding, columns_of, find, score
 from .trace import Score
 

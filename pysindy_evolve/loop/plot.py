@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .residual import variables_of
+from .segments import variables_of
 
 if TYPE_CHECKING:
     from .report import LoopReport

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..signals import Record, prepare
 from .design import Design
-from .residual import variables_of
+from .segments import variables_of
 
 __all__ = ["alike", "check_records", "split_records"]
 
@@ -70,6 +70,37 @@ def check_records(design: Design, records: Sequence[Record]) -> None:
                 "Interpolate the record to one sampling time first."
             )
         _check_finite(design, record)
+    _check_columns(records)
+
+
+SIZES = (1e-50, 1e50)  # beyond them fifth powers and their squares leave the range of a float
+
+
+def _check_columns(records: Sequence[Record]) -> None:
+    """Raise where a column says nothing, or is out of the range of the arithmetic."""
+    for name in ("x", "u", "x_dot"):
+        columns = [
+            getattr(record, name) for record in records if record.u is not None or name != "u"
+        ]
+        if not columns:
+            continue
+        stacked = np.concatenate(columns)
+        largest = np.abs(stacked).max(axis=0)
+        for index in np.flatnonzero(
+            (largest > 0.0) & ((largest < SIZES[0]) | (largest > SIZES[1]))
+        ):
+            raise ValueError(
+                f"close_loop(train=..., test=...) must have a size between {SIZES[0]:g} and "
+                f"{SIZES[1]:g} in each column of {name}; got {largest[index]:g} in column {index}. "
+                "Use other units."
+            )
+        still = largest == 0.0 if name == "x_dot" else np.ptp(stacked, axis=0) == 0.0
+        for index in np.flatnonzero(still):
+            raise ValueError(
+                f"close_loop(train=..., test=...) must have columns of {name} that vary; got "
+                f"{stacked[0, index]:g} everywhere in column {index}. Drop it from the records "
+                "and from the model."
+            )
 
 
 def _check_finite(design: Design, record: Record) -> None:

@@ -15,8 +15,10 @@ from ..signals import Record
 from .design import Column, Design, in_state
 from .effects import Candidate, candidates, periodic_candidates, standing
 from .linear import solve
-from .residual import Segments, derivative_grams, jacobian, spectral_grams, variables_of, view_grams
+from .residual import derivative_grams, jacobian, view_grams
 from .rules import Rules
+from .segments import Segments, variables_of
+from .spectral import spectral_grams
 from .trace import Score, rank
 from .twins import TwinMaker
 

@@ -18,8 +18,9 @@ import numpy as np
 from ..signals import Record
 from ..terms import Cache
 from .design import Column, Design
-from .residual import Segments, spectral_grams
 from .rules import Rules
+from .segments import Segments
+from .spectral import spectral_grams
 from .step import quick_fit, twin_values
 from .trace import fold_errors
 from .twins import TwinMaker

@@ -21,6 +21,7 @@ from .linear import solve
 __all__ = ["Score", "fold_errors", "rank"]
 
 N_FOLDS = 8
+ROUNDING = 1e-16  # relative to the square of the target
 NEW = 1e-6  # share of a column's square that the model's columns must leave
 
 
@@ -37,7 +38,7 @@ class Score:
     def value(self) -> float:
         """log(error without / error with), per effect of the group."""
         before, after = self.without.sum(), self.errors.sum()
-        gain = np.log(max(before, 1e-300) / max(after, 1e-300))
+        gain = np.log(max(before, 1e-300)) - np.log(max(after, 1e-300))
         return float(gain) / len(self.group)
 
 
@@ -68,7 +69,8 @@ def fold_errors(grams: np.ndarray, models: np.ndarray) -> np.ndarray:
     coef = solve(trained[..., :-1, :-1], trained[..., :-1, -1])
     contrast = np.concatenate([coef, np.full((*coef.shape[:-1], 1), -1.0)], axis=-1)
     errors = np.einsum("fmi,fmij,fmj->mf", contrast, judged, contrast)
-    return np.maximum(errors, 0.0)
+    # Below rounding one fit is not better than another, and ratios of errors would overflow.
+    return np.maximum(errors, ROUNDING * held[:, last, last])
 
 
 def rank(

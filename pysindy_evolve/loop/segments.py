@@ -1,0 +1,122 @@
+"""Pieces of equal length of the training records, and the band that is looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.fft import dct
+
+from ..signals import Record, Windows, choose_windows
+
+__all__ = ["Segments", "segments", "variables_of"]
+
+N_SEGMENTS = 16
+MAX_ROWS = 24_000  # the search looks at no more rows; coefficients are fitted on all of them
+BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
+FEWEST_FREQUENCIES = 8  # of a segment
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """Pieces of equal length of one or several records, with the scales that weigh their rows."""
+
+    z: np.ndarray
+    x_dot: np.ndarray
+    dt: float
+    windows: Windows
+    state_scale: np.ndarray
+    rate_scale: np.ndarray
+    cutoff: float
+    places: tuple[tuple[int, int], ...]
+
+    @property
+    def n_states(self) -> int:
+        """Number of states."""
+        return self.x_dot.shape[2]
+
+    def every_other(self, start: int) -> Segments:
+        """Return every second piece, beginning with the one numbered `start`."""
+        pick = slice(start, None, 2)
+        return replace(self, z=self.z[pick], x_dot=self.x_dot[pick], places=self.places[pick])
+
+    def of(self, records: Sequence[Record]) -> Segments:
+        """Return the same pieces of other records of the same shape, such as twins."""
+        z, x_dot = _cut(records, self.places, self.z.shape[1])
+        return replace(self, z=z, x_dot=x_dot)
+
+
+def segments(
+    records: Sequence[Record], n_segments: int = N_SEGMENTS, max_rows: int | None = MAX_ROWS
+) -> Segments:
+    """Cut records into pieces of equal length.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Training records of equal sampling time.
+    n_segments : int
+        About how many pieces; no piece crosses from one record into the next.
+    max_rows : int or None
+        Pieces are shortened to hold no more rows in all.
+
+    Returns
+    -------
+    Segments
+    """
+    sizes = [record.n_samples for record in records]
+    step = max(8, min(sum(sizes) // n_segments, min(sizes)))
+    length = step if max_rows is None else max(8, min(step, max_rows // n_segments))
+    places = tuple(
+        (i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step)
+    )
+    z, x_dot = _cut(records, places, length)
+    state_scale = _std(np.concatenate([record.x for record in records]))
+    rate_scale = _std(np.concatenate([record.x_dot for record in records]))
+    windows = choose_windows(list(records))
+    if windows.width > length // 2:
+        windows = Windows(width=max(1, length // 2), stride=max(1, length // 8))
+    slowest = FEWEST_FREQUENCIES / (length * records[0].dt)
+    cutoff = min(_band(record, slowest) for record in records)
+    return Segments(z, x_dot, records[0].dt, windows, state_scale, rate_scale, cutoff, places)
+
+
+def variables_of(record: Record) -> np.ndarray:
+    """Return states, inputs and time side by side, shape (n_samples, n_variables)."""
+    parts = [record.x] if record.u is None else [record.x, record.u]
+    return np.column_stack([*parts, record.t])
+
+
+def _cut(
+    records: Sequence[Record], places: Sequence[tuple[int, int]], length: int
+) -> tuple[np.ndarray, np.ndarray]:
+    stacked = [variables_of(record) for record in records]
+    z = np.stack([stacked[i][start : start + length] for i, start in places])
+    x_dot = np.stack([records[i].x_dot[start : start + length] for i, start in places])
+    return z, x_dot
+
+
+def _band(record: Record, slowest: float) -> float:
+    """Return the highest frequency to look at, in cycles per unit of t.
+
+    It is the cutoff of the preparation. Nobody knows how a record of the user was smoothed, but
+    what is gone from its derivatives still is in sgn and its like, whose harmonics would speak
+    against them; so the band ends where the power of the derivatives does, but not below the
+    slowest that a segment can hold.
+    """
+    if record.preparation is not None:
+        return record.preparation.cutoff or np.inf
+    moving = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0.0]
+    if moving.shape[1] == 0:
+        return np.inf
+    # Cosine transform: no taper, so what happens at the ends counts as well.
+    power = dct(moving / np.ptp(moving, axis=0), axis=0)[1:] ** 2
+    share = np.cumsum(power, axis=0) / power.sum(axis=0)
+    reached = 1 + int(np.max(np.argmax(share >= BAND, axis=0)))
+    return max(reached / (2.0 * record.n_samples * record.dt), slowest)
+
+
+def _std(values: np.ndarray) -> np.ndarray:
+    scale = values.std(axis=0)
+    return np.where(scale > 0.0, scale, 1.0)

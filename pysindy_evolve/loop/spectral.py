@@ -1,0 +1,112 @@
+"""The spectral view of a residual: where effects are ranked and tested.
+
+Both sides of an equation are multiplied by tapered sines and cosines (the weak form with Fourier
+test functions), and each frequency is weighed by the noise there. What is left is white, so no row
+counts twice: generalized least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.signal.windows import tukey
+
+from .design import Column, Design
+from .linear import solve
+from .residual import forces
+from .segments import Segments
+
+__all__ = ["spectral_grams", "spectral_rows", "spectral_weights"]
+
+TAPER = 0.5  # share of a segment over which the taper falls to zero
+N_WEIGHINGS = 3  # of the frequencies by what the fit of the one before leaves
+LARGEST = 1e100  # a column with larger values is no candidate; its square would overflow
+LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding
+
+
+def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return the Gram matrices of each segment in the spectral view.
+
+    Parameters
+    ----------
+    part : Segments
+        Rows to look at.
+    design : Design
+        Supplies the known parts of the equations.
+    columns : sequence of Column
+        Columns of the design, then candidates.
+
+    Returns
+    -------
+    ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
+    """
+    rows = _spectra(part, design, columns)
+    weight = _weights(rows)
+    weighed = (rows * weight[..., None]).reshape(len(rows), -1, rows.shape[-1])
+    parts = np.concatenate([weighed.real, weighed.imag], axis=1)
+    return np.einsum("srk,srl->skl", parts, parts, optimize=True)
+
+
+def spectral_weights(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return the weight of each frequency in each open equation, (n_open, n_frequencies)."""
+    return _weights(_spectra(part, design, columns))
+
+
+def spectral_rows(part: Segments, columns: np.ndarray) -> np.ndarray:
+    """Transform tapered segments.
+
+    Parameters
+    ----------
+    part : Segments
+        Sampling time and cutoff.
+    columns : ndarray of shape (n_segments, n, n_columns)
+        Anything sampled on the segments.
+
+    Returns
+    -------
+    ndarray of complex of shape (n_segments, n_frequencies, n_columns)
+        Frequencies up to the cutoff. A column with a value that is not finite is all zero.
+    """
+    length = columns.shape[1]
+    band = np.fft.rfftfreq(length, part.dt) <= part.cutoff
+    usable = np.all(np.abs(columns) < LARGEST, axis=(0, 1))  # False for NaN too
+    tapered = np.where(usable, columns, 0.0) * tukey(length, TAPER)[None, :, None]
+    return np.fft.rfft(tapered, axis=1)[:, band]
+
+
+def _spectra(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return spectra of columns and target, (n_segments, n_open, n_frequencies, n_columns)."""
+    force = forces(part, design, columns)
+    spectra = [
+        spectral_rows(part, force[:, :, state]) / part.rate_scale[state]
+        for state in design.open_states
+    ]
+    return np.stack(spectra, axis=1)
+
+
+def _weights(rows: np.ndarray) -> np.ndarray:
+    """Weigh each frequency by the inverse of the noise there.
+
+    The noise is what all columns together, candidates included, leave. What only the model leaves
+    would hold the effect that is sought, and hide it behind its own power.
+    """
+    weight = np.ones(rows.shape[1:3])
+    for _ in range(N_WEIGHINGS):
+        flat = (rows * weight[..., None]).reshape(-1, rows.shape[-1])
+        gram = (flat.conj().T @ flat).real
+        contrast = np.append(solve(gram[:-1, :-1], gram[:-1, -1]), -1.0)
+        power = np.mean(np.abs(rows @ contrast) ** 2, axis=0)
+        weight = 1.0 / np.sqrt(_smooth(power))
+    return weight
+
+
+def _smooth(power: np.ndarray) -> np.ndarray:
+    """Average a power spectrum over neighboring frequencies, an eighth of an octave and more."""
+    n = power.shape[-1]
+    index = np.arange(n)
+    reach = 1 + index // 8
+    sums = np.concatenate([np.zeros((len(power), 1)), np.cumsum(power, axis=-1)], axis=-1)
+    low, high = np.maximum(index - reach, 0), np.minimum(index + reach + 1, n)
+    flat = (sums[:, high] - sums[:, low]) / (high - low)
+    return np.maximum(flat, np.max(flat, axis=-1, keepdims=True) * LEAST_POWER + 1e-300)
