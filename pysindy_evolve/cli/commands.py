@@ -52,7 +52,7 @@ def _save_records(drive: Drive, folder: Path) -> None:
         columns = (record.t, record.y, record.u)
         table = np.column_stack([column for column in columns if column is not None])
         path = folder / f"{record.name}.csv"
-        np.savetxt(path, table, "%.7g", delimiter=",", header=header, comments="")
+        np.savetxt(path, table, "%.12g", delimiter=",", header=header, comments="")
     sides = " ".join(f'--equation "{state} = {side}"' for state, side in drive.declared.items())
     say(
         "Saved the records, so that you can do the same from the shell:\n"
