@@ -37,6 +37,7 @@ __all__ = [
 
 CHUNK = 1 << 14  # rows a chunk: a chunk of 100 columns takes 13 MB
 LEAST = 1e-13  # share of y @ y below which a Gram matrix in double precision sees only rounding
+HEALTHY = 0.1  # of 1 / n, below which no diagonal of an inverse lies where columns have unit RMS
 RIDGE = 1e-12  # keeps nearly equal columns of unit size solvable without moving the others
 MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
 REMAINDER = 1e-2  # share of the error that a smaller term may leave, if it is to count
@@ -377,17 +378,31 @@ def eliminate(
     floor = max(LEAST * gram.yy, np.finfo(float).tiny)
     error = max(float(gram.yy - coef @ part.xy), floor)
     way = [(left, error)]
+    alive = np.arange(len(left))
     while len(left):
-        rise = coef**2 / np.maximum(np.diag(inverse), np.finfo(float).tiny)
+        if np.min(np.diag(inverse)) < HEALTHY / gram.n:  # downdating has lost its digits
+            inverse = _inverse(part.select(alive))
+            coef = inverse @ part.xy[alive]
+        rise = _rise(coef, inverse, gram.n)
         worst = int(np.argmin(n_effective * np.log1p(rise / error) - price))
         error = max(error + float(rise[worst]), floor)
         keep = np.arange(len(left)) != worst
         column, pivot = inverse[keep, worst], inverse[worst, worst]
-        coef = coef[keep] - column * coef[worst] / pivot
-        inverse = inverse[np.ix_(keep, keep)] - np.outer(column, column) / pivot
-        left, price = left[keep], price[keep]
+        if abs(pivot) >= HEALTHY / gram.n:
+            coef = coef[keep] - column * coef[worst] / pivot
+            inverse = inverse[np.ix_(keep, keep)] - np.outer(column, column) / pivot
+        else:
+            coef, inverse = coef[keep], inverse[np.ix_(keep, keep)]
+        left, price, alive = left[keep], price[keep], alive[keep]
         way.append((left, error))
     return way
+
+
+def _rise(coef: np.ndarray, inverse: np.ndarray, n: int) -> np.ndarray:
+    """Return what the sum of squares rises by without each column; nothing for a zero column."""
+    diagonal = np.diag(inverse)
+    usable = diagonal > 1e-12 / n
+    return np.where(usable, coef**2 / np.where(usable, diagonal, 1.0), 0.0)
 
 
 def prune(
@@ -549,7 +564,7 @@ def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, 
     gain = np.where(power > 1e-9 * np.diag(gram.xx), slope**2 / np.maximum(power, 1e-300), 0.0)
     with_column, without_column = np.maximum(error - gain, floor), np.full(len(gram.xy), error)
     with_column[support] = error
-    without_column[support] = error + coef**2 / np.maximum(np.diag(inverse), 1e-300)
+    without_column[support] = error + _rise(coef, inverse, gram.n)
     return with_column, without_column
 
 

@@ -103,7 +103,7 @@ def close_loop(
     check_records(declared_design, [*fit_on, *judge_on])
     fit_on, judge_on = alike(fit_on, judge_on)
     rng = np.random.default_rng(random_state)
-    part = segments(fit_on)
+    part = segments(fit_on, declared_design.velocities)
     basis = resolve(operators, "close_loop") if operators else ()
     findings: list[Finding] = []
     finished = True
@@ -111,6 +111,8 @@ def close_loop(
         for found in _search(declared_design, fit_on, part, rules, basis, rng):
             findings = found
     except KeyboardInterrupt:
+        if not findings:
+            raise
         finished = False
     verdict = "traced" if findings else "complete"
     if not findings and finished and has_structure(declared_design, fit_on, part, rules, rng):

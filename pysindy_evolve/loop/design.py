@@ -96,6 +96,11 @@ class Design:
         return None
 
     @property
+    def velocities(self) -> tuple[int, ...]:
+        """Open states that are the derivative of another state."""
+        return tuple(i for i in self.open_states if self.position_of(i) is not None)
+
+    @property
     def open_states(self) -> tuple[int, ...]:
         """States whose equations may lack something: all but the kinematic ones."""
         return tuple(i for i in range(len(self.states)) if not self.kinematic(i))

@@ -19,6 +19,7 @@ from .design import Design
 from .linear import solve
 from .residual import jacobian, view_grams
 from .segments import segments, variables_of
+from .sticking import moving
 
 __all__ = ["Fit", "derivative_errors", "derivative_fit_errors", "fit"]
 
@@ -114,7 +115,7 @@ def simulation_grams(
     """Return, for each number of stretches, inner products of the deviations in each stretch."""
     equations, grams = design.equations(coef), {}
     for n_stretches in N_STRETCHES:
-        part = segments(records, n_stretches, max_rows=None)
+        part = segments(records, design.velocities, n_stretches, max_rows=None)
         slopes = jacobian(equations, part.z, part.state_scale)
         grams[n_stretches] = view_grams(part, design, design.columns, slopes)["simulation"]
     return grams
@@ -126,10 +127,10 @@ def _rows(design: Design, record: Record, windows: Windows, scale: np.ndarray) -
     cache: Cache = {}
     target = record.x_dot - design.known(variables)
     values = [column.evaluate(variables, cache) for column in design.columns]
-    stacked = []
+    stacked, weights = [], moving(record, design.velocities)
     for state in design.open_states:
         columns = np.column_stack([*(v[:, state] for v in values), target[:, state]])
-        stacked.append(project(columns, windows) / scale[state])
+        stacked.append(project(columns * weights[:, state, None], windows) / scale[state])
     return np.stack(stacked, axis=1).reshape(-1, len(values) + 1)
 
 
@@ -155,12 +156,14 @@ def derivative_errors(
     """Return the NRMSE of the derivative, percent of the standard deviation, for each state.
 
     Both sides are averaged over the windows of the fit, so that it is the error of the model
-    and not of the differentiation.
+    and not of the differentiation; rows at rest, where the sign of the velocity is a coin toss,
+    are left out.
     """
     equations = design.equations(coef)
     squares, samples = [], []
     for record in records:
         error = record.x_dot - equations.evaluate(record.x, record.u, record.t)
+        error *= moving(record, design.velocities)
         wide = windows if record.n_samples >= windows.width else Windows(1)
         squares.append(project(error, wide) ** 2)
         samples.append(project(record.x_dot, wide))

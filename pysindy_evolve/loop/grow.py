@@ -57,7 +57,7 @@ def grow(
     known = candidates(design, scales)
     extra = [column for candidate in known for column in columns_of(candidate, design)]
     weights = spectral_weights(part, design, [*design.columns, *extra])
-    force = forces(part, design, design.columns)
+    force = forces(part, design, design.columns, weighed=False)
     flat = force.reshape(-1, *force.shape[2:])
     variables = part.z[..., :-1].reshape(len(flat), -1)
     found = []
@@ -68,17 +68,18 @@ def grow(
             operators=operators,
             rng=rng,
             fixed=flat[:, state, :-1],
-            project=partial(_project, part=part, weight=weights[place]),
+            project=partial(_project, part=part, state=state, weight=weights[place]),
             settings=SETTINGS,
         )
         found += [named(term, state, known) for term in evolution.terms]
     return found
 
 
-def _project(columns: np.ndarray, part: Segments, weight: np.ndarray) -> np.ndarray:
+def _project(columns: np.ndarray, part: Segments, state: int, weight: np.ndarray) -> np.ndarray:
     """Map rows to weighed spectra, real and imaginary parts below each other."""
     n_segments, length, _ = part.z.shape
-    rows = spectral_rows(part, columns.reshape(n_segments, length, -1)) * weight[None, :, None]
+    moving = columns.reshape(n_segments, length, -1) * part.weight[:, :, state, None]
+    rows = spectral_rows(part, moving) * weight[None, :, None]
     stacked = np.concatenate([rows.real, rows.imag], axis=1)
     return stacked.reshape(-1, rows.shape[-1])
 

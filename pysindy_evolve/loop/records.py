@@ -73,7 +73,8 @@ def check_records(design: Design, records: Sequence[Record]) -> None:
     _check_columns(records)
 
 
-SIZES = (1e-50, 1e50)  # beyond them fifth powers and their squares leave the range of a float
+LARGEST = 1e50  # of a term of the model
+SIZES = (1e-30, 1e30)  # beyond them squares of ratios of powers leave the range of a float
 
 
 def _check_columns(records: Sequence[Record]) -> None:
@@ -106,10 +107,11 @@ def _check_columns(records: Sequence[Record]) -> None:
 def _check_finite(design: Design, record: Record) -> None:
     """Raise where the model has no value on a record, such as a logarithm of a negative state."""
     variables = variables_of(record)
-    parts = [("known", design.known(variables))]
-    parts += [(column.name, column.evaluate(variables)) for column in design.columns]
+    with np.errstate(all="ignore"):
+        parts = [("known", design.known(variables))]
+        parts += [(column.name, column.evaluate(variables)) for column in design.columns]
     for name, values in parts:
-        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        bad = np.flatnonzero(~(np.abs(values) < LARGEST).all(axis=1))  # NaN is not below either
         if len(bad):
             what = "the known part" if name == "known" else f"what {name!r} multiplies"
             raise ValueError(

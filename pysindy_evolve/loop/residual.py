@@ -36,6 +36,7 @@ from .segments import Segments
 
 __all__ = ["derivative_grams", "forces", "jacobian", "view_grams"]
 
+DIVERGED = 1e60  # a deviation that grew larger; its square does not overflow
 MAX_GROWTH = 1e3  # a simulation window is so short that an unstable model does not blow up in it
 ROWS_PER_WINDOW = 64  # of the simulated deviation, which is smooth, so many rows are kept
 
@@ -73,14 +74,17 @@ def derivative_grams(part: Segments, design: Design, columns: Sequence[Column]) 
     return np.einsum("srk,srl->skl", rows, rows, optimize=True)
 
 
-def forces(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+def forces(
+    part: Segments, design: Design, columns: Sequence[Column], *, weighed: bool = True
+) -> np.ndarray:
     """Evaluate columns and target in each equation; the target is x_dot minus what is known."""
     n_segments, length, n_variables = part.z.shape
     flat = part.z.reshape(-1, n_variables)
     cache: Cache = {}
     target = part.x_dot.reshape(-1, part.n_states) - design.known(flat)
     values = [column.evaluate(flat, cache) for column in columns]
-    return np.stack([*values, target], axis=2).reshape(n_segments, length, part.n_states, -1)
+    force = np.stack([*values, target], axis=2).reshape(n_segments, length, part.n_states, -1)
+    return force * part.weight[..., None] if weighed else force
 
 
 def _derivative_rows(part: Segments, design: Design, force: np.ndarray) -> np.ndarray:
@@ -138,7 +142,7 @@ def _respond(
             if (i + 1) % keep == 0:
                 kept.append(deviation)
     rows = np.stack(kept, axis=1) / scale[:, None]
-    rows = np.nan_to_num(rows, nan=1e30, posinf=1e30, neginf=-1e30)
+    rows = np.clip(np.nan_to_num(rows, nan=DIVERGED), -DIVERGED, DIVERGED)
     rows = rows.reshape(n_windows, -1, n_columns + n_states)
     return rows[:, :, n_columns:], rows[:, :, :n_columns]
 

@@ -39,8 +39,13 @@ class Rules:
                 f"close_loop(n_jobs=...) must be an integer other than 0, or None; "
                 f"got {self.n_jobs!r}. Give 1 for one process, -1 for as many as there are cores."
             )
-        if (self.n_twins + 1) * self.significance < 1.0:
+        if (self.n_twins + 1) * self.level < 1.0 - 1e-9:
             raise ValueError(
-                f"close_loop(n_twins=...) must be at least {1 / self.significance - 1:.0f} for "
+                f"close_loop(n_twins=...) must be at least {1 / self.level - 1:.0f} for "
                 f"significance={self.significance:g}; got {self.n_twins}. Take more twins."
             )
+
+    @property
+    def level(self) -> float:
+        """Largest p-value that counts: named effects and grown terms are two looks, half each."""
+        return self.significance / 2.0

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.fft import dct
 
 from ..signals import Record, Windows, choose_windows
+from .sticking import moving
 
 __all__ = ["Segments", "segments", "variables_of"]
 
@@ -24,6 +25,8 @@ class Segments:
 
     z: np.ndarray
     x_dot: np.ndarray
+    weight: np.ndarray
+    velocities: tuple[int, ...]
     dt: float
     windows: Windows
     state_scale: np.ndarray
@@ -39,16 +42,25 @@ class Segments:
     def every_other(self, start: int) -> Segments:
         """Return every second piece, beginning with the one numbered `start`."""
         pick = slice(start, None, 2)
-        return replace(self, z=self.z[pick], x_dot=self.x_dot[pick], places=self.places[pick])
+        return replace(
+            self,
+            z=self.z[pick],
+            x_dot=self.x_dot[pick],
+            weight=self.weight[pick],
+            places=self.places[pick],
+        )
 
     def of(self, records: Sequence[Record]) -> Segments:
         """Return the same pieces of other records of the same shape, such as twins."""
-        z, x_dot = _cut(records, self.places, self.z.shape[1])
-        return replace(self, z=z, x_dot=x_dot)
+        z, x_dot, weight = _cut(records, self.velocities, self.places, self.z.shape[1])
+        return replace(self, z=z, x_dot=x_dot, weight=weight)
 
 
 def segments(
-    records: Sequence[Record], n_segments: int = N_SEGMENTS, max_rows: int | None = MAX_ROWS
+    records: Sequence[Record],
+    velocities: Sequence[int] = (),
+    n_segments: int = N_SEGMENTS,
+    max_rows: int | None = MAX_ROWS,
 ) -> Segments:
     """Cut records into pieces of equal length.
 
@@ -56,6 +68,8 @@ def segments(
     ----------
     records : sequence of Record
         Training records of equal sampling time.
+    velocities : sequence of int
+        States whose equations are looked at only where the body moves.
     n_segments : int
         About how many pieces; no piece crosses from one record into the next.
     max_rows : int or None
@@ -71,7 +85,7 @@ def segments(
     places = tuple(
         (i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step)
     )
-    z, x_dot = _cut(records, places, length)
+    z, x_dot, weight = _cut(records, velocities, places, length)
     state_scale = _std(np.concatenate([record.x for record in records]))
     rate_scale = _std(np.concatenate([record.x_dot for record in records]))
     windows = choose_windows(list(records))
@@ -79,7 +93,18 @@ def segments(
         windows = Windows(width=max(1, length // 2), stride=max(1, length // 8))
     slowest = FEWEST_FREQUENCIES / (length * records[0].dt)
     cutoff = min(_band(record, slowest) for record in records)
-    return Segments(z, x_dot, records[0].dt, windows, state_scale, rate_scale, cutoff, places)
+    return Segments(
+        z,
+        x_dot,
+        weight,
+        tuple(velocities),
+        records[0].dt,
+        windows,
+        state_scale,
+        rate_scale,
+        cutoff,
+        places,
+    )
 
 
 def variables_of(record: Record) -> np.ndarray:
@@ -89,12 +114,17 @@ def variables_of(record: Record) -> np.ndarray:
 
 
 def _cut(
-    records: Sequence[Record], places: Sequence[tuple[int, int]], length: int
-) -> tuple[np.ndarray, np.ndarray]:
+    records: Sequence[Record],
+    velocities: Sequence[int],
+    places: Sequence[tuple[int, int]],
+    length: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     stacked = [variables_of(record) for record in records]
+    weights = [moving(record, velocities) for record in records]
     z = np.stack([stacked[i][start : start + length] for i, start in places])
     x_dot = np.stack([records[i].x_dot[start : start + length] for i, start in places])
-    return z, x_dot
+    weight = np.stack([weights[i][start : start + length] for i, start in places])
+    return z, x_dot, weight
 
 
 def _band(record: Record, slowest: float) -> float:

@@ -92,12 +92,15 @@ def _weights(rows: np.ndarray) -> np.ndarray:
     would hold the effect that is sought, and hide it behind its own power.
     """
     weight = np.ones(rows.shape[1:3])
+    target = np.mean(np.abs(rows[..., -1]) ** 2, axis=0)
+    # Where a column fits the target exactly there is no noise, and the weight would be infinite.
+    rounding = 1e-24 * target.max(axis=-1, keepdims=True) + 1e-100
     for _ in range(N_WEIGHINGS):
         flat = (rows * weight[..., None]).reshape(-1, rows.shape[-1])
         gram = (flat.conj().T @ flat).real
         contrast = np.append(solve(gram[:-1, :-1], gram[:-1, -1]), -1.0)
         power = np.mean(np.abs(rows @ contrast) ** 2, axis=0)
-        weight = 1.0 / np.sqrt(_smooth(power))
+        weight = 1.0 / np.sqrt(np.maximum(_smooth(power), rounding))
     return weight
 
 

@@ -105,7 +105,7 @@ def find(
     statistic = partial(_best_score, design=design, proposer=proposer)
     twins = twin_values(maker, part, statistic, best.value, rules, rng)
     p_value = float((1.0 + np.sum(twins >= best.value)) / (1.0 + len(twins)))
-    if p_value > rules.significance:
+    if p_value > rules.level:
         return []
     names = rivals(best, scores)
     return [
@@ -221,7 +221,7 @@ def twin_values(
     the rest are spared (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301).
     """
     children = rng.spawn(rules.n_twins)
-    allowed = rules.significance * (rules.n_twins + 1) - 1.0
+    allowed = rules.level * (rules.n_twins + 1) - 1.0
     found: list[float] = []
     bar = tqdm(total=rules.n_twins, desc="twins", disable=not rules.progress, leave=False)
     with Parallel(n_jobs=rules.n_jobs) as parallel, bar:

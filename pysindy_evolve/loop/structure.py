@@ -86,7 +86,7 @@ def has_structure(
     maker = TwinMaker.of(equations, equations, records)
     statistic = partial(_gain_in_twin, design=design, columns=columns)
     values = twin_values(maker, part, statistic, observed, rules, rng)
-    return bool((1 + np.sum(values >= observed)) / (1 + len(values)) <= rules.significance)
+    return bool((1 + np.sum(values >= observed)) / (1 + len(values)) <= rules.level)
 
 
 def _gain_in_twin(
