@@ -11,7 +11,10 @@ from ..signals import Record, prepare
 from .design import Design
 from .segments import variables_of
 
-__all__ = ["alike", "check_records", "split_records"]
+__all__ = ["alike", "check_records", "split_records", "widened"]
+
+WIDER = 2.0  # cutoff of the search, in cutoffs of the record ...
+HIGHEST = 0.4  # ... and at most, in sampling rates of the raw record
 
 
 def split_records(
@@ -156,3 +159,22 @@ def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
     again = prepare(made.t, made.y, made.u, made.order, cutoff, decimation, made.method)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
     return again[int(inside[0]) : int(inside[-1]) + 1]
+
+
+def widened(records: list[Record]) -> list[Record]:
+    """Prepare records again with a higher cutoff, for a search that looks well below it.
+
+    Terms are evaluated on filtered states, but the target is filtered after the machine evaluated
+    them. What the two differ by near the cutoff is a function of the state, and looks like physics.
+    """
+    made = [record.preparation for record in records]
+    steps = {m.dt for m in made if m is not None}
+    cutoffs = [m.cutoff for m in made if m is not None and m.cutoff is not None]
+    if len(cutoffs) < len(records) or max(steps) > 1.001 * min(steps):
+        return records
+    raw = max(steps)
+    cutoff = min(WIDER * max(cutoffs), HIGHEST / raw)
+    if cutoff <= max(cutoffs):
+        return records
+    step = raw * max(1, int(1.0 / (8.0 * cutoff * raw)))
+    return [_prepared(record, cutoff, step) for record in records]

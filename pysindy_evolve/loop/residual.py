@@ -141,7 +141,7 @@ def _respond(
             deviation[:, :, :n_columns] += driven[:, i + 1] * (dt / 2.0)
             if (i + 1) % keep == 0:
                 kept.append(deviation)
-    rows = np.stack(kept, axis=1) / scale[:, None]
+        rows = np.stack(kept, axis=1) / scale[:, None]
     rows = np.clip(np.nan_to_num(rows, nan=DIVERGED), -DIVERGED, DIVERGED)
     rows = rows.reshape(n_windows, -1, n_columns + n_states)
     return rows[:, :, n_columns:], rows[:, :, :n_columns]
