@@ -26,6 +26,7 @@ __all__ = ["Fit", "derivative_errors", "derivative_fit_errors", "fit"]
 N_BLOCKS = 40  # of the derivative fit: long against the memory of a residual
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each from one initial state
 JUDGED = 16  # stretches by which the simulation fit is compared with the derivative fit
+ROUNDING = 1e-16  # an exact fit leaves no less of the target's square
 N_RESAMPLES = 400
 # A model that lacks something fits simulation and derivative with different coefficients; where the
 # square of the derivative error would rise by more than this, the derivative is kept.
@@ -89,7 +90,9 @@ def fit(design: Design, records: Sequence[Record], rng: np.random.Generator) -> 
 
 def _normalized(grams: np.ndarray) -> np.ndarray:
     """Sum over the stretches, in units of the error that the best fit to them leaves."""
-    return grams.sum(axis=0) / max(sum(_square(g, _solve(grams)) for g in grams), 1e-300)
+    total = grams.sum(axis=0)
+    left = sum(_square(g, _solve(grams)) for g in grams)
+    return total / max(left, ROUNDING * float(total[-1, -1]), 1e-100)
 
 
 def derivative_grams(design: Design, records: Sequence[Record]) -> np.ndarray:
