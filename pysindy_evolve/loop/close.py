@@ -13,7 +13,7 @@ from ..signals import Record
 from .declared import DeclaredModel, design_of
 from .design import Design
 from .grow import OPERATORS, Garden
-from .records import alike, check_records, split_records
+from .records import alike, check_records, split_records, widened
 from .report import LoopReport, make_report
 from .rules import Rules
 from .segments import Segments, segments
@@ -103,19 +103,20 @@ def close_loop(
     check_records(declared_design, [*fit_on, *judge_on])
     fit_on, judge_on = alike(fit_on, judge_on)
     rng = np.random.default_rng(random_state)
-    part = segments(fit_on, declared_design.velocities)
+    wide = widened(fit_on)
+    part = segments(wide, declared_design.velocities)
     basis = resolve(operators, "close_loop") if operators else ()
     findings: list[Finding] = []
     finished = True
     try:
-        for found in _search(declared_design, fit_on, part, rules, basis, rng):
+        for found in _search(declared_design, wide, part, rules, basis, rng):
             findings = found
     except KeyboardInterrupt:
         if not findings:
             raise
         finished = False
     verdict = "traced" if findings else "complete"
-    if not findings and finished and has_structure(declared_design, fit_on, part, rules, rng):
+    if not findings and finished and has_structure(declared_design, wide, part, rules, rng):
         verdict = "untraced"
     return make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
 

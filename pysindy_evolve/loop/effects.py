@@ -8,7 +8,7 @@ Nelder 1977, DOI 10.2307/2344517).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,7 +73,9 @@ class Candidate:
         return sum(term.size for term in self.terms)
 
 
-def candidates(design: Design, scales: np.ndarray) -> list[Candidate]:
+def candidates(
+    design: Design, scales: np.ndarray, signed: np.ndarray | None = None
+) -> list[Candidate]:
     """Return the effects that may be missing from a design.
 
     Parameters
@@ -82,6 +84,9 @@ def candidates(design: Design, scales: np.ndarray) -> list[Candidate]:
         The model so far.
     scales : ndarray of shape (n_variables,)
         Largest magnitude of each variable: states, inputs, time.
+    signed : ndarray of bool of shape (n_variables,), optional
+        Which variables change their sign; by default all. The powers of one that does not pose
+        as an offset no more than itself, and need none beside them.
 
     Returns
     -------
@@ -89,12 +94,27 @@ def candidates(design: Design, scales: np.ndarray) -> list[Candidate]:
         Effects whose terms all stand in the equation already are left out.
     """
     present = standing(design)
+    free = set() if signed is None else {int(v) for v in np.flatnonzero(~signed)}
     return [
-        candidate
+        _freed(candidate, design, free)
         for state in design.open_states
         for candidate in _of_equation(design, state, scales)
         if not all((state, _bare(term)) in present for term in candidate.terms)
     ]
+
+
+def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
+    """Drop the offset from the parents of an effect of variables that keep their sign.
+
+    Not so in the equation of a velocity: a position that is never zero is only measured from
+    somewhere else.
+    """
+    variables = frozenset().union(*(term.variables for term in candidate.terms))
+    positioned = design.position_of(candidate.state) is not None
+    if positioned or not variables & free or candidate.name == "drift":
+        return candidate
+    kept = tuple(parent for parent in candidate.parents if parent != OFFSET)
+    return replace(candidate, parents=kept)
 
 
 def periodic_candidates(
@@ -131,7 +151,7 @@ def periodic_candidates(
     """
     spectrum = _fine_spectrum(residual)
     inputs = [_fine_spectrum(column) for column in drivers.T]
-    lowest = FINENESS * 3  # fewer than three periods in the record cannot be told from a drift
+    lowest = FINENESS * 8  # fewer than eight periods in the record look like slow disturbances
     found: list[Candidate] = []
     while len(spectrum) > lowest + 1 and len(found) < n_peaks:
         peak = lowest + int(np.argmax(spectrum[lowest:]))

@@ -16,12 +16,12 @@ from ..operators import Operator
 from ..signals import Record
 from ..terms import Product, Sum
 from .design import Design
-from .effects import Candidate, candidates
+from .effects import OFFSET, Candidate, candidates
 from .residual import forces
 from .rules import Rules
-from .segments import Segments
+from .segments import Segments, ranges
 from .spectral import spectral_rows, spectral_weights
-from .step import Finding, columns_of, find, score
+from .step import Finding, columns_of, find, score, view_gain
 from .trace import Score
 
 __all__ = ["OPERATORS", "Garden", "grow", "named"]
@@ -29,7 +29,9 @@ __all__ = ["OPERATORS", "Garden", "grow", "named"]
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway.
 OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh")
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
-PRICE = 0.05  # log error that a grown term must gain for each of its nodes: nobody can read ten
+MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
+USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
+PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
 
 
 def grow(
@@ -53,8 +55,8 @@ def grow(
     list of Candidate
         One for each term, under the name of the vocabulary if one fits.
     """
-    scales = np.abs(part.z).reshape(-1, part.z.shape[-1]).max(axis=0)
-    known = candidates(design, scales)
+    largest, signed = ranges(part.z.reshape(-1, part.z.shape[-1]))
+    known = candidates(design, largest, signed)
     extra = [column for candidate in known for column in columns_of(candidate, design)]
     weights = spectral_weights(part, design, [*design.columns, *extra])
     force = forces(part, design, design.columns, weighed=False)
@@ -62,6 +64,8 @@ def grow(
     variables = part.z[..., :-1].reshape(len(flat), -1)
     found = []
     for place, state in enumerate(design.open_states):
+        # As in the vocabulary: a position may be measured from anywhere, a population may not.
+        shifted = signed if design.position_of(state) is None else np.ones_like(signed)
         evolution = evolve(
             variables,
             flat[:, state, -1],
@@ -71,7 +75,10 @@ def grow(
             project=partial(_project, part=part, state=state, weight=weights[place]),
             settings=SETTINGS,
         )
-        found += [named(term, state, known) for term in evolution.terms]
+        found += [
+            named(term, state, known, poses=_poses_as_offset(term, variables, shifted))
+            for term in evolution.terms
+        ]
     return found
 
 
@@ -84,13 +91,26 @@ def _project(columns: np.ndarray, part: Segments, state: int, weight: np.ndarray
     return stacked.reshape(-1, rows.shape[-1])
 
 
-def named(term: Product, state: int, known: Sequence[Candidate]) -> Candidate:
-    """Return a grown term as a candidate, named if it is an effect of the vocabulary."""
+def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:
+    """Tell whether a term of variables that change their sign has a mean that matters."""
+    if not all(signed[v] for v in term.variables):
+        return False
+    column = term.evaluate(variables)
+    return bool(abs(column.mean()) > MEAN * np.sqrt(np.mean(column**2)))
+
+
+def named(
+    term: Product, state: int, known: Sequence[Candidate], *, poses: bool = False
+) -> Candidate:
+    """Return a grown term as a candidate, named if it is an effect of the vocabulary.
+
+    One that poses as an offset may enter only beside the offset, as in the vocabulary.
+    """
     expression = Sum(((1.0, term),))
     for candidate in known:
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
-    return Candidate("evolved term", state, (expression,))
+    return Candidate("evolved term", state, (expression,), (OFFSET,) if poses else ())
 
 
 class Garden:
@@ -143,7 +163,7 @@ class Garden:
     def find(self, design: Design) -> list[Finding]:
         """Grow terms on what a design leaves, and return the best one that passes."""
         grown = self._grow(design)
-        return self._test(design, grown) if grown else []
+        return self._test(design, grown)
 
     def _grow(self, design: Design) -> list[Candidate]:
         if not self.operators or len(self.fresh.z) < MIN_FRESH:
@@ -151,7 +171,13 @@ class Garden:
         return grow(design, self.seen, self.operators, self.rng)
 
     def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
-        given = partial(_given, grown)
+        scores = score(design, self.fresh, grown, pairs=False)
+        useful = [
+            s.group[0]
+            for s in scores
+            if _net(s) > 0.0 and view_gain(design, s.group[0], self.fresh) > USEFUL
+        ]
+        given = partial(_given, useful)
         return find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
 
 

@@ -11,10 +11,11 @@ from scipy.fft import dct
 from ..signals import Record, Windows, choose_windows
 from .sticking import moving
 
-__all__ = ["Segments", "segments", "variables_of"]
+__all__ = ["Segments", "ranges", "segments", "variables_of"]
 
 N_SEGMENTS = 16
 MAX_ROWS = 24_000  # the search looks at no more rows; coefficients are fitted on all of them
+LOOK = 0.6  # share of the cutoff below which the low-pass of the states is hardly felt
 BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
 FEWEST_FREQUENCIES = 8  # of a segment
 
@@ -113,6 +114,12 @@ def variables_of(record: Record) -> np.ndarray:
     return np.column_stack([*parts, record.t])
 
 
+def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the largest magnitude of each variable, and whether it changes its sign."""
+    low, high = variables.min(axis=0), variables.max(axis=0)
+    return np.maximum(np.abs(low), np.abs(high)), (low < 0.0) & (high > 0.0)
+
+
 def _cut(
     records: Sequence[Record],
     velocities: Sequence[int],
@@ -136,7 +143,7 @@ def _band(record: Record, slowest: float) -> float:
     slowest that a segment can hold.
     """
     if record.preparation is not None:
-        return record.preparation.cutoff or np.inf
+        return LOOK * (record.preparation.cutoff or np.inf)
     moving = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0.0]
     if moving.shape[1] == 0:
         return np.inf

@@ -13,16 +13,16 @@ from tqdm.auto import tqdm
 from ..equations import Equations
 from ..signals import Record
 from .design import Column, Design, in_state
-from .effects import Candidate, candidates, periodic_candidates, standing
+from .effects import VOCABULARY, Candidate, candidates, periodic_candidates, standing
 from .linear import solve
 from .residual import derivative_grams, jacobian, view_grams
 from .rules import Rules
-from .segments import Segments, variables_of
+from .segments import Segments, ranges, variables_of
 from .spectral import spectral_grams
-from .trace import Score, rank
+from .trace import Score, fold_errors, rank
 from .twins import TwinMaker
 
-__all__ = ["Finding", "columns_of", "exchange", "find", "propose", "prune", "score"]
+__all__ = ["Finding", "columns_of", "exchange", "find", "propose", "prune", "score", "view_gain"]
 
 
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
@@ -121,8 +121,8 @@ def quick_fit(design: Design, part: Segments) -> Equations:
 
 def propose(design: Design, equations: Equations, records: Sequence[Record]) -> list[Candidate]:
     """Return what may be missing: the vocabulary, and the frequencies of the residual."""
-    scales = np.max([np.abs(variables_of(record)).max(axis=0) for record in records], axis=0)
-    proposed = candidates(design, scales)
+    variables = np.concatenate([variables_of(record) for record in records])
+    proposed = candidates(design, *ranges(variables))
     longest = max(records, key=len)
     residual = longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t)
     time = len(design.states) + len(design.inputs)
@@ -187,6 +187,21 @@ class Shares:
         )
 
 
+def view_gain(design: Design, candidate: Candidate, part: Segments) -> float:
+    """Return log(error without / error with), the larger one of derivative and simulation.
+
+    Each fold of segments is predicted from the others.
+    """
+    columns = [*design.columns, *columns_of(candidate, design)]
+    slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
+    base, every = np.arange(len(design.columns))[None, :], np.arange(len(columns))[None, :]
+    gains = []
+    for grams in view_grams(part, design, columns, slopes).values():
+        without, with_it = (fold_errors(grams, models).sum() for models in (base, every))
+        gains.append(float(np.log(max(without, 1e-300) / max(with_it, 1e-300))))
+    return max(gains)
+
+
 def _error(gram: np.ndarray, columns: Sequence[int]) -> float:
     """Return what least squares on some columns leaves of the target's square."""
     index = np.asarray(columns, dtype=int)
@@ -195,13 +210,21 @@ def _error(gram: np.ndarray, columns: Sequence[int]) -> float:
 
 
 def plainest(scores: Sequence[Score]) -> Score:
-    """Return the smallest of the groups that do as well as the first, to one percent."""
+    """Return the smallest of the groups that do as well as the first, to one percent.
+
+    Of equally small ones, powers come before sines, as in the vocabulary.
+    """
     equal = [
         s
         for s in scores
         if s.value >= 0.99 * scores[0].value and len(s.group) == len(scores[0].group)
     ]
-    return min(equal, key=lambda s: sum(candidate.size for candidate in s.group))
+
+    def plainness(score: Score) -> tuple[int, int]:
+        size = sum(candidate.size for candidate in score.group)
+        return size, sum(VOCABULARY.index(candidate.name) for candidate in score.group)
+
+    return min(equal, key=plainness)
 
 
 Statistic = Callable[[Segments, list[Record]], float]
@@ -273,8 +296,8 @@ def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[
         if parents & set(finding.candidate.terms):
             continue
         design = declared.adding(column for f in rest for column in f.columns)
-        scales = np.abs(part.z).reshape(-1, part.z.shape[-1]).max(axis=0)
-        options = dict.fromkeys([*candidates(design, scales), finding.candidate])
+        variables = part.z.reshape(-1, part.z.shape[-1])
+        options = dict.fromkeys([*candidates(design, *ranges(variables)), finding.candidate])
         scores = score(design, part, list(options), pairs=False)
         own = next((s for s in scores if s.group == (finding.candidate,)), None)
         if own is not None and scores[0].value > own.value + MARGIN:
