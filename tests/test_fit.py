@@ -111,8 +111,10 @@ def test_derivative_error_is_zero_for_the_truth_and_a_hundred_percent_for_nothin
 def test_record_shorter_than_the_windows_is_judged_row_by_row():
     record = clean(60)
     errors = derivative_errors(design(), TRUE + np.array([0.5, 0, 0, 0]), [record], Windows(100))
-    rows = 0.5 * record.x[:, 0] * moving(record, design().velocities)[:, 1]
-    expected = 100 * np.sqrt(np.mean(rows**2)) / record.x_dot[:, 1].std()
+    weight = moving(record, design().velocities)[:, 1]
+    rows = 0.5 * record.x[:, 0] * weight
+    rms = np.sqrt(np.sum(rows**2) / np.sum(weight**2))
+    expected = 100 * rms / record.x_dot[:, 1].std()
     assert errors == pytest.approx([0.0, expected], rel=1e-6)
 
 

@@ -15,7 +15,7 @@ from .design import Design
 from .grow import OPERATORS, Garden
 from .records import alike, check_records, split_records, widened
 from .report import LoopReport, make_report
-from .rules import Rules
+from .rules import Rules, generator
 from .segments import Segments, segments
 from .step import Finding, exchange, find, prune
 from .structure import has_structure
@@ -102,7 +102,7 @@ def close_loop(
     declared_design = design_of(declared, fit_on)
     check_records(declared_design, [*fit_on, *judge_on])
     fit_on, judge_on = alike(fit_on, judge_on)
-    rng = np.random.default_rng(random_state)
+    rng = generator(random_state)
     wide = widened(fit_on)
     part = segments(wide, declared_design.velocities)
     basis = resolve(operators, "close_loop") if operators else ()
@@ -116,7 +116,7 @@ def close_loop(
             raise
         finished = False
     verdict = "traced" if findings else "complete"
-    if not findings and finished and has_structure(declared_design, wide, part, rules, rng):
+    if not findings and has_structure(declared_design, wide, part, rules, rng):
         verdict = "untraced"
     return make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
 

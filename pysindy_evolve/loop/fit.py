@@ -163,15 +163,17 @@ def derivative_errors(
     are left out.
     """
     equations = design.equations(coef)
-    squares, samples = [], []
+    squares, samples, weights = [], [], []
     for record in records:
-        error = record.x_dot - equations.evaluate(record.x, record.u, record.t)
-        error *= moving(record, design.velocities)
         wide = windows if record.n_samples >= windows.width else Windows(1)
-        squares.append(project(error, wide) ** 2)
+        weight = moving(record, design.velocities)
+        error = record.x_dot - equations.evaluate(record.x, record.u, record.t)
+        squares.append(project(error * weight, wide) ** 2)
         samples.append(project(record.x_dot, wide))
+        weights.append(project(weight, wide) ** 2)
     spread = np.concatenate(samples).std(axis=0)
-    rms = np.sqrt(np.concatenate(squares).mean(axis=0))
+    rows = np.maximum(np.concatenate(weights).sum(axis=0), 1e-300)
+    rms = np.sqrt(np.concatenate(squares).sum(axis=0) / rows)
     return 100.0 * rms / np.where(spread > 0.0, spread, 1.0)
 
 

@@ -16,7 +16,7 @@ from ..operators import Operator
 from ..signals import Record
 from ..terms import Product, Sum
 from .design import Design
-from .effects import OFFSET, Candidate, candidates
+from .effects import OFFSET, Candidate, candidates, standing
 from .residual import forces
 from .rules import Rules
 from .segments import Segments, ranges
@@ -28,8 +28,10 @@ __all__ = ["OPERATORS", "Garden", "grow", "named"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway.
 OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh")
+N_SEARCHES = 3
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
+BETTER = 1.25  # times the log error that names gain: the same effect filtered does a little better
 USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
 
@@ -156,19 +158,23 @@ class Garden:
         ours = score(design, self.fresh, names, pairs=True)
         named_scores = [_net(s) for s in ours if len(s.group) == len(names)]
         best = max(grown, key=_net, default=None)
-        if best is None or _net(best) <= max(named_scores, default=0.0):
+        if best is None or _net(best) <= BETTER * max(named_scores, default=0.0):
             return []
         return self._test(design, list(best.group))
 
     def find(self, design: Design) -> list[Finding]:
         """Grow terms on what a design leaves, and return the best one that passes."""
-        grown = self._grow(design)
-        return self._test(design, grown)
+        # Where no name was found either, the search is the only hope, and is begun more than once.
+        n_searches = 1 if self.pool else N_SEARCHES
+        grown = [c for _ in range(n_searches) for c in self._grow(design)]
+        return self._test(design, list(dict.fromkeys(grown)))
 
     def _grow(self, design: Design) -> list[Candidate]:
         if not self.operators or len(self.fresh.z) < MIN_FRESH:
             return []
-        return grow(design, self.seen, self.operators, self.rng)
+        known = standing(design)
+        grown = grow(design, self.seen, self.operators, self.rng)
+        return [c for c in grown if (c.state, c.terms[0]) not in known]
 
     def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
         scores = score(design, self.fresh, grown, pairs=False)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from numbers import Integral, Real
+from typing import Any
 
-__all__ = ["Rules"]
+import numpy as np
+
+__all__ = ["Rules", "generator"]
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,7 @@ class Rules:
                     f"close_loop({name}=...) must be in (0, 1); got {value!r}. "
                     "Give a share such as 0.05."
                 )
-        for name, least in (("n_twins", 1), ("max_effects", 0)):
+        for name, least in (("n_twins", 1), ("max_effects", 1)):
             value = getattr(self, name)
             if not isinstance(value, Integral) or value < least:
                 raise ValueError(
@@ -49,3 +52,15 @@ class Rules:
     def level(self) -> float:
         """Largest p-value that counts: named effects and grown terms are two looks, half each."""
         return self.significance / 2.0
+
+
+def generator(random_state: Any) -> np.random.Generator:
+    """Return a random generator from a seed, a generator or None."""
+    seed = random_state
+    whole = isinstance(seed, Integral) and not isinstance(seed, bool) and int(seed) >= 0
+    if not (seed is None or whole or isinstance(seed, np.random.Generator)):
+        raise ValueError(
+            "close_loop(random_state=...) must be a whole number of at least 0, a numpy Generator "
+            f"or None; got {seed!r}. Give a seed such as 0."
+        )
+    return np.random.default_rng(seed)

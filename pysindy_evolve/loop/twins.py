@@ -19,12 +19,10 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from ..equations import Equations
-from ..signals import Record
-from ..simulation import simulate
+from ..signals import Preparation, Record
+from .paths import Path, follow
 
 __all__ = ["TwinMaker", "shuffle_signs"]
-
-FAITHFUL = 0.5  # a simulation that strays further, in standard deviations, is no twin
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +31,7 @@ class TwinMaker:
 
     equations: Equations
     records: tuple[Record, ...]
-    simulated: tuple[np.ndarray | None, ...]
+    simulated: tuple[Path | None, ...]
     residuals: tuple[np.ndarray, ...]
 
     @classmethod
@@ -55,7 +53,7 @@ class TwinMaker:
         TwinMaker
         """
         residuals = tuple(r.x_dot - richer.evaluate(r.x, r.u, r.t) for r in records)
-        simulated = tuple(_follow(equations, record) for record in records)
+        simulated = tuple(follow(equations, record) for record in records)
         return cls(equations, tuple(records), simulated, residuals)
 
     def make(self, rng: np.random.Generator) -> list[Record]:
@@ -66,21 +64,30 @@ class TwinMaker:
     def _twin(
         self,
         record: Record,
-        path: np.ndarray | None,
+        path: Path | None,
         residual: np.ndarray,
         rng: np.random.Generator,
     ) -> Record:
         twin, explained = record, np.zeros_like(residual)
         if path is not None and record.preparation is not None:
-            made = record.preparation
-            noisy = path + made.noise * rng.standard_normal(path.shape)
-            twin = made.apply(made.t, noisy, made.u)
+            twin = _measured(record.preparation, path, rng)
             explained = twin.x_dot - self.equations.evaluate(twin.x, twin.u, twin.t)
         left = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
         share = np.sqrt(left / np.maximum(residual.var(axis=0), 1e-300))
         rates = self.equations.evaluate(twin.x, twin.u, twin.t)
         disturbed = rates + explained + share * shuffle_signs(residual, rng)
         return replace(twin, x_dot=disturbed)
+
+
+def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
+    """Measure a path with a noisy sensor; take off the derivative what pushed the model along."""
+    noisy = path.y + made.noise * rng.standard_normal(path.y.shape)
+    record = made.apply(made.t, noisy, made.u)
+    if not path.push.any():
+        return record
+    x_dot = np.array(record.x_dot)
+    x_dot[:, made.order - 1 :: made.order] -= made.lowpass(path.push)
+    return replace(record, x_dot=x_dot)
 
 
 def shuffle_signs(columns: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -113,27 +120,3 @@ def _memory(columns: np.ndarray) -> float:
     correlation = np.max(covariance / np.maximum(covariance[0], 1e-300), axis=1)
     lag = int(np.argmax(correlation < 0.1)) or n
     return float(np.clip(2 * lag, 2, max(2, n // 40)))
-
-
-def _follow(equations: Equations, record: Record) -> np.ndarray | None:
-    """Simulate the measured columns at the raw times; None if the model strays too far."""
-    made = record.preparation
-    if made is None:
-        return None
-    first = int(np.argmin(np.abs(made.t - record.t[0])))
-    times, raw_u = made.t, made.u
-    path = np.array(made.y, dtype=float)
-    ahead = simulate(
-        equations,
-        record.x[0],
-        times[first:],
-        None if raw_u is None else raw_u[first:],
-        tolerance=1e-5,
-        on_divergence="nan",
-    )
-    positions = ahead[:, :: made.order]
-    # Rows before the record, which the preparation trims, only need to join without a jump.
-    path[first:] = positions
-    path[:first] += positions[0] - made.y[first]
-    stray = np.sqrt(np.mean((positions - made.y[first:]) ** 2, axis=0))
-    return path if np.all(stray < FAITHFUL * made.y.std(axis=0)) else None
