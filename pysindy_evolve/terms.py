@@ -31,7 +31,8 @@ __all__ = [
 ]  # fmt: skip
 
 Cache = dict[Any, np.ndarray]
-MAX_PARTS = 64  # a sum longer than this is not multiplied out any further
+MAX_PARTS = 64  # what would have more parts than this is not multiplied out
+MAX_DEGREE = 8  # nor is a higher power: (q + v)^40 near q = -v would lose all its digits
 
 
 class _Node:
@@ -174,9 +175,10 @@ class Sum(_Node):
     def evaluate(self, x: np.ndarray, cache: Cache | None = None) -> np.ndarray:
         """Return the value at each row of x, shape (n_samples,)."""
         value = np.zeros(len(x))
-        for coefficient, term in self.parts:
-            column = term.evaluate(x, cache)
-            value = value + (column if coefficient == 1.0 else coefficient * column)
+        with np.errstate(all="ignore"):
+            for coefficient, term in self.parts:
+                column = term.evaluate(x, cache)
+                value = value + (column if coefficient == 1.0 else coefficient * column)
         return value
 
     def name(self, names: Sequence[str]) -> str:
@@ -365,30 +367,34 @@ def sub(a: Sum, b: Sum) -> Sum:
 
 
 def mul(a: Sum, b: Sum) -> Sum:
-    """Return a * b, multiplied out."""
+    """Return a * b, multiplied out unless that gives more than `MAX_PARTS` parts."""
     if len(a.parts) * len(b.parts) > MAX_PARTS:
         a, b = _as_atom(a), _as_atom(b)
-    products = [(c * d, _multiply(p, q)) for c, p in a.parts for d, q in b.parts]
-    return _collect(part for c, product in products for part in _multiplied_out(c, product))
+    return _distributed(a, b)
 
 
 def div(a: Sum, b: Sum) -> Sum:
     """Return a / b; a sum below the line stays one, with its last coefficient made one."""
-    return mul(a, power(b, -1))
+    ratio = _common_factor(a, b)
+    return mul(a, power(b, -1)) if ratio is None else constant(ratio)
 
 
 def power(a: Sum, exponent: int) -> Sum:
-    """Return a to an integer power."""
-    if not a.parts and exponent < 0:
-        return _as_call(BUILTIN["log"], (neg(constant(1.0)),))  # not finite anywhere: rejected
-    if exponent < 0:
-        ((coefficient, term),) = _as_atom(a).parts
-        inverse = _simplified(tuple((atom, n * exponent) for atom, n in term.factors))
-        return Sum(((coefficient**exponent, inverse),))
-    result = constant(1.0)
-    for _ in range(exponent):
-        result = mul(result, a)
-    return result
+    """Return a to an integer power, multiplied out or, if that is long, with the sum as one."""
+    if exponent in (0, 1):
+        return a if exponent else constant(1.0)
+    if not a.parts:
+        # Zero below the line is not finite anywhere: rejected.
+        return a if exponent > 0 else _as_call(BUILTIN["log"], (neg(constant(1.0)),))
+    if exponent > 0 and len(a.parts) > 1 and _n_opened(a, exponent) <= MAX_PARTS:
+        result = a
+        for _ in range(exponent - 1):
+            result = _distributed(result, a)
+        return result
+    ((coefficient, term),) = _as_atom(a).parts
+    raised = _simplified(tuple((atom, n * exponent) for atom, n in term.factors))
+    scale = _float_power(coefficient, exponent)
+    return Sum(tuple(_multiplied_out(scale, raised))) if scale else Sum(())
 
 
 def call(operator: Operator, *args: Sum) -> Sum:
@@ -478,13 +484,47 @@ def _as_atom(a: Sum) -> Sum:
     return Sum(((leading, Product(((scaled, 1),))),))
 
 
+def _distributed(a: Sum, b: Sum) -> Sum:
+    products = [(c * d, _multiply(p, q)) for c, p in a.parts for d, q in b.parts]
+    return _collect(part for c, product in products for part in _multiplied_out(c, product))
+
+
+def _common_factor(a: Sum, b: Sum) -> float | None:
+    """Return the number that a is of b, where both are sums of the same terms."""
+    if len(a.parts) != len(b.parts) or len(a.parts) < 2:
+        return None
+    ratio = a.parts[-1][0] / b.parts[-1][0]
+    pairs = zip(a.parts, b.parts, strict=True)
+    # Rounding of the coefficients, such as of 0.1 q + 0.3 v over 0.2 q + 0.6 v, counts as none.
+    same = all(p == q and math.isclose(c, ratio * d, rel_tol=1e-14) for (c, p), (d, q) in pairs)
+    return ratio if same else None
+
+
 def _multiplied_out(coefficient: float, term: Product) -> Iterable[tuple[float, Product]]:
-    """Open a short sum that abs(q + v) sgn(q + v) = q + v has brought above the line."""
-    for atom, n in term.factors:
-        if isinstance(atom, Sum) and n > 0 and len(atom.parts) ** n <= MAX_PARTS:
-            rest = Product(tuple(factor for factor in term.factors if factor[0] != atom))
-            return mul(Sum(((coefficient, rest),)), power(atom, n)).parts
-    return [(coefficient, term)]
+    """Open short sums that abs(q + v) sgn(q + v) = q + v has brought above the line."""
+    above = [(atom, n) for atom, n in term.factors if isinstance(atom, Sum) and n > 0]
+    if not above or math.prod(_n_opened(atom, n) for atom, n in above) > MAX_PARTS:
+        return [(coefficient, term)]
+    rest = Product(tuple(factor for factor in term.factors if factor not in above))
+    result = Sum(((coefficient, rest),))
+    for atom, n in above:
+        result = _distributed(result, power(atom, n))
+    return result.parts
+
+
+def _n_opened(a: Sum, exponent: int) -> int:
+    """Count the parts of a sum to a positive power, multiplied out."""
+    if exponent > MAX_DEGREE:
+        return MAX_PARTS + 1
+    return math.comb(len(a.parts) + exponent - 1, exponent)
+
+
+def _float_power(value: float, exponent: int) -> float:
+    """Return what repeated products would: infinity, not an error, beyond the largest float."""
+    try:
+        return value**exponent
+    except OverflowError:
+        return math.copysign(math.inf, value) if exponent % 2 else math.inf
 
 
 def _multiply(p: Product, q: Product) -> Product:
@@ -581,4 +621,4 @@ def _number(value: float) -> str:
 
 def _exact(value: float) -> int | float:
     """Return whole numbers as int, so that sympy prints v and not 1.0*v."""
-    return int(value) if value == int(value) and abs(value) < 2**53 else value
+    return int(value) if abs(value) < 2**53 and value == int(value) else value

@@ -219,7 +219,10 @@ class _Reader:
             return terms.constant(math.nan if isinstance(value, complex) else value)
         if abs(_number(exponent)) * max(base.size, MAX_SIZE / MAX_EXPONENT) > MAX_SIZE:
             self.source.fail_size(node.right)
-        return real_power(base, _number(exponent))
+        result = real_power(base, _number(exponent))
+        if any(abs(n) > MAX_EXPONENT for _, term in result.parts for _, n in term.factors):
+            self.source.fail_size(node.right)  # a power of powers
+        return result
 
     def _call(self, node: ast.Call) -> Sum:
         if not isinstance(node.func, ast.Name) or node.keywords:
@@ -273,21 +276,13 @@ def real_power(base: Sum, exponent: float) -> Sum:
     """Return an integer power, x^n sqrt(x) for halves, exp(p log(x)) for all others."""
     whole = int(exponent)
     if exponent == whole:
-        return terms.power(_as_base(base, whole), whole)
+        return terms.power(base, whole)
     if abs(exponent - whole) == 0.5:
         root = terms.call(BUILTIN["sqrt"], base)
         result = terms.mul(real_power(base, abs(whole)), root)
         return result if exponent > 0.0 else terms.power(result, -1)
     log = terms.call(BUILTIN["log"], base)
     return terms.call(BUILTIN["exp"], terms.mul(terms.constant(exponent), log))
-
-
-def _as_base(base: Sum, exponent: int) -> Sum:
-    """Return the base of a power as one atom, if multiplying out would give too many terms."""
-    n = len(base.parts)
-    if exponent < 2 or n * math.comb(n + exponent - 2, n - 1) <= terms.MAX_PARTS:
-        return base
-    return terms.power(terms.power(base, -1), -1)
 
 
 def _floats(known: Mapping[str, Any], owner: str) -> dict[str, float]:

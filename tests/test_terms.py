@@ -158,3 +158,73 @@ def test_one_is_the_constant_term():
     assert ONE.name(NAMES) == "1"
     np.testing.assert_array_equal(ONE.evaluate(np.zeros((3, 2))), np.ones(3))
     assert constant(2.0) == Sum(((2.0, ONE),))
+
+
+def test_the_power_of_a_short_sum_is_multiplied_out():
+    assert power(add(q(), v()), 2).name(NAMES) == "q^2 + v^2 + 2 q v"
+    assert len(power(add(q(), add(v(), constant(1.0))), 4).parts) == 15
+
+
+def test_powers_built_in_other_ways_are_the_same():
+    base = add(q(), add(v(), constant(0.5)))
+    squared = power(base, 2)
+    assert mul(squared, squared) == power(squared, 2) == power(base, 4)
+
+
+@pytest.mark.parametrize("exponent", [9, 40, -9])
+def test_a_high_power_of_a_sum_keeps_the_sum_as_one_factor(exponent):
+    raised = power(add(mul(constant(2.0), q()), mul(constant(2.0), v())), exponent)
+    assert raised.name(NAMES).endswith(f"(q + v)^{abs(exponent)}")
+    value = raised.evaluate(np.array([[0.7, -0.7001]]))[0]
+    assert value == pytest.approx((2.0 * (0.7 - 0.7001)) ** exponent, rel=1e-12)
+
+
+def test_a_long_sum_is_multiplied_out_in_full_or_not_at_all():
+    polynomial = power(add(q(), constant(1.0)), 8)
+    assert len(power(polynomial, 2).parts) == 17
+    longer = add(polynomial, sgn(v()))  # 10 parts to the third power have 220
+    cubed = power(longer, 3)
+    assert [len(atom.parts) for atom, _ in cubed.parts[0][1].factors] == [10]
+    other = add(polynomial, call(BUILTIN["exp"], v()))
+    assert len(mul(longer, other).parts) == 1
+
+
+def test_a_power_comes_back_to_what_it_was_made_of():
+    base = add(q(), v())
+    assert div(power(base, 60), power(base, 59)) == base
+    assert power(power(base, -1), -1) == base
+
+
+def test_a_power_beyond_the_largest_float_is_infinite_and_below_the_smallest_zero():
+    large = mul(constant(-1e200), q())
+    assert power(large, 2).parts[0][0] == np.inf
+    assert power(large, 3).parts[0][0] == -np.inf
+    assert power(large, -2) == Sum(())
+    assert power(large, 2).to_sympy(SYMBOLS) == sympy.oo * SYMBOLS[0] ** 2
+
+
+def test_the_power_of_zero():
+    assert power(Sum(()), 0) == constant(1.0)
+    assert power(Sum(()), 2) == Sum(())
+    assert np.isnan(power(Sum(()), -1).evaluate(np.zeros((1, 2)))).all()
+
+
+def test_infinity_less_infinity_is_no_number_and_no_warning():
+    exponential = call(BUILTIN["exp"], q())
+    difference = sub(exponential, mul(constant(2.0), exponential))
+    assert difference.evaluate(np.array([[1e3, 0.0]]))[0] == -np.inf
+    difference = sub(exponential, call(BUILTIN["exp"], mul(constant(2.0), q())))
+    assert np.isnan(difference.evaluate(np.array([[1e3, 0.0]]))[0])
+
+
+@pytest.mark.parametrize("factor", [1.0, -2.0, 1.0 / 3.0])
+def test_a_sum_divided_by_a_multiple_of_itself_is_a_number(factor):
+    base = add(mul(constant(0.1), q()), mul(constant(0.3), v()))
+    ((value, term),) = div(mul(constant(factor), base), base).parts
+    assert term == ONE
+    assert value == pytest.approx(factor, rel=1e-14)
+
+
+def test_sums_of_the_same_terms_in_other_shares_are_not_cancelled():
+    quotient = div(add(q(), v()), add(q(), mul(constant(1.001), v())))
+    assert quotient.variables == {0, 1}
