@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from .regression import Gram, block_grams, gram
+from .gram import Gram, block_grams, gram
 from .terms import Product
 
 __all__ = ["Dictionary", "Problem", "build_dictionary", "price", "skeleton"]

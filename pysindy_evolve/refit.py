@@ -12,7 +12,7 @@ import numpy as np
 from . import regression
 from .constants import tune
 from .dictionary import Problem, price
-from .regression import Gram
+from .gram import Gram
 from .terms import Product
 
 __all__ = ["refit"]

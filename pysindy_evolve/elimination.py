@@ -1,0 +1,207 @@
+"""Backward elimination: an information criterion chooses among the supports on the way down.
+
+Symbols as in `gram`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .gram import LEAST, Gram, inverse, least_squares, rss
+
+__all__ = ["default_penalty", "eliminate", "front", "gains", "information", "prune"]
+
+HEALTHY = 0.1  # of 1 / n, below which no diagonal of an inverse lies where columns have unit RMS
+
+
+def prune(
+    gram: Gram,
+    support: Sequence[int] | np.ndarray,
+    penalty: np.ndarray | None = None,
+    n_effective: float | None = None,
+    max_terms: int | None = None,
+) -> np.ndarray:
+    """Eliminate terms backward and return the support with the least information criterion.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products.
+    support : sequence of int
+        Columns to begin with.
+    penalty : ndarray of shape (p,), optional
+        Price of each column: log n for its coefficient and more for a large tree. By default
+        `default_penalty`.
+    n_effective : float, optional
+        Number of independent rows, below n where residuals are autocorrelated.
+    max_terms : int, optional
+        Size of the largest support to return.
+
+    Returns
+    -------
+    ndarray of int
+        What is left of the support. The whole way down is walked, as the criterion may have local
+        minima.
+    """
+    return front(gram, [support], penalty, n_effective, max_terms)[0]
+
+
+def front(
+    gram: Gram,
+    proposals: Sequence[Sequence[int] | np.ndarray],
+    penalty: np.ndarray | None = None,
+    n_effective: float | None = None,
+    max_terms: int | None = None,
+) -> list[np.ndarray]:
+    """Eliminate terms backward from several supports and keep the best support of each size.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products.
+    proposals : sequence of sequence of int
+        Supports to begin with.
+    penalty, n_effective, max_terms
+        As in `prune`.
+
+    Returns
+    -------
+    list of ndarray of int
+        The one with the least information criterion first, then the best of each smaller size.
+    """
+    n = float(gram.n) if n_effective is None else n_effective
+    penalty = default_penalty(gram, n) if penalty is None else penalty
+    best: dict[int, tuple[float, tuple[int, ...]]] = {0: (n * np.log(_share(gram, gram.yy)), ())}
+    for proposal in proposals:
+        for support, error in eliminate(gram, proposal, penalty, n):
+            value = n * np.log(_share(gram, error)) + penalty[support].sum()
+            size = len(support)
+            if size <= (max_terms or size) and value < best.get(size, (np.inf,))[0]:
+                best[size] = (float(value), tuple(support))
+    found = {size: np.array(support, dtype=int) for size, (_, support) in best.items()}
+    # Downdating loses digits where terms are nearly collinear, so the winners are solved afresh.
+    value = {size: information(gram, s, penalty, n) for size, s in found.items()}
+    first = min(value, key=lambda size: (value[size], size))
+    return [found[size] for size in sorted(found, reverse=True) if size <= first]
+
+
+def _share(gram: Gram, error: float) -> float:
+    return max(error, np.finfo(float).tiny) / gram.n
+
+
+def default_penalty(gram: Gram, n_effective: float | None = None) -> np.ndarray:
+    """Price of a term, in the units of `information`, when nothing is known of its complexity.
+
+    This is the extended BIC: log n for its coefficient, 2 log p for having been chosen among p.
+    """
+    p = len(gram.xy)
+    n = gram.n if n_effective is None else n_effective
+    return np.full(p, np.log(max(n, 2.0)) + 2.0 * np.log(max(p, 2)))
+
+
+def information(
+    gram: Gram,
+    support: Sequence[int] | np.ndarray,
+    penalty: np.ndarray | None = None,
+    n_effective: float | None = None,
+) -> float:
+    """Information criterion of a support, lower is better: n log(RSS / n) + sum of penalties."""
+    penalty = default_penalty(gram, n_effective) if penalty is None else penalty
+    n = gram.n if n_effective is None else n_effective
+    error = rss(gram, least_squares(gram, support)) / gram.n
+    return float(n * np.log(error) + penalty[np.asarray(support, dtype=int)].sum())
+
+
+def eliminate(
+    gram: Gram,
+    support: Sequence[int] | np.ndarray,
+    penalty: np.ndarray,
+    n_effective: float,
+) -> list[tuple[np.ndarray, float]]:
+    """Eliminate terms backward, the one that is worth least first, until none is left.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products.
+    support : sequence of int
+        Columns to begin with.
+    penalty : ndarray of shape (p,)
+        Price of each column, in units of `information`.
+    n_effective : float
+        Number of independent rows.
+
+    Returns
+    -------
+    list of (ndarray of int, float)
+        Each support on the way down and its residual sum of squares.
+
+    Notes
+    -----
+    Each step costs k^2 on a support of k terms, because the inverse is downdated.
+    """
+    left = np.asarray(support, dtype=int)
+    part = gram.select(left)
+    part = part.scaled(part.scale)
+    inverted = inverse(part)
+    coef, price = inverted @ part.xy, penalty[left]
+    floor = max(LEAST * gram.yy, np.finfo(float).tiny)
+    error = max(float(gram.yy - coef @ part.xy), floor)
+    way = [(left, error)]
+    alive = np.arange(len(left))
+    while len(left):
+        if np.min(np.diag(inverted)) < HEALTHY / gram.n:  # downdating has lost its digits
+            inverted = inverse(part.select(alive))
+            coef = inverted @ part.xy[alive]
+        rise = _rise(coef, inverted, gram.n)
+        worst = int(np.argmin(n_effective * np.log1p(rise / error) - price))
+        error = max(error + float(rise[worst]), floor)
+        keep = np.arange(len(left)) != worst
+        column, pivot = inverted[keep, worst], inverted[worst, worst]
+        if abs(pivot) >= HEALTHY / gram.n:
+            coef = coef[keep] - column * coef[worst] / pivot
+            inverted = inverted[np.ix_(keep, keep)] - np.outer(column, column) / pivot
+        else:
+            coef, inverted = coef[keep], inverted[np.ix_(keep, keep)]
+        left, price, alive = left[keep], price[keep], alive[keep]
+        way.append((left, error))
+    return way
+
+
+def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weigh every column against the best equation.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products; columns should have similar sizes.
+    support : sequence of int
+        Terms of the equation.
+
+    Returns
+    -------
+    with_column, without_column : ndarray of shape (p,)
+        Residual sums of squares of the equation with and without each column.
+    """
+    support = np.asarray(support, dtype=int)
+    inverted = inverse(gram.select(support))
+    coef = inverted @ gram.xy[support]
+    floor = max(LEAST * gram.yy, np.finfo(float).tiny)
+    error = max(float(gram.yy - coef @ gram.xy[support]), floor)
+    cross = gram.xx[support]
+    slope = gram.xy - coef @ cross
+    power = np.diag(gram.xx) - np.einsum("ij,ij->j", cross, inverted @ cross)
+    gain = np.where(power > 1e-9 * np.diag(gram.xx), slope**2 / np.maximum(power, 1e-300), 0.0)
+    with_column, without_column = np.maximum(error - gain, floor), np.full(len(gram.xy), error)
+    with_column[support] = error
+    without_column[support] = error + _rise(coef, inverted, gram.n)
+    return with_column, without_column
+
+
+def _rise(coef: np.ndarray, inverted: np.ndarray, n: int) -> np.ndarray:
+    """Return what the sum of squares rises by without each column; nothing for a zero column."""
+    diagonal = np.diag(inverted)
+    usable = diagonal > 1e-12 / n
+    return np.where(usable, coef**2 / np.where(usable, diagonal, 1.0), 0.0)
