@@ -1,10 +1,14 @@
 """Twins: as noisy and as colored as the record, and nothing missing in them."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from loop_systems import equations_of, measured
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop import paths
+from pysindy_evolve.loop.paths import Path, follow
 from pysindy_evolve.loop.twins import TwinMaker, shuffle_signs
 
 SPRING = {"q": "v", "v": "-40*q - 0.8*v + F"}
@@ -136,7 +140,7 @@ def test_record_of_the_user_without_preparation_has_twins_too():
 
 
 def test_model_that_does_not_follow_the_record_keeps_the_measured_states():
-    maker, record = maker_of(SPRING, model={"q": "v", "v": "40*q + F"})
+    maker, record = maker_of(SPRING, model={"q": "v", "v": "4000*q + F"})
     assert maker.simulated == (None,)
     (twin,) = maker.make(np.random.default_rng(0))
     assert np.array_equal(twin.x, record.x)
@@ -156,3 +160,125 @@ def test_several_records_have_one_twin_each():
     equations = equations_of(SPRING, ("F",))
     twins = TwinMaker.of(equations, equations, records).make(np.random.default_rng(0))
     assert [len(twin) for twin in twins] == [len(record) for record in records]
+
+
+TANK = {"h": "-3*h - 2*h^3 + F"}
+PENDULUM = {"q": "v", "v": "-40*sin(q) - 0.1*v + F"}  # it turns over, so its motion is chaotic
+UNSTABLE = {"q": "v", "v": "25*q - 0.8*v - 20*q^3 + F"}  # falls from its middle to either side
+
+
+def quiet(truth, **options):
+    """A record without noise and the equations that made it."""
+    record = measured(truth, noise=0.0, duration=20.0, **options)
+    return record, equations_of(truth, ("F",))
+
+
+def in_pieces(monkeypatch, record, equations, length):
+    """Follow a record in pieces of at most some raw samples."""
+    whole = paths._Course.path
+    monkeypatch.setattr(
+        paths._Course, "path", lambda self, n: whole(self, n) if n <= length else None
+    )
+    return follow(equations, record)
+
+
+def pushed_derivatives(record, path):
+    """Record of a path without noise, and its derivatives without what pushed the model."""
+    made = record.preparation
+    twin = made.apply(made.t, path.y, made.u)
+    x_dot = np.array(twin.x_dot)
+    x_dot[:, made.order - 1 :: made.order] -= made.lowpass(path.push)
+    return twin, x_dot
+
+
+def test_path_of_a_good_model_is_one_piece_that_nothing_pushes():
+    record, equations = quiet(SPRING)
+    path = follow(equations, record)
+    assert isinstance(path, Path)
+    assert not path.push.any()
+    made = record.preparation
+    inside = slice(made.trim, -made.trim)
+    assert np.abs(path.y - made.y)[inside].max() < 1e-3 * made.y.std()
+
+
+@pytest.mark.parametrize(("truth", "order"), [(TANK, 1), (SPRING, 2), (PENDULUM, 2)])
+def test_derivative_of_a_joined_path_without_the_push_is_the_model(monkeypatch, truth, order):
+    record, equations = quiet(truth, order=order)
+    path = in_pieces(monkeypatch, record, equations, 300)
+    assert path.push.any()
+    twin, x_dot = pushed_derivatives(record, path)
+    away = slice(20, -20)  # the ends of the raw record are only joined without a jump
+    error = (x_dot - equations.evaluate(twin.x, twin.u, twin.t))[away]
+    assert np.all(error.std(axis=0) < 5e-3 * x_dot.std(axis=0))
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_states_of_a_fade_are_derivatives_of_one_another(order):
+    states = [f"x{i}" for i in range(order)]
+    sides = dict(zip(states, [*states[1:], "-x0 + F"], strict=True))
+    record = measured(TANK, noise=0.0, duration=20.0, order=1)
+    made = pse.prepare(record.preparation.t, record.preparation.y, record.preparation.u, order)
+    course = paths._Course(equations_of(sides, ("F",)), made, made.preparation)
+    at, n = slice(100, 400), 300
+    t = made.preparation.t[at, None] - made.preparation.t[100]
+    old = np.hstack([np.sin(t + 0.5 * np.pi * m) for m in range(order)])
+    new = np.hstack([2.0**m * np.sin(2.0 * t + 0.5 * np.pi * m) for m in range(order)])
+    x, push = course._fade(old, new, at)
+    for lower, upper in pairwise(x.T):
+        slope = np.gradient(lower, made.preparation.dt)
+        assert slope[1:-1] == pytest.approx(upper[1:-1], abs=2e-3)
+    assert push.shape == (n, 1)
+
+
+@pytest.mark.parametrize(("truth", "order"), [(TANK, 1), (SPRING, 2)])
+def test_push_is_zero_away_from_the_joins(monkeypatch, truth, order):
+    record, equations = quiet(truth, order=order)
+    path = in_pieces(monkeypatch, record, equations, 500)
+    pushed = np.flatnonzero(path.push.any(axis=1))
+    starts = pushed[np.diff(pushed, prepend=-2) > 1]
+    assert len(starts) >= 2
+    assert len(pushed) <= len(starts) * 500 // paths.FADE
+    assert np.all(np.diff(starts) > 200)
+
+
+@pytest.mark.parametrize("truth", [PENDULUM, UNSTABLE])
+def test_chaotic_or_unstable_model_has_a_path_too(truth):
+    record = measured(truth, noise=2e-3, size=12.0)
+    equations = equations_of(truth, ("F",))
+    path = follow(equations, record)
+    assert path is not None
+    assert path.push.any()  # it is not one run
+    made = record.preparation
+    assert np.sqrt(np.mean((path.y - made.y) ** 2)) < 0.5 * made.y.std()
+    (twin,) = TwinMaker.of(equations, equations, [record]).make(np.random.default_rng(0))
+    assert not np.array_equal(twin.x, record.x)
+
+
+def test_joined_path_has_the_smoothing_bias_of_a_free_run(monkeypatch):
+    truth = {"q": "v", "v": "-10*q - 60*q^3 - 0.5*v + F"}
+    raw = measured(truth, noise=0.0, size=10.0).preparation
+    record = pse.prepare(raw.t, raw.y, raw.u, cutoff=3.0, decimate=1)  # takes off the overtones
+    equations = equations_of(truth, ("F",))
+
+    def bias(path):
+        twin, x_dot = pushed_derivatives(record, path)
+        return (x_dot - equations.evaluate(twin.x, twin.u, twin.t))[:, 1]
+
+    free, joined = follow(equations, record), in_pieces(monkeypatch, record, equations, 1200)
+    assert not free.push.any()
+    assert joined.push.any()
+    true = (record.x_dot - equations.evaluate(record.x, record.u, record.t))[:, 1]
+    assert true.std() > 0.1 * record.x_dot[:, 1].std()
+    for found in (bias(free), bias(joined)):
+        assert found.std() == pytest.approx(true.std(), rel=0.1)
+        assert np.corrcoef(found, true)[0, 1] > 0.9
+
+
+def test_part_of_a_record_is_followed_over_that_part_only():
+    record = measured(PENDULUM, noise=2e-3, duration=20.0)
+    first = record.split(0.3)[0]
+    path = follow(equations_of(PENDULUM, ("F",)), first)
+    made = first.preparation
+    stop = np.searchsorted(made.t, first.t[-1]) + made.trim + 1
+    assert np.ptp((path.y - made.y)[stop:]) < 1e-9 * made.y.std()
+    assert not path.push[stop:].any()
