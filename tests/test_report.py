@@ -179,6 +179,6 @@ def test_model_of_nothing_at_all_predicts_zeros():
     t = 0.01 * np.arange(400)
     rng = np.random.default_rng(0)
     record = pse.Record(t=t, x=rng.normal(size=400), x_dot=rng.normal(size=400))
-    report = pse.close_loop(pse.DeclaredModel({"q": "0"}), record, operators=(), max_effects=0)
+    report = pse.close_loop(pse.DeclaredModel({"q": "0"}), record, operators=())
     assert report.model.predict(np.ones((3, 1))).tolist() == [[0.0]] * 3
     assert "q' = 0" in str(report)

@@ -7,8 +7,9 @@ Nelder 1977, DOI 10.2307/2344517).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -48,24 +49,34 @@ VOCABULARY = (
 )
 
 # Stribeck speeds and widths of dead zones and saturations, as shares of the size of the signal.
-STRIBECK_SPEEDS = (0.05, 0.15, 0.4)
-DEAD_ZONES = (0.1, 0.25, 0.5)
-SATURATIONS = (0.5, 0.7, 0.9)
+STRIBECK_SPEEDS = (0.03, 0.1, 0.3)
+DEAD_ZONES = (0.08, 0.2, 0.5)
+SATURATIONS = (0.2, 0.35, 0.5, 0.7, 0.9)
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A number that a term depends on other than linearly, and how to build the term from it."""
+
+    build: Callable[[float], Sum]
+    value: float
 
 
 @dataclass(frozen=True)
 class Candidate:
     """An effect that may be missing: its name, the equation it enters, its columns.
 
-    `parents` are expressions that must already stand in the equation.
+    `parents` are expressions that must already stand in the equation. An effect with a `shape`
+    stands on a grid of its number, which is tuned once the effect is found.
     """
 
     name: str
     state: int
     terms: tuple[Sum, ...]
     parents: tuple[Sum, ...] = ()
+    shape: Shape | None = field(default=None, compare=False)
 
     @property
     def size(self) -> int:
@@ -222,11 +233,25 @@ def _clipped(a: Sum, limit: float) -> Sum:
     return mul(constant(0.5), sub(_abs(add(a, edge)), _abs(sub(a, edge))))
 
 
+def _beyond(a: Sum, limit: float) -> Sum:
+    """Return how far a lies outside of -limit to limit."""
+    return sub(a, _clipped(a, limit))
+
+
+def _stribeck(v: Sum, speed: float) -> Sum:
+    """Return the sign of v with a bell around zero: friction that falls with the speed."""
+    bell = call(BUILTIN["exp"], mul(constant(-1.0 / speed**2), power(v, 2)))
+    return mul(_sgn(v), bell)
+
+
 def _of_equation(design: Design, state: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through the vocabulary for one equation, simple effects before composed ones."""
 
-    def effect(name: str, *terms: Sum, parents: tuple[Sum, ...] = ()) -> Candidate:
-        return Candidate(name, state, terms, parents)
+    def effect(
+        name: str, *terms: Sum, parents: tuple[Sum, ...] = (), shape: Shape | None = None
+    ) -> Candidate:
+        columns = terms if shape is None else (shape.build(shape.value),)
+        return Candidate(name, state, columns, parents, shape)
 
     n_states, n_inputs = len(design.states), len(design.inputs)
     v, position = variable(state), design.position_of(state)
@@ -248,8 +273,8 @@ def _frictions(effect, v: Sum, speed: float) -> Iterator[Candidate]:  # type: ig
     yield effect("Coulomb friction", _sgn(v))
     yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
     for share in STRIBECK_SPEEDS:
-        bell = call(BUILTIN["exp"], mul(constant(-1.0 / (share * speed) ** 2), power(v, 2)))
-        yield effect("Stribeck friction", mul(_sgn(v), bell), parents=(_sgn(v),))
+        shape = Shape(partial(_stribeck, v), share * speed)
+        yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
     yield effect("quadratic drag", mul(v, _abs(v)))
     yield effect("nonlinear damping", power(v, 3))
 
@@ -260,7 +285,7 @@ def _springs(effect, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:  # ty
     yield effect("cubic stiffness", power(q, 3))
     yield effect("quintic stiffness", power(q, 5))
     for share in DEAD_ZONES:
-        yield effect("dead zone", sub(q, _clipped(q, share * reach)))
+        yield effect("dead zone", shape=Shape(partial(_beyond, q), share * reach))
     yield effect("gravity", call(BUILTIN["sin"], q))
     yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,))
     yield effect("nonlinear damping", mul(power(q, 2), v))
@@ -292,4 +317,4 @@ def _inputs(effect, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]
     yield effect("input nonlinearity", mul(u, _abs(u)))
     yield effect("input nonlinearity", power(u, 3))
     for share in SATURATIONS:
-        yield effect("saturation", _clipped(u, share * reach))
+        yield effect("saturation", shape=Shape(partial(_clipped, u), share * reach))

@@ -8,12 +8,20 @@ from functools import partial
 
 import numpy as np
 from joblib import Parallel, delayed
+from scipy.optimize import minimize_scalar
 from tqdm.auto import tqdm
 
 from ..equations import Equations
 from ..signals import Record
 from .design import Column, Design, in_state
-from .effects import VOCABULARY, Candidate, candidates, periodic_candidates, standing
+from .effects import (
+    VOCABULARY,
+    Candidate,
+    Shape,
+    candidates,
+    periodic_candidates,
+    standing,
+)
 from .linear import solve
 from .residual import derivative_grams, jacobian, view_grams
 from .rules import Rules
@@ -94,6 +102,7 @@ def find(
     proposer = proposer or propose
     equations = quick_fit(design, part)
     proposed = proposer(design, equations, records)
+    proposed = sharpened(design, part, proposed)
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
     worthy = [s for s in scores if s.value > 0.0 and shares.of(s) >= rules.min_share]
@@ -108,9 +117,50 @@ def find(
     if p_value > rules.level:
         return []
     names = rivals(best, scores)
-    return [
-        Finding(c, columns_of(c, design), best.value, p_value, twins, names) for c in best.group
-    ]
+    group = [tuned(c, _beside(design, best.group, c), part) for c in best.group]
+    return [Finding(c, columns_of(c, design), best.value, p_value, twins, names) for c in group]
+
+
+def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Design:
+    """Return the design with the other candidates of a group in it."""
+    others = (c for c in group if c is not one)
+    return design.adding(column for c in others for column in columns_of(c, design))
+
+
+def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates with the promising shapes tuned, beside those on the grid.
+
+    Between two places of the grid a power of the input can look more like a saturation than
+    either of them does.
+    """
+    scores = score(design, part, proposed, pairs=False)
+    leader = scores[0].value if scores else 0.0
+    first: dict[tuple[str, int], Score] = {}
+    for s in scores:
+        if s.group[0].shape is not None and s.value > max(MARGIN, leader / 2):
+            first.setdefault((s.group[0].name, s.group[0].state), s)
+    return [*proposed, *(tuned(s.group[0], design, part) for s in first.values())]
+
+
+def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
+    """Tune the number that a candidate's shape depends on, from its place on the grid."""
+    shape = candidate.shape
+    if shape is None:
+        return candidate
+
+    def at(log_value: float) -> Candidate:
+        value = float(np.exp(log_value))
+        return replace(candidate, terms=(shape.build(value),), shape=Shape(shape.build, value))
+
+    def loss(log_value: float) -> float:
+        scores = score(design, part, [at(log_value)], pairs=False)
+        return -scores[0].value if scores else 0.0
+
+    start = float(np.log(shape.value))
+    best = minimize_scalar(
+        loss, bounds=(start - REACH, start + REACH), method="bounded", options={"maxiter": 16}
+    )
+    return at(float(best.x)) if best.fun < loss(start) else candidate
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
@@ -313,6 +363,7 @@ def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[
 
 
 BATCH = 4  # twins between two looks at whether the rest can be spared
+REACH = 1.2  # of the logarithm of a shape about its place on the grid: a factor of three
 MARGIN = 0.02  # of the log error: names do not change for less
 
 
