@@ -151,14 +151,14 @@ def test_loop_says_that_nothing_is_missing(capsys, tmp_path):
 def test_loop_takes_known_constants(capsys, tmp_path):
     train, test = save_drive(nothing_missing(duration=6.0), tmp_path)
     sides = ("--equation", "q = v", "--equation", "v = F/m - c*v", "--known", "m=2")
-    options = (*sides, "--position", "q", "--inputs", "F", "--max-effects", "0")
+    options = (*sides, "--position", "q", "--inputs", "F", "--max-effects", "1")
     _, out, _ = run(capsys, "loop", train, "--test", test, *options)
     assert "0.5 F" in out
 
 
 def test_loop_without_position_reads_every_state(capsys, oscillator):
     sides = ("--equation", "q = v", "--equation", "v = -k*q - c*v + b*F")
-    options = (*sides, "--inputs", "F", "--max-effects", "0")
+    options = (*sides, "--inputs", "F", "--max-effects", "1")
     code, out, _ = run(capsys, "loop", oscillator, *options)
     assert code == 0
     found = coefficients(out, "v", ["q", "v", "F"])
@@ -169,7 +169,7 @@ def test_without_matplotlib_the_report_is_saved_and_the_way_to_a_plot_told(
     capsys, drive_files, tmp_path, monkeypatch
 ):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    options = ("--inputs", "F", "--report", str(tmp_path), "--max-effects", "0")
+    options = ("--inputs", "F", "--report", str(tmp_path), "--max-effects", "1")
     code, out, _ = run(capsys, "loop", *drive_files, *DECLARED, *options)
     assert code == 0
     assert 'pip install "pysindy-evolve[plots]"' in out
@@ -229,7 +229,7 @@ WRONG = {
     "twice": (["loop", "FILE", "--equation", "q=-k*q", "--equation", "q=c"], "once for each state"),
     "wrong position": (["loop", "FILE", "--equation", "q=-k*q", "--position", "v"], "Sort or add"),
     "known": (["loop", "FILE", "--equation", "q=-k*q", "--known", "k=a"], "numbers as values"),
-    "twins": (["loop", "FILE", "--equation", "q=-k*q", "--twins", "3"], "at least 19"),
+    "twins": (["loop", "FILE", "--equation", "q=-k*q", "--twins", "3"], "at least 39"),
     "command": (["fix"], "'fix'"),
 }  # fmt: skip
 
