@@ -45,6 +45,7 @@ SYSTEMS = {
         [{"x1": 1}, {"x0": -1}],
     ),
 }  # fmt: skip
+LONG = {"Van der Pol", "nothing but the states"}  # to fit
 
 
 def simulated(name):
@@ -66,7 +67,10 @@ def default_model(seed):
     return ps.SINDy(feature_library=EvolvingLibrary(random_state=seed), optimizer=ElasticNet())
 
 
-@pytest.mark.parametrize("name", list(SYSTEMS))
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in SYSTEMS],
+)
 def test_known_systems_are_exact_with_the_defaults_and_noise_on_the_derivative(name):
     t, x, x_dot, truth = simulated(name)
     noise = 0.02 * x_dot.std(axis=0) * np.random.default_rng(1).normal(size=x.shape)
@@ -123,7 +127,9 @@ def grow(x, y, seed=0, operators=PIECEWISE, **parameters):
     [
         (("mul", "div", "add"), lambda x: x[:, 1] / (0.7 + x[:, 0]), None),
         (("mul", "sin"), lambda x: np.sin(1.7 * x[:, 0]) * x[:, 1], None),
-        (("mul", "exp"), lambda x: np.exp(-0.6 * x[:, 0]), None),
+        pytest.param(
+            ("mul", "exp"), lambda x: np.exp(-0.6 * x[:, 0]), None, marks=pytest.mark.slow
+        ),
     ],
     ids=["x/(c + x)", "sin(w x)", "exp(-c x)"],
 )
@@ -165,7 +171,9 @@ def test_a_linear_map_on_the_rows_goes_before_the_regression(data):
     assert {t.name("qv") for t in evolution.terms} == {"q v", "q"}
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 5))]
+)
 def test_noise_alone_grows_nothing(seed, data):
     x, _ = data
     noise = np.random.default_rng(seed + 100).normal(size=len(x))

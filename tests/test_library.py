@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from joblib import parallel_config
 
 from pysindy_evolve.library import EvolvingLibrary, TermLibrary
 from pysindy_evolve.operators import Operator
@@ -61,11 +62,16 @@ def test_every_generation_leaves_a_record(data):
     assert all(a.time <= b.time for a, b in pairwise(history))
 
 
-def test_the_same_seed_gives_the_same_terms_whatever_n_jobs_is(data):
+@pytest.mark.parametrize(
+    "backend",
+    ["threading", pytest.param("loky", marks=pytest.mark.slow)],  # processes take long
+)
+def test_the_same_seed_gives_the_same_terms_whatever_n_jobs_is(backend, data):
     x, y = data
     targets = np.hstack([y, x[:, [0]] * np.abs(x[:, [1]])])
     one = library(random_state=5).fit(x, targets)
-    two = library(random_state=5, n_jobs=2).fit(x, targets)
+    with parallel_config(backend=backend):
+        two = library(random_state=5, n_jobs=2).fit(x, targets)
     assert one.terms_ == two.terms_
     assert [len(h) for h in one.history_] == [len(h) for h in two.history_]
 
