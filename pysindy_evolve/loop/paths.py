@@ -25,7 +25,7 @@ __all__ = ["Path", "follow"]
 FAITHFUL = 0.5  # a path that strays further, in standard deviations, is none
 SHORTEST = 64  # raw samples of a piece; below, little is left of the model
 FADE = 4  # pieces fade into one another over this part of their length
-TOLERANCE = 1e-7  # of a simulation step: what a noise-free record leaves is hardly larger
+TOLERANCES = (1e-10, 1e-7)  # of a simulation step: well below the noise, which may be rounding
 REFINEMENT = 4  # steps that splines put into each raw sample of an input, where that is cheap
 CHEAP = 40_000  # refined samples
 
@@ -101,7 +101,16 @@ class _Course:
             return t, u
         n = len(t)
         fine = np.interp(np.arange(steps * (n - 1) + 1) / steps, np.arange(n), t)
-        return fine, CubicSpline(t, u, axis=0)(fine)
+        spline = CubicSpline(t, u, axis=0)
+        # Straight lines lie above a curve that bends up, by so much on average.
+        chords = (self.made.dt / steps) ** 2 / 12.0 * spline(fine, 2)
+        return fine, spline(fine) - chords
+
+    @cached_property
+    def tolerance(self) -> float:
+        """Error of a simulation step: differentiated like noise, it must be smaller than that."""
+        noise = self.made.noise / np.maximum(self.made.y.std(axis=0), 1e-300)
+        return float(np.clip(0.01 * noise.min(), *TOLERANCES))
 
     def path(self, length: int) -> Path | None:
         """Join pieces of a length in raw samples; None if they stray from the record."""
@@ -151,7 +160,7 @@ class _Course:
             self.record.x[row],
             t[span],
             None if u is None else u[span],
-            tolerance=TOLERANCE,
+            tolerance=self.tolerance,
             on_divergence="nan",
         )[::steps]
 
