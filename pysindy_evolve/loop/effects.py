@@ -111,6 +111,8 @@ def candidates(
         for state in design.open_states
         for candidate in _of_equation(design, state, scales)
         if not all((state, _bare(term)) in present for term in candidate.terms)
+        # A dead zone lies about zero, and a position that never is there knows nothing of it.
+        and not (candidate.name == "dead zone" and candidate.terms[0].variables & free)
     ]
 
 
