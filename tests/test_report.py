@@ -182,3 +182,22 @@ def test_model_of_nothing_at_all_predicts_zeros():
     report = pse.close_loop(pse.DeclaredModel({"q": "0"}), record, operators=())
     assert report.model.predict(np.ones((3, 1))).tolist() == [[0.0]] * 3
     assert "q' = 0" in str(report)
+
+
+def test_markdown_holds_the_table_and_every_effect(report):
+    page = report.to_markdown()
+    assert page.startswith("**Verdict:** traced")
+    assert page.count("|---") == 4
+    for effect in report.effects:
+        assert f"### {effect.name} in the equation of v" in page
+
+
+def test_each_term_of_an_effect_is_printed_with_its_own_coefficient():
+    hidden = oscillator("periodic forcing", "+ 3*sin(7.3*t) + 0.5*cos(7.3*t)")
+    forced = pse.close_loop(hidden.model, hidden.record(), operators=(), random_state=0)
+    (effect,) = forced.effects
+    assert effect.name == "periodic forcing"
+    sine, cosine = effect.coefficients
+    assert abs(sine) > abs(cosine)
+    assert f"{sine:.4g} times sin(7.3 t)" in str(forced)
+    assert f"{cosine:.4g} times cos(7.3 t)" in str(forced)

@@ -115,6 +115,7 @@ def close_loop(
         if not findings:
             raise
         finished = False
+    finished = finished and len(findings) < rules.max_effects
     verdict = "traced" if findings else "complete"
     if not findings and has_structure(declared_design, wide, part, rules, rng):
         verdict = "untraced"

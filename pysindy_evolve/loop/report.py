@@ -21,7 +21,7 @@ from .design import Design
 from .fit import Fit, derivative_errors, derivative_fit_errors, fit
 from .model import as_sindy
 from .step import Finding
-from .text import as_text
+from .text import as_markdown, as_text
 
 __all__ = ["Effect", "Errors", "LoopReport", "Step", "make_report"]
 
@@ -171,6 +171,10 @@ class LoopReport:
 
     def __str__(self) -> str:
         return as_text(self)
+
+    def to_markdown(self) -> str:
+        """Return the printed report as Markdown, with a table of the errors."""
+        return as_markdown(self)
 
     def plot(self, state: str | None = None) -> Any:
         """Draw the held-out residual before and after, over time and over what it was traced to.

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from ..export import format_equations, format_expression
 if TYPE_CHECKING:
     from .report import Effect, LoopReport
 
-__all__ = ["as_text", "sentence"]
+__all__ = ["as_markdown", "as_text"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -22,7 +24,7 @@ VERDICTS = {
 
 
 def as_text(report: LoopReport) -> str:
-    """Return the report as text of at most 100 columns."""
+    """Return the report as plain text."""
     parts = [
         f"Verdict: {VERDICTS[report.verdict]}",
         "Declared model, fitted\n" + _indented(format_equations(report.before.model)),
@@ -31,7 +33,8 @@ def as_text(report: LoopReport) -> str:
         corrected = _indented(format_equations(report.after.model))
         parts.append("Corrected model\n" + corrected)
     parts.append(_table(report))
-    parts += [sentence(i, effect) for i, effect in enumerate(report.effects, 1)]
+    symbols = report.equations.symbols
+    parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
     if not report.finished:
         parts.append("The search did not come to its end: it was interrupted or met max_effects.")
     return "\n\n".join(parts)
@@ -41,22 +44,33 @@ def _indented(text: str) -> str:
     return "\n".join("    " + line for line in text.splitlines())
 
 
+HEADLINE = "Errors on held-out data, % of the standard deviation (NRMSE)"
+
+
 def _table(report: LoopReport) -> str:
     """Return both errors before and after every step, one column for each state."""
+    head, rows = _cells(report)
+    width = max(len(name) for name, _ in rows) + 4
+    lines = [HEADLINE, " " * (width + 4) + "".join(f"{title:>16}" for title in head)]
+    for name, values in rows:
+        lines.append(f"    {name:<{width}}" + "".join(f"{value:>16}" for value in values))
+    return "\n".join(lines)
+
+
+def _cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str]]]]:
+    """Return the titles of the columns, and name and values of each row."""
     states = report.equations.states
-    rows = [("declared", report.before)]
+    stages = [("declared", report.before)]
     for _, group in groupby(report.steps, key=lambda step: id(step.errors)):
         added = list(group)
-        rows.append(("+ " + ", ".join(step.name for step in added), added[0].errors))
+        stages.append(("+ " + ", ".join(step.name for step in added), added[0].errors))
     rated = [i for i in range(len(states)) if _is_rated(report, i)]
     head = [f"d{states[i]}/dt" for i in rated] + [f"{state} free run" for state in states]
-    lines = ["Errors on held-out data, % of the standard deviation (NRMSE)"]
-    width = max(len(name) for name, _ in rows) + 4
-    lines.append(" " * (width + 4) + "".join(f"{title:>16}" for title in head))
-    for name, errors in rows:
+    rows = []
+    for name, errors in stages:
         values = [errors.derivative_error[i] for i in rated] + list(errors.simulation_error)
-        lines.append(f"    {name:<{width}}" + "".join(f"{_percent(v):>16}" for v in values))
-    return "\n".join(lines)
+        rows.append((name, [_percent(value) for value in values]))
+    return head, rows
 
 
 def _is_rated(report: LoopReport, state: int) -> bool:
@@ -68,18 +82,49 @@ def _percent(value: float) -> str:
     return "diverges" if not np.isfinite(value) else f"{value:.3g}"
 
 
-def sentence(number: int, effect: Effect) -> str:
+def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
     """Return what is known of one effect, in a few lines."""
     lines = [f"{number}. {effect.name} in the equation of {effect.state}"]
-    terms = [effect.term] if len(effect.coefficients) == 1 else effect.term.as_ordered_terms()
-    intervals = zip(terms, effect.coefficients, effect.confidence_intervals, strict=True)
-    for term, value, (low, high) in intervals:
-        shown = format_expression(term)
-        lines.append(f"   {value:.4g} times {shown}   (95 %: {low:.4g} to {high:.4g})")
+    lines += ["   " + line for line in evidence(effect, symbols)]
+    return "\n".join(lines)
+
+
+def evidence(effect: Effect, symbols: Sequence[Any]) -> list[str]:
+    """Return coefficients, share, p-value and rivals of one effect, a line each."""
+    parts = zip(effect.expressions, effect.coefficients, effect.confidence_intervals, strict=True)
+    lines = []
+    for expression, value, (low, high) in parts:
+        shown = format_expression(expression.to_sympy(symbols))
+        lines.append(f"{value:.4g} times {shown}   (95 %: {low:.4g} to {high:.4g})")
     lines.append(
-        f"   removes {100 * effect.explained:.0f} % of the held-out residual variance; "
+        f"removes {100 * effect.explained:.0f} % of the held-out residual variance; "
         f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
     )
     if effect.alternatives:
-        lines.append("   this data cannot tell it from: " + ", ".join(effect.alternatives))
-    return "\n".join(lines)
+        rivals = "this data cannot tell it from: " + ", ".join(effect.alternatives)
+        lines += wrap(rivals, width=92, subsequent_indent="  ")
+    return lines
+
+
+def as_markdown(report: LoopReport) -> str:
+    """Return the report as Markdown."""
+    parts = [
+        f"**Verdict:** {VERDICTS[report.verdict]}",
+        f"Declared model, fitted:\n\n{_code(format_equations(report.before.model))}",
+    ]
+    if report.effects:
+        corrected = format_equations(report.after.model)
+        parts.append(f"Corrected model:\n\n{_code(corrected)}")
+    head, rows = _cells(report)
+    lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
+    lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
+    parts.append("\n".join(lines))
+    for effect in report.effects:
+        facts = evidence(effect, report.equations.symbols)
+        title = f"### {effect.name} in the equation of {effect.state}"
+        parts.append("\n".join([title, "", *(f"- {fact.strip()}" for fact in facts)]))
+    return "\n\n".join(parts) + "\n"
+
+
+def _code(text: str) -> str:
+    return f"```text\n{text}\n```"
