@@ -21,7 +21,7 @@ from .residual import jacobian, view_grams
 from .segments import segments, variables_of
 from .sticking import moving
 
-__all__ = ["Fit", "derivative_errors", "derivative_fit_errors", "fit"]
+__all__ = ["Fit", "derivative_errors", "derivative_fit_errors", "derivative_intervals", "fit"]
 
 N_BLOCKS = 40  # of the derivative fit: long against the memory of a residual
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each from one initial state
@@ -110,6 +110,13 @@ def derivative_grams(design: Design, records: Sequence[Record]) -> np.ndarray:
         n_blocks = max(1, round(N_BLOCKS * record.n_samples / total))
         grams += [block.T @ block for block in np.array_split(rows, n_blocks) if len(block)]
     return np.array(grams)
+
+
+def derivative_intervals(
+    design: Design, records: Sequence[Record], rng: np.random.Generator
+) -> np.ndarray:
+    """Return the 95 % intervals of the coefficients that fit the derivative, shape (p, 2)."""
+    return _bootstrap(derivative_grams(design, records), rng)
 
 
 def simulation_grams(

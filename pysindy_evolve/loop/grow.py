@@ -17,6 +17,7 @@ from ..signals import Record
 from ..terms import Product, Sum
 from .design import Design
 from .effects import OFFSET, Candidate, candidates, standing
+from .fit import derivative_intervals
 from .residual import forces
 from .rules import Rules
 from .segments import Segments, ranges
@@ -184,7 +185,15 @@ class Garden:
             if _net(s) > 0.0 and view_gain(design, s.group[0], self.fresh) > USEFUL
         ]
         given = partial(_given, useful)
-        return find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
+        found = find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
+        return found if found and self._are_certain(design, found) else []
+
+    def _are_certain(self, design: Design, found: Sequence[Finding]) -> bool:
+        """Tell whether all records together know the sign of each coefficient."""
+        richer = design.adding(column for finding in found for column in finding.columns)
+        low, high = derivative_intervals(richer, self.records, self.rng).T
+        own = slice(len(design.columns), None)
+        return bool(np.all(low[own] * high[own] > 0.0))
 
 
 MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary
