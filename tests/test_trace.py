@@ -7,8 +7,8 @@ from loop_systems import hidden_effects, measured, oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.loop.design import in_state
 from pysindy_evolve.loop.effects import OFFSET, Candidate, standing
+from pysindy_evolve.loop.scoring import propose, quick_fit, score
 from pysindy_evolve.loop.segments import segments
-from pysindy_evolve.loop.step import propose, quick_fit, score
 from pysindy_evolve.loop.trace import fold_errors, rank
 from pysindy_evolve.terms import variable
 

@@ -15,9 +15,10 @@ from .design import Design
 from .grow import OPERATORS, Garden
 from .records import alike, check_records, split_records, widened
 from .report import LoopReport, make_report
+from .revise import exchange, prune
 from .rules import Rules, generator
 from .segments import Segments, segments
-from .step import Finding, exchange, find, prune
+from .step import Finding, find
 from .structure import has_structure
 
 __all__ = ["close_loop"]

@@ -20,9 +20,11 @@ from .effects import OFFSET, Candidate, candidates, standing
 from .fit import derivative_intervals
 from .residual import forces
 from .rules import Rules
+from .scoring import columns_of, score
 from .segments import Segments, ranges
+from .shares import view_gain
 from .spectral import spectral_rows, spectral_weights
-from .step import Finding, columns_of, find, score, view_gain
+from .step import Finding, find
 from .trace import Score
 
 __all__ = ["OPERATORS", "Garden", "grow", "named"]

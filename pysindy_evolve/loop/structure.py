@@ -19,9 +19,11 @@ from ..signals import Record
 from ..terms import Cache
 from .design import Column, Design
 from .rules import Rules
+from .scoring import quick_fit
 from .segments import Segments
+from .shares import is_exact
 from .spectral import spectral_grams
-from .step import is_exact, quick_fit, twin_values
+from .step import twin_values
 from .trace import fold_errors
 from .twins import TwinMaker
 

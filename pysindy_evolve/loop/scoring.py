@@ -1,0 +1,145 @@
+"""Propose what may be missing from a design, and score it beside the design's own columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ..equations import Equations
+from ..signals import Record
+from .design import Column, Design, in_state
+from .effects import (
+    VOCABULARY,
+    Candidate,
+    Shape,
+    candidates,
+    periodic_candidates,
+    standing,
+)
+from .linear import solve
+from .residual import derivative_grams
+from .segments import Segments, ranges, variables_of
+from .spectral import spectral_grams
+from .trace import Score, rank
+
+__all__ = [
+    "MARGIN",
+    "columns_of",
+    "plainest",
+    "propose",
+    "quick_fit",
+    "rivals",
+    "score",
+    "sharpened",
+    "tuned",
+]
+
+MARGIN = 0.02  # of the log error: names do not change for less
+REACH = 1.2  # of the logarithm of a shape about its place on the grid: a factor of three
+
+
+def quick_fit(design: Design, part: Segments) -> Equations:
+    """Fit a design on segments by its derivative."""
+    total = derivative_grams(part, design, design.columns).sum(axis=0)
+    return design.equations(solve(total[:-1, :-1], total[:-1, -1]))
+
+
+def propose(design: Design, equations: Equations, records: Sequence[Record]) -> list[Candidate]:
+    """Return what may be missing: the vocabulary, and the frequencies of the residual."""
+    variables = np.concatenate([variables_of(record) for record in records])
+    proposed = candidates(design, *ranges(variables))
+    longest = max(records, key=len)
+    residual = longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t)
+    time = len(design.states) + len(design.inputs)
+    for state in design.open_states:
+        drivers = longest.x[:, :0] if longest.u is None else longest.u
+        proposed += periodic_candidates(state, time, residual[:, state], drivers, longest.dt)
+    return proposed
+
+
+def score(
+    design: Design, part: Segments, proposed: Sequence[Candidate], *, pairs: bool = True
+) -> list[Score]:
+    """Score candidates on segments, each refitted together with the columns of the design."""
+    extra = [column for candidate in proposed for column in columns_of(candidate, design)]
+    n_fixed = len(design.columns)
+    grams = spectral_grams(part, design, [*design.columns, *extra])
+    return rank(grams, n_fixed, proposed, standing(design), pairs=pairs)
+
+
+def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
+    """Return the columns that a candidate adds to a design."""
+    n_states = len(design.states)
+    return tuple(
+        in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms
+    )
+
+
+def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates with the promising shapes tuned, beside those on the grid.
+
+    Between two places of the grid a power of the input can look more like a saturation than
+    either of them does.
+    """
+    scores = score(design, part, proposed, pairs=False)
+    leader = scores[0].value if scores else 0.0
+    first: dict[tuple[str, int], Score] = {}
+    for s in scores:
+        if s.group[0].shape is not None and s.value > max(MARGIN, leader / 2):
+            first.setdefault((s.group[0].name, s.group[0].state), s)
+    return [*proposed, *(tuned(s.group[0], design, part) for s in first.values())]
+
+
+def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
+    """Tune the number that a candidate's shape depends on, from its place on the grid."""
+    shape = candidate.shape
+    if shape is None:
+        return candidate
+
+    def at(log_value: float) -> Candidate:
+        value = float(np.exp(log_value))
+        return replace(candidate, terms=(shape.build(value),), shape=Shape(shape.build, value))
+
+    def loss(log_value: float) -> float:
+        scores = score(design, part, [at(log_value)], pairs=False)
+        return -scores[0].value if scores else 0.0
+
+    start = float(np.log(shape.value))
+    best = minimize_scalar(
+        loss, bounds=(start - REACH, start + REACH), method="bounded", options={"maxiter": 16}
+    )
+    return at(float(best.x)) if best.fun < loss(start) else candidate
+
+
+def plainest(scores: Sequence[Score]) -> Score:
+    """Return the smallest of the groups that do as well as the first, to one percent.
+
+    Of equally small ones, powers come before sines, as in the vocabulary.
+    """
+    equal = [
+        s
+        for s in scores
+        if s.value >= 0.99 * scores[0].value and len(s.group) == len(scores[0].group)
+    ]
+
+    def plainness(score: Score) -> tuple[int, int]:
+        size = sum(candidate.size for candidate in score.group)
+        return size, sum(VOCABULARY.index(candidate.name) for candidate in score.group)
+
+    return min(equal, key=plainness)
+
+
+def rivals(best: Score, scores: Sequence[Score]) -> tuple[str, ...]:
+    """Return names of other effects that do as well within one standard error over the folds."""
+    names, own = [], {candidate.name for candidate in best.group}
+    for other in scores:
+        if len(other.group) != len(best.group):
+            continue
+        gap = np.log((other.errors + 1e-300) / (best.errors + 1e-300))
+        standard_error = gap.std(ddof=1) / np.sqrt(len(gap)) if len(gap) > 1 else np.inf
+        if gap.mean() <= standard_error:
+            names += [c.name for c in other.group if c.name not in own]
+    return tuple(dict.fromkeys(names))

@@ -1,0 +1,85 @@
+"""How much effects matter, in the derivative and in the simulation, whatever their chance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .design import Design
+from .effects import Candidate
+from .linear import solve
+from .residual import derivative_grams, jacobian, view_grams
+from .scoring import columns_of, quick_fit
+from .segments import Segments
+from .trace import Score, fold_errors
+
+__all__ = ["Shares", "is_exact", "view_gain"]
+
+EXACT = 3e-4  # derivative error, in standard deviations, below which no sensor sees a difference
+
+
+class Shares:
+    """What share of the explainable error, as a variance, the effects of a group remove.
+
+    Explainable is what the declared model leaves and the model with all candidates does not. Of
+    derivative and simulation the larger share counts: an offset hardly shows in the first, a
+    ripple hardly in the second.
+    """
+
+    def __init__(
+        self, declared: Design, design: Design, part: Segments, proposed: Sequence[Candidate]
+    ) -> None:
+        extra = [column for candidate in proposed for column in columns_of(candidate, design)]
+        slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
+        views = view_grams(part, design, [*design.columns, *extra], slopes)
+        self._grams = {name: grams.sum(axis=0) for name, grams in views.items()}
+        self._base = tuple(range(len(design.columns)))
+        n_declared, n_columns = len(declared.columns), len(design.columns) + len(extra)
+        self._explainable = {
+            name: _error(gram, range(n_declared)) - _error(gram, range(n_columns))
+            for name, gram in self._grams.items()
+        }
+
+    def of(self, score: Score) -> float:
+        """Return the share that the least useful effect of a group removes."""
+        return min(self._of_effect(score, k) for k in range(len(score.group)))
+
+    def _of_effect(self, score: Score, k: int) -> float:
+        start = sum(len(candidate.terms) for candidate in score.group[:k])
+        own = score.places[start : start + len(score.group[k].terms)]
+        others = tuple(place for place in score.places if place not in own)
+        return max(
+            (_error(gram, self._base + others) - _error(gram, self._base + score.places))
+            / max(self._explainable[name], 1e-300)
+            for name, gram in self._grams.items()
+        )
+
+
+def view_gain(design: Design, candidate: Candidate, part: Segments) -> float:
+    """Return log(error without / error with), the larger one of derivative and simulation.
+
+    Each fold of segments is predicted from the others.
+    """
+    columns = [*design.columns, *columns_of(candidate, design)]
+    slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
+    base, every = np.arange(len(design.columns))[None, :], np.arange(len(columns))[None, :]
+    gains = []
+    for grams in view_grams(part, design, columns, slopes).values():
+        without, with_it = (fold_errors(grams, models).sum() for models in (base, every))
+        gains.append(float(np.log(max(without, 1e-300) / max(with_it, 1e-300))))
+    return max(gains)
+
+
+def is_exact(design: Design, part: Segments) -> bool:
+    """Tell whether a design leaves no more than differentiation and filters get wrong anyway."""
+    total = derivative_grams(part, design, design.columns).sum(axis=0)
+    n_rows = len(part.z) * part.windows.count(part.z.shape[1]) * len(design.open_states)
+    return _error(total, range(len(design.columns))) <= EXACT**2 * max(n_rows, 1)
+
+
+def _error(gram: np.ndarray, columns: Sequence[int]) -> float:
+    """Return what least squares on some columns leaves of the target's square."""
+    index = np.asarray(columns, dtype=int)
+    explained = solve(gram[np.ix_(index, index)], gram[index, -1]) @ gram[index, -1]
+    return float(max(gram[-1, -1] - explained, 0.0))
