@@ -109,7 +109,7 @@ def optimizers():
 
 @pytest.mark.parametrize("name", list(optimizers()))
 def test_it_works_with_every_optimizer(name, driven):
-    np.random.seed(0)  # PySINDy's EnsembleOptimizer draws from the global stream
+    np.random.seed(0)  # noqa: NPY002 PySINDy's EnsembleOptimizer draws from the global stream
     t, x, x_dot, u = driven
     fitted = model(optimizers()[name]).fit(x, t, x_dot=x_dot, u=u, feature_names=["q", "v", "f"])
     assert structure(fitted) == TRUE_DRIVEN
