@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# A developer explores new inputs at each run; CI repeats the same ones, so that it judges the change.
+# A developer explores new inputs at each run; CI repeats the same ones, so it judges the change.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI", "").lower() == "true":
     settings.load_profile("ci")
