@@ -152,6 +152,12 @@ def duffing(
     >>> rig = duffing(friction=True, snr_db=30, n_samples=4000)
     >>> rig.x.shape, rig.u.shape, rig.equations.to_sympy()[0]
     ((4000, 2), (4000, 1), v)
+
+    Measured as on the real rig, by two noisy accelerometers and nothing else:
+
+    >>> rig = duffing(friction=True, experiment=1, accelerometers=True, snr_db=30, n_samples=40_000)
+    >>> rig.record("train").inputs
+    ('zdd',)
     """
     _check(experiment, snr_db, noise_on, n_samples)
     motion = _motion(friction, experiment, amplitude, tuple(sweep), n_samples)
