@@ -14,6 +14,7 @@ from .declared import DeclaredModel, design_of
 from .design import Design
 from .grow import OPERATORS, Garden
 from .records import alike, check_records, split_records, widened
+from .rejected import Rejected
 from .report import LoopReport, make_report
 from .revise import exchange, prune
 from .rules import Rules, generator
@@ -108,9 +109,10 @@ def close_loop(
     part = segments(wide, declared_design.velocities)
     basis = resolve(operators, "close_loop") if operators else ()
     findings: list[Finding] = []
+    rejected: list[Rejected] = []
     finished = True
     try:
-        for found in _search(declared_design, wide, part, rules, basis, rng):
+        for found in _search(declared_design, wide, part, rules, basis, rng, rejected):
             findings = found
     except KeyboardInterrupt:
         if not findings:
@@ -120,7 +122,8 @@ def close_loop(
     verdict = "traced" if findings else "complete"
     if not findings and has_structure(declared_design, wide, part, rules, rng):
         verdict = "untraced"
-    return make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
+    report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
+    return replace(report, rejected=rejected[-1] if rejected else None, rules=rules)
 
 
 def _search(
@@ -130,13 +133,14 @@ def _search(
     rules: Rules,
     operators: Sequence[Operator],
     rng: np.random.Generator,
+    rejected: list[Rejected],
 ) -> Iterator[list[Finding]]:
     """Yield what is found so far: named effects until none passes, then grown terms."""
     garden = Garden(declared, records, part, rules, operators, rng)
     findings: list[Finding] = []
     while len(findings) < rules.max_effects:
         design = _with(declared, findings)
-        found = find(declared, design, records, part, rules, rng)
+        found = find(declared, design, records, part, rules, rng, rejected=rejected)
         if not found:
             break
         found = garden.better(design, found) or found

@@ -10,99 +10,20 @@ from typing import Any
 
 import numpy as np
 import pysindy as ps
-from scipy.interpolate import CubicSpline
 
 from ..equations import Equations
-from ..export import to_sympy
-from ..signals import Record, choose_windows
-from ..simulation import simulate
-from ..terms import Sum
+from ..signals import Record
 from .design import Design
-from .fit import Fit, derivative_errors, derivative_fit_errors, fit
+from .effect import Effect, Errors, Step
+from .fit import derivative_fit_errors
+from .judge import free_run, judge
 from .model import as_sindy
+from .rejected import Rejected
+from .rules import Rules
 from .step import Finding
 from .text import as_markdown, as_text
 
 __all__ = ["Effect", "Errors", "LoopReport", "Step", "make_report"]
-
-REFINEMENT = 4  # steps that splines put into each sample of an input
-
-
-@dataclass(frozen=True, eq=False)
-class Errors:
-    """Errors of a model on held-out data, in percent of the standard deviation (NRMSE).
-
-    Attributes
-    ----------
-    derivative_error : ndarray of shape (n_states,)
-        Of x_dot, both sides averaged over the windows of the fit.
-    simulation_error : ndarray of shape (n_states,)
-        Of a free run from the first state of each record; infinite if it diverges.
-    model : Equations
-        The model that the errors belong to.
-    """
-
-    derivative_error: np.ndarray
-    simulation_error: np.ndarray
-    model: Equations
-
-    @property
-    def equations(self) -> list[Any]:
-        """Right-hand sides as sympy expressions, one for each state."""
-        return to_sympy(self.model)
-
-
-@dataclass(frozen=True, eq=False)
-class Effect:
-    """One effect that the declared model lacks.
-
-    Attributes
-    ----------
-    name : str
-        From the vocabulary.
-    state : str
-        State whose equation it enters.
-    term : sympy.Expr
-        The effect without coefficient; with several terms, their sum.
-    coefficients : ndarray of shape (n_terms,)
-        In units of the derivative of the state per unit of the term.
-    confidence_intervals : ndarray of shape (n_terms, 2)
-        95 %, from a bootstrap over blocks of the training data.
-    explained : float
-        Share of the variance of the held-out derivative residual that it removed when it came in,
-        beside what came with it.
-    p_value : float
-        Chance of a score as large in a twin, where nothing is missing.
-    alternatives : tuple of str
-        Names that this data cannot tell apart from it.
-    expressions : tuple of Sum
-        The terms.
-    twin_scores : ndarray of shape (n_twins,)
-        Best score in each twin.
-    score : float
-        Its own score.
-    """
-
-    name: str
-    state: str
-    term: Any
-    coefficients: np.ndarray
-    confidence_intervals: np.ndarray
-    explained: float
-    p_value: float
-    alternatives: tuple[str, ...]
-    expressions: tuple[Sum, ...]
-    twin_scores: np.ndarray
-    score: float
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """The errors after one effect was added; the effects of a pair share them."""
-
-    name: str
-    state: str
-    errors: Errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +45,10 @@ class LoopReport:
         The records.
     finished : bool
         False if the search was interrupted or ran into `max_effects`.
+    rejected : Rejected, optional
+        The best of what was tried last and did not pass; None if nothing was left to try.
+    rules : Rules, optional
+        The settings.
     """
 
     verdict: str
@@ -134,6 +59,8 @@ class LoopReport:
     train: tuple[Record, ...]
     test: tuple[Record, ...]
     finished: bool
+    rejected: Rejected | None = None
+    rules: Rules | None = None
 
     @property
     def equations(self) -> Equations:
@@ -208,12 +135,12 @@ def make_report(
 ) -> LoopReport:
     """Fit each stage on all training rows and judge it on held-out records."""
     design = declared
-    fitted, errors = _judge(declared, train, test, rng)
+    fitted, errors = judge(declared, train, test, rng)
     before, effects, steps = errors, [], []
     for _, group in groupby(findings, key=lambda finding: finding.step):
         found = list(group)
         design = design.adding(column for finding in found for column in finding.columns)
-        fitted, errors = _judge(design, train, test, rng)
+        fitted, errors = judge(design, train, test, rng)
         for finding in found:
             effects.append(_effect(design, finding, train, test))
             steps.append(Step(finding.candidate.name, effects[-1].state, errors))
@@ -250,39 +177,3 @@ def _effect(
         twin_scores=finding.twin_scores,
         score=finding.score,
     )
-
-
-def _judge(
-    design: Design, train: Sequence[Record], test: Sequence[Record], rng: np.random.Generator
-) -> tuple[Fit, Errors]:
-    fitted = fit(design, train, rng)
-    equations = design.equations(fitted.coef)
-    windows = choose_windows(list(train))
-    derivative = derivative_errors(design, fitted.coef, test, windows)
-    return fitted, Errors(derivative, simulation_errors(equations, test), equations)
-
-
-def free_run(equations: Equations, record: Record, **options: Any) -> np.ndarray:
-    """Simulate over a record from its first state.
-
-    Prepared inputs are smooth between the samples, so they are refined by splines: straight lines
-    would take five percent off a sine with nine samples a period.
-    """
-    if record.u is None:
-        return simulate(equations, record.x[0], record.t, **options)
-    fine = np.interp(
-        np.arange(REFINEMENT * (len(record) - 1) + 1) / REFINEMENT, np.arange(len(record)), record.t
-    )
-    u = CubicSpline(record.t, record.u, axis=0)(fine)
-    return simulate(equations, record.x[0], fine, u, **options)[::REFINEMENT]
-
-
-def simulation_errors(equations: Equations, records: Sequence[Record]) -> np.ndarray:
-    """Return the NRMSE of free runs over records, percent, shape (n_states,)."""
-    errors = []
-    for record in records:
-        run = free_run(equations, record, on_divergence="nan", tolerance=1e-7)
-        errors.append(run - record.x)
-    rms = np.sqrt(np.mean(np.concatenate(errors) ** 2, axis=0))
-    spread = np.concatenate([record.x for record in records]).std(axis=0)
-    return np.nan_to_num(100.0 * rms / np.where(spread > 0.0, spread, 1.0), nan=np.inf)

@@ -14,6 +14,7 @@ from ..equations import Equations
 from ..signals import Record
 from .design import Column, Design
 from .effects import Candidate
+from .rejected import Rejected
 from .rules import Rules
 from .scoring import columns_of, plainest, propose, quick_fit, rivals, score, sharpened, tuned
 from .segments import Segments
@@ -67,6 +68,7 @@ def find(
     rules: Rules,
     rng: np.random.Generator,
     proposer: Proposer | None = None,
+    rejected: list[Rejected] | None = None,
 ) -> list[Finding]:
     """Return the effect, or the pair of effects, that a design lacks; nothing if none passes.
 
@@ -86,11 +88,14 @@ def find(
         Draws the twins.
     proposer : callable, optional
         Maps design, equations and records to candidates; by default the vocabulary.
+    rejected : list of Rejected, optional
+        The best that did not pass is appended to it.
 
     Returns
     -------
     list of Finding
     """
+    rejected = [] if rejected is None else rejected
     if is_exact(design, part):
         return []
     proposer = proposer or propose
@@ -101,6 +106,7 @@ def find(
     shares = Shares(declared, design, part, proposed)
     worthy = [s for s in scores if s.value > 0.0 and shares.of(s) >= rules.min_share]
     if not worthy:
+        rejected += [Rejected(s, shares.of(s)) for s in scores[:1]]
         return []
     best = plainest(worthy)
     richer = design.adding(c for candidate in best.group for c in columns_of(candidate, design))
@@ -109,6 +115,7 @@ def find(
     twins = twin_values(maker, part, statistic, best.value, rules, rng)
     p_value = float((1.0 + np.sum(twins >= best.value)) / (1.0 + len(twins)))
     if p_value > rules.level:
+        rejected.append(Rejected(best, shares.of(best), p_value, twins))
         return []
     names = rivals(best, scores)
     group = [tuned(c, _beside(design, best.group, c), part) for c in best.group]

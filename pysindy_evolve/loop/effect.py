@@ -1,0 +1,91 @@
+"""What a report says of one effect, and the errors of one model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..equations import Equations
+from ..export import to_sympy
+from ..terms import Sum
+
+__all__ = ["Effect", "Errors", "Step"]
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Errors of a model on held-out data, in percent of the standard deviation (NRMSE).
+
+    Attributes
+    ----------
+    derivative_error : ndarray of shape (n_states,)
+        Of x_dot, both sides averaged over the windows of the fit.
+    simulation_error : ndarray of shape (n_states,)
+        Of a free run from the first state of each record; infinite if it diverges.
+    model : Equations
+        The model that the errors belong to.
+    """
+
+    derivative_error: np.ndarray
+    simulation_error: np.ndarray
+    model: Equations
+
+    @property
+    def equations(self) -> list[Any]:
+        """Right-hand sides as sympy expressions, one for each state."""
+        return to_sympy(self.model)
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """One effect that the declared model lacks.
+
+    Attributes
+    ----------
+    name : str
+        From the vocabulary.
+    state : str
+        State whose equation it enters.
+    term : sympy.Expr
+        The effect without coefficient; with several terms, their sum.
+    coefficients : ndarray of shape (n_terms,)
+        In units of the derivative of the state per unit of the term.
+    confidence_intervals : ndarray of shape (n_terms, 2)
+        95 %, from a bootstrap over blocks of the training data.
+    explained : float
+        Share of the variance of the held-out derivative residual that it removed when it came in,
+        beside what came with it.
+    p_value : float
+        Chance of a score as large in a twin, where nothing is missing.
+    alternatives : tuple of str
+        Names that this data cannot tell apart from it.
+    expressions : tuple of Sum
+        The terms.
+    twin_scores : ndarray of shape (n_twins,)
+        Best score in each twin.
+    score : float
+        Its own score.
+    """
+
+    name: str
+    state: str
+    term: Any
+    coefficients: np.ndarray
+    confidence_intervals: np.ndarray
+    explained: float
+    p_value: float
+    alternatives: tuple[str, ...]
+    expressions: tuple[Sum, ...]
+    twin_scores: np.ndarray
+    score: float
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """The errors after one effect was added; the effects of a pair share them."""
+
+    name: str
+    state: str
+    errors: Errors
