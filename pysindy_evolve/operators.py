@@ -100,7 +100,7 @@ def _table(*operators: Operator) -> dict[str, Operator]:
     return {operator.name: operator for operator in operators}
 
 
-# Arithmetic (the first seven) is absorbed by the canonical form of terms, see terms.py.
+# Arithmetic (the first seven) is absorbed by the canonical form of terms, see terms/.
 BUILTIN: dict[str, Operator] = _table(
     Operator("add", np.add, 2, sympy.Add),
     Operator("sub", np.subtract, 2, lambda a, b: a - b),

@@ -14,7 +14,7 @@ from sklearn.exceptions import NotFittedError
 
 from pysindy_evolve import export, terms
 from pysindy_evolve.equations import Equations
-from pysindy_evolve.operators import Operator
+from pysindy_evolve.operators import BUILTIN, Operator
 from pysindy_evolve.text import parse
 
 FRICTION = "-1.1*v - 691.92*q - 2.37e6*q^3 - 2.93*sgn(v) - 7.63e3*q^2*sgn(v) - 1.02*zdd"
@@ -175,7 +175,7 @@ def test_latex_braces_are_balanced_for_every_term(fitted):
 @pytest.mark.parametrize("names", [("x 0", "lambda"), ("t'", "x_1^2"), ("α", "q+v"), ("E", "I")])
 def test_any_name_works_in_every_view(names):
     q, v = terms.variable(0), terms.variable(1)
-    term = terms.mul(terms.mul(q, q), terms.call(terms.BUILTIN["sgn"], v)).parts[0][1]
+    term = terms.mul(terms.mul(q, q), terms.call(BUILTIN["sgn"], v)).parts[0][1]
     equations = Equations((term,), np.array([[0.0], [-2.5]]), names)
     symbols = [sympy.Symbol(name, real=True) for name in names]
     assert export.to_sympy(equations) == [0, -2.5 * symbols[0] ** 2 * sympy.sign(symbols[1])]

@@ -1,0 +1,26 @@
+"""Terms: what a column of the library is made of.
+
+A *term* is a product of integer powers of atoms; a *sum* is a linear combination of terms; an
+*atom* is a variable, an operator applied to sums, or a sum. ::
+
+    Product   q^2 sgn(v)          ((q, 2), (sgn(v), 1))
+    Sum       0.5 + q             ((0.5, ONE), (1.0, q))
+    Call      sin(2.1 q + 0.3)    (sin, (Sum,))
+    Variable  q                   column 0
+
+Arithmetic on sums multiplies out and collects, so every expression has one form: q*(q*q) and
+cube(q) are the same term, and v*sgn(v) is abs(v). All classes are immutable, hash and pickle.
+Floats inside an atom (the 2.1 and 0.3 above) are the *inner constants* of a term.
+"""
+
+from .arithmetic import add, constant, div, mul, neg, power, sub, variable
+from .atoms import Call, Variable
+from .calls import call
+from .node import Cache
+from .products import ONE, Product
+from .sums import Atom, Sum
+
+__all__ = [
+    "ONE", "Atom", "Cache", "Call", "Product", "Sum", "Variable",
+    "add", "call", "constant", "div", "mul", "neg", "power", "sub", "variable",
+]  # fmt: skip

@@ -1,0 +1,57 @@
+"""The one form of a product: powers collected, and what sgn and abs make of each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..operators import BUILTIN
+from .atoms import Call
+from .products import Product
+from .sums import Atom, Sum
+
+__all__ = ["multiply", "simplified"]
+
+
+def multiply(p: Product, q: Product) -> Product:
+    """Return the product of two terms in its one form."""
+    exponents: dict[Atom, int] = dict(p.factors)
+    for atom, n in q.factors:
+        exponents[atom] = exponents.get(atom, 0) + n
+    return simplified(tuple((atom, n) for atom, n in exponents.items() if n))
+
+
+def simplified(factors: tuple[tuple[Atom, int], ...]) -> Product:
+    """Apply x sgn(x) = abs(x), abs(x) sgn(x) = x, abs(x)^2 = x^2, sgn(x)^3 = sgn(x); sort."""
+    exponents = dict(factors)
+    for atom in list(exponents):
+        if isinstance(atom, Call) and atom.operator in (BUILTIN["sgn"], BUILTIN["abs"]):
+            _fold(exponents, atom.args[0])
+    return Product(tuple(sorted(((a, n) for a, n in exponents.items() if n), key=_order)))
+
+
+def _fold(exponents: dict[Atom, int], argument: Sum) -> None:
+    """Bring x^n abs(x)^a sgn(x)^s to its one form: at most one abs or sgn remains beside x^n."""
+    base: Atom = argument
+    if len(argument.parts) == 1 and argument.parts[0][0] == 1.0:
+        factors = argument.parts[0][1].factors
+        base = factors[0][0] if len(factors) == 1 and factors[0][1] == 1 else argument
+    sign, magnitude = Call(BUILTIN["sgn"], (argument,)), Call(BUILTIN["abs"], (argument,))
+    n, a, s = (exponents.pop(key, 0) for key in (base, magnitude, sign))
+    if s < 0:
+        exponents.update({base: n, magnitude: a, sign: s})  # 1/sgn(0) has no value: left alone
+        return
+    odd = (a + s) % 2 == 1  # parity of the sign that is left over
+    degree = n + a  # |x|^a = x^a sgn(x)^a
+    if degree == 0 and n == 0:
+        exponents[sign] = s if s < 2 else 2 - s % 2
+        return
+    if odd and degree != 0:
+        exponents.update({base: degree - 1, magnitude: 1})
+    elif odd:
+        exponents[sign] = 1
+    elif degree:
+        exponents[base] = degree
+
+
+def _order(factor: tuple[Atom, int]) -> tuple[Any, ...]:
+    return (*factor[0].key, factor[1])

@@ -1,0 +1,62 @@
+"""What all nodes of an expression share: hash, order and pickling."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+__all__ = ["Cache", "Node", "take"]
+
+Cache = dict[Any, np.ndarray]  # values of subtrees on the same x
+
+
+class Node:
+    """Base of all nodes; its cached hash and sort key do not travel in a pickle.
+
+    Hashes of strings differ from process to process, so a pickled hash would be a wrong one.
+    """
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+    @cached_property
+    def _hash(self) -> int:
+        # __match_args__ are the fields of a dataclass, five times faster to reach than fields().
+        return hash(tuple(getattr(self, name) for name in self.__match_args__))  # type: ignore[attr-defined]
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def key(self) -> tuple[Any, ...]:
+        """Sort key: the constant and plain variables first, then by size and printed form."""
+        return (1, self.size, self.name(_COLUMN_NAMES))  # type: ignore[attr-defined]
+
+    def factor_name(self, names: Sequence[str]) -> str:
+        """Return the printed form inside a product."""
+        return self.name(names)  # type: ignore[attr-defined]
+
+
+class _ColumnNames(Sequence[str]):
+    """Names x0, x1, ... without end."""
+
+    def __getitem__(self, index: Any) -> Any:
+        return f"x{index}"
+
+    def __len__(self) -> int:
+        return 0
+
+
+_COLUMN_NAMES = _ColumnNames()
+
+
+def take(rest: Iterator[float], node: Any) -> list[float]:
+    """Take from a stream of inner constants as many as a node has."""
+    return [next(rest) for _ in node.constants]

@@ -1,0 +1,139 @@
+"""A term: a product of integer powers of atoms."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .node import Cache, Node, take
+
+if TYPE_CHECKING:
+    from .sums import Atom
+
+__all__ = ["ONE", "Product"]
+
+
+@dataclass(frozen=True)
+class Product(Node):
+    """A term: a product of integer powers of atoms, sorted, each atom once, no power zero."""
+
+    factors: tuple[tuple[Atom, int], ...]
+
+    __hash__ = Node.__hash__
+
+    @cached_property
+    def key(self) -> tuple[Any, ...]:
+        """Sort key: the constant term before all others."""
+        return super().key if self.factors else (0, -1, "")
+
+    def evaluate(self, x: np.ndarray, cache: Cache | None = None) -> np.ndarray:
+        """Return the column of theta that belongs to this term.
+
+        Parameters
+        ----------
+        x : ndarray of shape (n_samples, n_variables)
+            Values of the variables.
+        cache : dict, optional
+            Values of subtrees, shared between terms that are evaluated on the same x.
+
+        Returns
+        -------
+        ndarray of shape (n_samples,)
+            May hold values that are not finite: nothing is protected.
+        """
+        if cache is not None and self in cache:
+            return cache[self]
+        value: np.ndarray | None = None
+        with np.errstate(all="ignore"):
+            for atom, exponent in self.factors:
+                factor = _integer_power(atom.evaluate(x, cache), exponent)
+                value = factor if value is None else value * factor
+        result = np.ones(len(x)) if value is None else np.asarray(value)
+        if cache is not None:
+            cache[self] = result
+        return result
+
+    def name(self, names: Sequence[str]) -> str:
+        """Return the printed form, such as ``q^2 sgn(v)`` or ``q/(0.5 + q)``."""
+        above = " ".join(_power_name(a, n, names) for a, n in self.factors if n > 0)
+        below = " ".join(_power_name(a, -n, names) for a, n in self.factors if n < 0)
+        if not below:
+            return above or "1"
+        many = sum(n < 0 for _, n in self.factors) > 1
+        return f"{above or '1'}/{f'({below})' if many else below}"
+
+    def to_sympy(self, symbols: Sequence[Any]) -> Any:
+        """Return the sympy expression.
+
+        Parameters
+        ----------
+        symbols : sequence of sympy.Symbol
+            One for each variable.
+
+        Returns
+        -------
+        sympy.Expr
+        """
+        one = symbols[0] ** 0 if len(symbols) else 1
+        return math.prod((a.to_sympy(symbols) ** n for a, n in self.factors), start=one)
+
+    @cached_property
+    def size(self) -> int:
+        """Number of nodes; a power counts as one node above its atom."""
+        own = max(len(self.factors) - 1, 0) + sum(n != 1 for _, n in self.factors)
+        return max(own + sum(atom.size for atom, _ in self.factors), 1)
+
+    @cached_property
+    def depth(self) -> int:
+        """Height of the tree."""
+        if not self.factors:
+            return 0
+        powers = any(n != 1 for _, n in self.factors)
+        return (len(self.factors) > 1) + powers + max(atom.depth for atom, _ in self.factors)
+
+    @cached_property
+    def variables(self) -> frozenset[int]:
+        """Columns of the data that the value depends on."""
+        return frozenset().union(*(atom.variables for atom, _ in self.factors))
+
+    @cached_property
+    def constants(self) -> tuple[float, ...]:
+        """Inner constants, from left to right."""
+        return tuple(c for atom, _ in self.factors for c in atom.constants)
+
+    def with_constants(self, values: Sequence[float]) -> Product:
+        """Return the same term with other inner constants.
+
+        Parameters
+        ----------
+        values : sequence of float
+            As many as `constants`, in its order.
+
+        Returns
+        -------
+        Product
+        """
+        rest = iter(values)
+        return Product(tuple((a.with_constants(take(rest, a)), n) for a, n in self.factors))
+
+
+ONE = Product(())
+
+
+def _integer_power(value: np.ndarray, exponent: int) -> np.ndarray:
+    """Multiply out small powers, as many times faster than np.power and exact for squares."""
+    magnitude = abs(exponent)
+    result = value
+    for _ in range(magnitude - 1):
+        result = result * value
+    return result if exponent > 0 else 1.0 / result
+
+
+def _power_name(atom: Atom, exponent: int, names: Sequence[str]) -> str:
+    text = atom.factor_name(names)
+    return text if exponent == 1 else f"{text}^{exponent}"

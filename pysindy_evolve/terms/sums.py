@@ -1,0 +1,125 @@
+"""A linear combination of terms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from .atoms import Call, Variable
+from .node import Cache, Node, take
+from .products import ONE, Product
+
+__all__ = ["Atom", "Sum", "as_sum", "collect"]
+
+
+@dataclass(frozen=True)
+class Sum(Node):
+    """A linear combination of terms, sorted, each term once, no coefficient zero."""
+
+    parts: tuple[tuple[float, Product], ...]
+
+    __hash__ = Node.__hash__
+
+    def evaluate(self, x: np.ndarray, cache: Cache | None = None) -> np.ndarray:
+        """Return the value at each row of x, shape (n_samples,)."""
+        value = np.zeros(len(x))
+        with np.errstate(all="ignore"):
+            for coefficient, term in self.parts:
+                column = term.evaluate(x, cache)
+                value = value + (column if coefficient == 1.0 else coefficient * column)
+        return value
+
+    def name(self, names: Sequence[str]) -> str:
+        """Return the printed form, such as ``0.5 + q``."""
+        if not self.parts:
+            return "0"
+        text = ""
+        for coefficient, term in self.parts:
+            sign = "-" if coefficient < 0 else "+" if text else ""
+            size = _number(abs(coefficient))
+            body = size if term == ONE else term.name(names)
+            if term != ONE and size != "1":
+                body = f"{size} {body}"
+            text += f" {sign} {body}" if text else f"{sign}{body}"
+        return text
+
+    def factor_name(self, names: Sequence[str]) -> str:
+        """Return the printed form in brackets."""
+        return f"({self.name(names)})"
+
+    def to_sympy(self, symbols: Sequence[Any]) -> Any:
+        """Return the sympy expression."""
+        zero = 0 * symbols[0] if len(symbols) else 0
+        return sum((_exact(c) * term.to_sympy(symbols) for c, term in self.parts), start=zero)
+
+    @cached_property
+    def size(self) -> int:
+        """Number of nodes: of the terms, and one for each coefficient that is not one."""
+        own = max(len(self.parts) - 1, 0) + sum(abs(c) != 1.0 for c, _ in self.parts)
+        return own + sum(term.size for _, term in self.parts)
+
+    @cached_property
+    def depth(self) -> int:
+        """Height of the tree."""
+        if not self.parts:
+            return 0
+        return (len(self.parts) > 1) + max(term.depth for _, term in self.parts)
+
+    @cached_property
+    def variables(self) -> frozenset[int]:
+        """Columns of the data that the value depends on."""
+        return frozenset().union(*(term.variables for _, term in self.parts))
+
+    @cached_property
+    def constants(self) -> tuple[float, ...]:
+        """Coefficients other than one and minus one, each before the constants of its term."""
+        return tuple(
+            c
+            for coefficient, term in self.parts
+            for c in ((coefficient,) if _is_free(coefficient, term) else ()) + term.constants
+        )
+
+    def with_constants(self, values: Sequence[float]) -> Sum:
+        """Return the same sum with other constants, in the order of `constants`."""
+        rest = iter(values)
+        parts = []
+        for coefficient, term in self.parts:
+            free = _is_free(coefficient, term)
+            new = float(next(rest)) if free else coefficient
+            parts.append((new, term.with_constants(take(rest, term))))
+        return collect(parts)
+
+
+Atom = Variable | Call | Sum
+
+
+def as_sum(atom: Atom) -> Sum:
+    """Return a sum of one atom and nothing else."""
+    return Sum(((1.0, Product(((atom, 1),))),))
+
+
+def collect(parts: Iterable[tuple[float, Product]]) -> Sum:
+    """Return the sum of coefficients times terms, like terms collected and sorted."""
+    totals: dict[Product, float] = {}
+    for coefficient, term in parts:
+        totals[term] = totals.get(term, 0.0) + coefficient
+    kept = [(c, term) for term, c in totals.items() if c != 0.0]
+    return Sum(tuple(sorted(kept, key=lambda part: part[1].key)))
+
+
+def _is_free(coefficient: float, term: Product) -> bool:
+    """Tell whether a coefficient is an inner constant; a bare 1 or -1 beside a term is not."""
+    return abs(coefficient) != 1.0 or term == ONE
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def _exact(value: float) -> int | float:
+    """Return whole numbers as int, so that sympy prints v and not 1.0*v."""
+    return int(value) if abs(value) < 2**53 and value == int(value) else value
