@@ -8,7 +8,8 @@ import pytest
 from scipy.io import savemat
 
 from pysindy_evolve import datasets
-from pysindy_evolve.datasets import public, sources
+from pysindy_evolve.datasets import sources
+from pysindy_evolve.datasets.measured import silverbox
 
 SPLITS = {
     "load_emps": (["train"], ["pulses"]),
@@ -123,7 +124,7 @@ def test_without_pooch_the_error_names_the_pip_line(nowhere, monkeypatch):
 
 def _publish(monkeypatch, files):
     """Serve local stand-ins in place of the public repositories."""
-    monkeypatch.setattr(public, "fetch", lambda repository, commit, path: files[path])
+    monkeypatch.setattr(sources, "fetch", lambda repository, commit, path: files[path])
 
 
 def test_emps_is_read_from_the_public_matlab_files(nowhere, data_dir, monkeypatch):
@@ -172,7 +173,7 @@ def test_pendulum_pieces_are_joined_from_the_public_matlab_file(nowhere, data_di
 
 def test_tclab_is_read_from_the_public_tables(nowhere, data_dir, monkeypatch):
     monkeypatch.setattr(
-        public,
+        sources,
         "fetch",
         lambda repository, commit, path: (
             data_dir
@@ -210,7 +211,7 @@ def test_silverbox_is_read_from_the_public_table_and_changed_content_is_refused(
     nowhere, data_dir, monkeypatch
 ):
     columns = sources.read_columns("silverbox/silverbox.npz", data_dir)
-    assert sources.digest_of({key: columns[key] for key in "uy"}) == public.SILVERBOX_DIGEST
+    assert sources.digest_of({key: columns[key] for key in "uy"}) == silverbox.DIGEST
     path = nowhere / "other.csv"
     path.write_text("V1,V2\n0.1,0.2\n0.3,0.4\n", encoding="utf-8")
     _publish(monkeypatch, {"data/Silverbox/SNLS80mV.csv": path})

@@ -1,7 +1,7 @@
 """Measured sets for judging a model on a real thing, and simulated rigs with a known truth."""
 
-from pysindy_evolve.datasets.drives import Drive, friction_drive, nothing_missing
-from pysindy_evolve.datasets.measured import (
+from .drives import Drive, friction_drive, nothing_missing
+from .measured import (
     MeasuredRecord,
     MeasuredSet,
     load_ball_drops,
@@ -13,8 +13,8 @@ from pysindy_evolve.datasets.measured import (
     load_silverbox,
     load_tclab,
 )
-from pysindy_evolve.datasets.odebench import OdeSystem, load_odebench
-from pysindy_evolve.datasets.rigs import DuffingRig, duffing
+from .odebench import OdeSystem, load_odebench
+from .rigs import DuffingRig, duffing
 
 __all__ = [
     "Drive",

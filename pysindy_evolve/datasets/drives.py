@@ -89,9 +89,7 @@ def friction_drive(
     >>> drive.train.y.shape, drive.train.inputs, dict(drive.declared)
     ((2000, 1), ('F',), {'q': 'v', 'v': 'b*F - c*v'})
     """
-    _check("friction_drive", friction, noise, resolution, duration)
-    make = _drive.__wrapped__ if random_state is None else _drive
-    return make(friction, noise, resolution, duration, random_state)
+    return _made("friction_drive", friction, noise, resolution, duration, random_state)
 
 
 def nothing_missing(
@@ -121,9 +119,21 @@ def nothing_missing(
     ValueError
         If a parameter is out of range.
     """
-    _check("nothing_missing", 0.0, noise, resolution, duration)
+    return _made("nothing_missing", 0.0, noise, resolution, duration, random_state)
+
+
+def _made(
+    owner: str,
+    friction: float,
+    noise: float,
+    resolution: float,
+    duration: float,
+    random_state: int | None,
+) -> Drive:
+    _check(owner, friction, noise, resolution, duration)
+    # Without a seed every call is another drive, so that nothing is taken from the cache.
     make = _drive.__wrapped__ if random_state is None else _drive
-    return make(0.0, noise, resolution, duration, random_state)
+    return make(friction, noise, resolution, duration, random_state)
 
 
 @lru_cache(maxsize=32)

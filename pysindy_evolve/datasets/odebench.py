@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pysindy_evolve.datasets.sources import ENVIRONMENT_VARIABLE, locate
+from .sources import ENVIRONMENT_VARIABLE, locate
 
 
 @dataclass(frozen=True, eq=False)

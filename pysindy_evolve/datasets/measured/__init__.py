@@ -1,0 +1,29 @@
+"""Loaders of records measured on real hardware, each with the split it is judged on.
+
+Every loader takes ``folder``, the folder that holds one subfolder per set; None searches this
+machine and then downloads, see `pysindy_evolve.datasets.sources.read_columns`. What comes back is
+raw: nothing is filtered, and nothing but the stated input mean is removed.
+"""
+
+from .ball_drops import load_ball_drops
+from .cart import load_cart
+from .cascaded_tanks import load_cascaded_tanks
+from .emps import load_emps
+from .mr_damper import load_mr_damper
+from .pendulum import load_pendulum
+from .record import MeasuredRecord, MeasuredSet
+from .silverbox import load_silverbox
+from .tclab import load_tclab
+
+__all__ = [
+    "MeasuredRecord",
+    "MeasuredSet",
+    "load_ball_drops",
+    "load_cart",
+    "load_cascaded_tanks",
+    "load_emps",
+    "load_mr_damper",
+    "load_pendulum",
+    "load_silverbox",
+    "load_tclab",
+]
