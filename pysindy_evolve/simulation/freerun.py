@@ -126,7 +126,7 @@ class FreeRun:
         What the single terms of a row move in one step, and in the next one, counts as well: it
         is the size of the rounding errors of a state that its terms hold at zero between them.
         """
-        rates = self.program.sizes()
+        rates = self.program.sizes
         signs = [1.0 if i in self.sliding else s for i, s in enumerate(self.signs)]
         moves = [h * rate for rate in rates(t, x, u, signs, self.parameters)]
         moved = [value + move for value, move in zip(x, moves, strict=True)]
@@ -152,7 +152,7 @@ class FreeRun:
             self._resolve(zero, h, t, x, u, du)
 
     def _slopes(self, h: float, t: float, x: Any, u: Any, du: Any) -> Any:
-        return self.program.slopes()(h, t, x, u, du, self.signs, self.parameters)
+        return self.program.slopes(h, t, x, u, du, self.signs, self.parameters)
 
     def _interval(self, t: float, h: float, x: Any, u: Any, du: Any) -> Any:
         """Integrate over one sample interval in as many steps as it takes."""
