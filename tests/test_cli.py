@@ -310,13 +310,14 @@ def test_help_names_every_flag_and_fits_the_screen(capsys, command):
 def test_the_examples_of_the_help_are_commands_that_parse(capsys):
     import shlex
 
-    from pysindy_evolve.cli import options
+    from pysindy_evolve.cli import options, reproduction
 
-    text = "\n".join([options.EXAMPLES, options.FIT_EXAMPLES, options.LOOP_EXAMPLES])
+    texts = [options.EXAMPLES, options.FIT_EXAMPLES, options.LOOP_EXAMPLES]
+    text = "\n".join([*texts, reproduction.EXAMPLES])
     lines = text.replace("\\\n", " ").splitlines()
     shown = [line.strip() for line in lines if line.strip().startswith("pysindy-evolve ")]
-    assert len(shown) == 9
-    parser = options.make_parser(dict.fromkeys(("demo", "fit", "loop")))
+    assert len(shown) == 13
+    parser = options.make_parser(dict.fromkeys(("demo", "fit", "loop", "paper")))
     for line in shown:
         assert parser.parse_args(shlex.split(line)[1:]).command in line
 

@@ -19,7 +19,7 @@ LAYERS = (
     {"handover", "library", "optimizer"},
     {"export"},
     {"loop"},
-    {"datasets", "cli"},
+    {"datasets", "paper", "cli"},
     {"__init__", "__main__"},
 )
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}

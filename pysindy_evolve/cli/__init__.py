@@ -1,4 +1,6 @@
-"""The command line: a demonstration, equations from a CSV, and a declared model corrected by one.
+"""The command line: a demonstration, equations from a CSV, a declared model corrected by one.
+
+The command `paper` makes the tables and figures of the paper again.
 
 An error in what was given ends with exit code 2 and one line on stderr, an interrupt with 130.
 Results go to stdout, progress and warnings to stderr.
@@ -15,6 +17,7 @@ from typing import Any
 from .commands import demo, fit, loop
 from .options import PROGRAM, make_parser
 from .output import complain
+from .reproduction import paper
 
 __all__ = ["main"]
 
@@ -34,7 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         Exit code: 0; 2 after an error in what was given; 130 after an interrupt.
     """
-    given = make_parser({"demo": demo, "fit": fit, "loop": loop}).parse_args(arguments)
+    commands = {"demo": demo, "fit": fit, "loop": loop, "paper": paper}
+    given = make_parser(commands).parse_args(arguments)
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:

@@ -10,6 +10,7 @@ from typing import NoReturn
 
 from ..library import OPERATORS
 from ..operators import BUILTIN
+from . import reproduction
 from .readers import constants, count, cutoff, names, pair, pairs
 
 __all__ = ["PROGRAM", "make_parser"]
@@ -27,6 +28,7 @@ examples:
   pysindy-evolve fit rig.csv --position q --inputs F
   pysindy-evolve loop rig.csv --position q --inputs F \\
       --equation "q = v" --equation "v = -k*q - c*v + b*F"
+  pysindy-evolve paper --quick
 
 Each command has a --help of its own."""
 
@@ -79,7 +81,7 @@ def make_parser(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
     Parameters
     ----------
     commands : mapping of str to callable
-        What to call for demo, fit and loop.
+        What to call for demo, fit, loop and paper.
 
     Returns
     -------
@@ -93,6 +95,11 @@ def make_parser(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
         "demo": ("find dry friction in a simulated rig, no file needed", "", ""),
         "fit": ("evolve equations from a CSV file", FIT, FIT_EXAMPLES),
         "loop": ("correct a declared model by a CSV file", LOOP, LOOP_EXAMPLES),
+        "paper": (
+            "make the tables and figures of the paper again",
+            reproduction.ABOUT,
+            reproduction.EXAMPLES,
+        ),
     }
     for name, (short, long, epilog) in texts.items():
         one = added.add_parser(
@@ -237,7 +244,12 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     return columns
 
 
-_OPTIONS = {"demo": _add_demo, "fit": _add_fit, "loop": _add_loop}
+_OPTIONS = {
+    "demo": _add_demo,
+    "fit": _add_fit,
+    "loop": _add_loop,
+    "paper": reproduction.add_options,
+}
 
 
 def _version() -> str:

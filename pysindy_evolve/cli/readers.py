@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
-__all__ = ["constants", "count", "cutoff", "names", "pair", "pairs"]
+__all__ = ["choices", "constants", "count", "cutoff", "names", "pair", "pairs"]
 
 
 def names(text: str) -> tuple[str, ...]:
@@ -14,6 +14,20 @@ def names(text: str) -> tuple[str, ...]:
     if not all(found) or len(set(found)) < len(found):
         raise argparse.ArgumentTypeError(f"must be different names with commas; got {text!r}")
     return found
+
+
+def choices(known: Sequence[str]) -> Callable[[str], tuple[str, ...]]:
+    """Return a reader of names with commas between, each of them known."""
+
+    def read(text: str) -> tuple[str, ...]:
+        found = names(text)
+        if unknown := [name for name in found if name not in known]:
+            raise argparse.ArgumentTypeError(
+                f"must be some of {', '.join(known)}; got {unknown[0]!r}"
+            )
+        return found
+
+    return read
 
 
 def pair(flag: str, example: str) -> Callable[[str], tuple[str, str]]:

@@ -1,0 +1,130 @@
+"""Which simulated records each table needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from ..datasets import DuffingRig, duffing
+from .facts import NUMERICAL, RIG, TABLE_2, TABLE_4, Setting
+
+__all__ = ["Case", "Plan", "plan"]
+
+SNR_RIG = 30.0  # dB on each accelerometer in table 4
+SEEDS = 20
+
+
+@dataclass(frozen=True)
+class Case:
+    """One simulated record and the search on it.
+
+    Parameters
+    ----------
+    system : {"numerical", "rig"}
+        The Duffing oscillator of equation (3), noise on its acceleration; or the rig with friction
+        of equation (7), measured by two noisy accelerometers.
+    snr_db : float
+        Power of the signal over that of the noise, dB.
+    seed : int
+        Of the noise and of the search.
+    experiment : {0, 1, 2, 3}
+        Row of table 4; 0 for the numerical oscillator.
+    """
+
+    system: Literal["numerical", "rig"]
+    snr_db: float
+    seed: int
+    experiment: int = 0
+
+    @property
+    def setting(self) -> Setting:
+        """Parameters of the search that the paper used."""
+        return RIG if self.system == "rig" else NUMERICAL
+
+    def simulate(self) -> DuffingRig:
+        """Return the record; the motion is simulated once, the noise each time."""
+        if self.system == "numerical":
+            return duffing(snr_db=self.snr_db, random_state=self.seed)
+        return duffing(
+            friction=True,
+            experiment=self.experiment,
+            snr_db=self.snr_db,
+            accelerometers=True,
+            random_state=self.seed,
+        )
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How much is done.
+
+    Parameters
+    ----------
+    seeds : tuple of int
+        One run each.
+    table2, figure10, table4 : tuple of float
+        Signal-to-noise ratios, dB.
+    """
+
+    seeds: tuple[int, ...]
+    table2: tuple[float, ...] = tuple(TABLE_2)
+    figure10: tuple[float, ...] = tuple(float(snr) for snr in range(20, 4, -1))
+    table4: tuple[float, ...] = (SNR_RIG, 25.0, 20.0, 15.0)
+
+    def cases(self, parts: Sequence[str]) -> list[Case]:
+        """Return what the parts need, each record once, the records of one table together."""
+        makers = {
+            "table2": self.for_table2,
+            "figure10": self.for_figure10,
+            "table4": self.for_table4,
+            "table5": self.for_table5,
+        }
+        wanted = (make() for part, make in makers.items() if part in parts)
+        return list(dict.fromkeys(case for cases in wanted for case in cases))
+
+    def for_table2(self) -> list[Case]:
+        """Return the records of table 2."""
+        return [Case("numerical", snr, seed) for snr in self.table2 for seed in self.seeds]
+
+    def for_figure10(self) -> list[Case]:
+        """Return the records of figure 10."""
+        return [Case("numerical", snr, seed) for snr in self.figure10 for seed in self.seeds]
+
+    def for_table4(self) -> list[Case]:
+        """Return the records of table 4: those at 30 dB, and those with more noise."""
+        return [*self.for_table5(), *self.by_noise()]
+
+    def for_table5(self) -> list[Case]:
+        """Return the records of table 5: each experiment at 30 dB."""
+        return [Case("rig", SNR_RIG, seed, e) for e in TABLE_4 for seed in self.seeds]
+
+    def by_noise(self) -> list[Case]:
+        """Return one record a seed at each noise, the experiments in turn."""
+        return [
+            Case("rig", snr, seed, 1 + seed % len(TABLE_4))
+            for snr in self.table4
+            for seed in self.seeds
+        ]
+
+
+def plan(n_runs: int = SEEDS, *, first_seed: int = 0, quick: bool = False) -> Plan:
+    """Return how much is done: the paper's 20 runs, or little enough to look at.
+
+    Parameters
+    ----------
+    n_runs : int
+        Runs of each case.
+    first_seed : int
+        Seed of the first run; the others follow.
+    quick : bool
+        At most two runs, and fewer signal-to-noise ratios.
+
+    Returns
+    -------
+    Plan
+    """
+    seeds = tuple(range(first_seed, first_seed + n_runs))
+    if quick:
+        return Plan(seeds[:2], table2=(20.0, 18.5), figure10=(20.0, 12.0, 5.0), table4=(SNR_RIG,))
+    return Plan(seeds)

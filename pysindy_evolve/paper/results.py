@@ -1,0 +1,116 @@
+"""Run what is not finished yet, then write tables and figures into the results folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from joblib import Parallel, delayed
+from tqdm.auto import tqdm
+
+from . import peers
+from .cases import Case, Plan
+from .facts import PARTS
+from .figures import draw
+from .store import Store
+from .tables import Table, make_tables
+from .trials import Trial, run
+
+__all__ = ["Results", "forget", "reproduce"]
+
+TRIALS = "trials.jsonl"
+
+
+@dataclass(frozen=True)
+class Results:
+    """What was written.
+
+    Parameters
+    ----------
+    tables : tuple of Table
+        Tables, from the trials that are finished.
+    figures : tuple of Path
+        Pictures.
+    finished : bool
+        Whether every trial was run and every picture drawn.
+    """
+
+    tables: tuple[Table, ...]
+    figures: tuple[Path, ...]
+    finished: bool
+
+
+def reproduce(
+    folder: Path,
+    plan: Plan,
+    parts: Sequence[str] = PARTS,
+    *,
+    n_jobs: int | None = None,
+    progress: bool = False,
+) -> Results:
+    """Make tables and figures of the paper again.
+
+    Parameters
+    ----------
+    folder : Path
+        Where results go. A trial that is in it already is not run again.
+    plan : Plan
+        Signal-to-noise ratios and seeds.
+    parts : sequence of str
+        Which of `PARTS`.
+    n_jobs : int, optional
+        Trials at a time, as in joblib.
+    progress : bool
+        Show a progress bar.
+
+    Returns
+    -------
+    Results
+
+    Notes
+    -----
+    Each trial is on the disk as soon as it is finished. Ctrl-C ends the trials; the tables are
+    then made of those that are there.
+    """
+    store = Store(folder / TRIALS)
+    left = [case for case in plan.cases(parts) if case not in store]
+    finished = True
+    figures: list[Path] = []
+    try:
+        for trial in tqdm(_trials(left, n_jobs), "trial", len(left), disable=not progress):
+            store.add(trial)
+    except KeyboardInterrupt:
+        finished = False
+    tables = make_tables(parts, plan, store, peers.read(folder))
+    for table in tables:
+        table.save(folder)
+    if finished:
+        try:
+            drawn = draw(parts, plan, store, folder)
+            figures += tqdm(drawn, "figure", disable=not progress)
+        except KeyboardInterrupt:
+            finished = False
+    _write_report(folder, tables, figures)
+    return Results(tuple(tables), tuple(figures), finished)
+
+
+def forget(folder: Path) -> None:
+    """Remove the finished trials of a results folder, so that all are run again."""
+    (folder / TRIALS).unlink(missing_ok=True)
+
+
+def _trials(cases: Sequence[Case], n_jobs: int | None) -> Iterator[Trial]:
+    """Run cases and yield each trial when it is finished."""
+    if n_jobs in (None, 1):
+        return map(run, cases)
+    return Parallel(n_jobs=n_jobs, return_as="generator_unordered")(
+        delayed(run)(case) for case in cases
+    )
+
+
+def _write_report(folder: Path, tables: Sequence[Table], figures: Sequence[Path]) -> None:
+    """Write one page with everything on it."""
+    parts = [table.to_markdown() for table in tables]
+    parts += [f"![{path.stem}]({path.name})\n" for path in figures]
+    (folder / "report.md").write_text("\n".join(parts), encoding="utf-8")
