@@ -16,7 +16,7 @@ from .grow import OPERATORS, Garden
 from .records import alike, check_records, split_records, widened
 from .rejected import Rejected
 from .report import LoopReport, make_report
-from .revise import exchange, prune
+from .revise import contested, exchange, prune
 from .rules import Rules, generator
 from .segments import Segments, segments
 from .step import Finding, find
@@ -122,6 +122,7 @@ def close_loop(
     verdict = "traced" if findings else "complete"
     if not findings and has_structure(declared_design, wide, part, rules, rng):
         verdict = "untraced"
+    findings = contested(declared_design, findings, part, rules.significance, rng.spawn(1)[0])
     report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
     return replace(report, rejected=rejected[-1] if rejected else None, rules=rules)
 

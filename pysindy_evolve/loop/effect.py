@@ -11,7 +11,7 @@ from ..equations import Equations
 from ..export import to_sympy
 from ..terms import Sum
 
-__all__ = ["Effect", "Errors", "Step"]
+__all__ = ["Alternative", "Effect", "Errors", "Step"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +39,31 @@ class Errors:
 
 
 @dataclass(frozen=True, eq=False)
+class Alternative:
+    """An effect that could have left the same record in the place of another one.
+
+    Attributes
+    ----------
+    name : str
+        From the vocabulary.
+    state : str
+        State whose equation it would enter.
+    term : sympy.Expr
+        The effect without coefficient; with several terms, their sum.
+    p_value : float
+        Chance that the found effect gains as much beside it as it does, if this were the cause.
+    expressions : tuple of Sum
+        The terms.
+    """
+
+    name: str
+    state: str
+    term: Any
+    p_value: float
+    expressions: tuple[Sum, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Effect:
     """One effect that the declared model lacks.
 
@@ -60,13 +85,15 @@ class Effect:
     p_value : float
         Chance of a score as large in a twin, where nothing is missing.
     alternatives : tuple of str
-        Names that this data cannot tell apart from it.
+        Other names that this data cannot tell apart from it.
     expressions : tuple of Sum
         The terms.
     twin_scores : ndarray of shape (n_twins,)
         Best score in each twin.
     score : float
         Its own score.
+    rivals : tuple of Alternative
+        The alternatives with their terms, and other forms of the effect itself.
     """
 
     name: str
@@ -80,6 +107,7 @@ class Effect:
     expressions: tuple[Sum, ...]
     twin_scores: np.ndarray
     score: float
+    rivals: tuple[Alternative, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,12 +13,14 @@ import pysindy as ps
 
 from ..equations import Equations
 from ..signals import Record
+from ..terms import Sum
 from .design import Design
-from .effect import Effect, Errors, Step
+from .effect import Alternative, Effect, Errors, Step
 from .fit import derivative_fit_errors
 from .judge import free_run, judge
 from .model import as_sindy
 from .rejected import Rejected
+from .rivals import Rival
 from .rules import Rules
 from .step import Finding
 from .text import as_markdown, as_text
@@ -167,13 +169,30 @@ def _effect(
     return Effect(
         name=finding.candidate.name,
         state=design.states[state],
-        term=sum((term.to_sympy(symbols) for term in terms[1:]), terms[0].to_sympy(symbols)),
+        term=_total(terms, symbols),
         coefficients=unknown,
         confidence_intervals=np.column_stack([unknown, unknown]),
         explained=float(1.0 - (with_it / max(without, 1e-300)) ** 2),
         p_value=finding.p_value,
-        alternatives=finding.alternatives,
+        alternatives=_other_names(finding),
+        rivals=tuple(_alternative(rival, design) for rival in finding.rivals),
         expressions=terms,
         twin_scores=finding.twin_scores,
         score=finding.score,
     )
+
+
+def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:
+    return sum((term.to_sympy(symbols) for term in terms[1:]), terms[0].to_sympy(symbols))
+
+
+def _other_names(finding: Finding) -> tuple[str, ...]:
+    return tuple(r.name for r in finding.rivals if r.name != finding.candidate.name)
+
+
+def _alternative(rival: Rival, design: Design) -> Alternative:
+    symbols = design.equations(np.zeros(len(design.columns))).symbols
+    candidate = rival.candidate
+    term = _total(candidate.terms, symbols)
+    state = design.states[candidate.state]
+    return Alternative(candidate.name, state, term, rival.p_value, candidate.terms)

@@ -1,16 +1,19 @@
-"""Look again at what was found: replace effects that others outdo, drop what is superfluous."""
+"""Look again at what was found: exchange effects, drop them, name what could replace them."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from .design import Design
 from .effects import candidates
-from .scoring import MARGIN, columns_of, rivals, score
+from .rivals import rivals_of
+from .scoring import MARGIN, columns_of, score
 from .segments import Segments, ranges
 from .step import Finding
 
-__all__ = ["exchange", "prune"]
+__all__ = ["contested", "exchange", "prune"]
 
 
 def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
@@ -36,7 +39,6 @@ def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[
                 candidate=better,
                 columns=columns_of(better, design),
                 score=scores[0].value,
-                alternatives=rivals(scores[0], scores),
             )
     return findings
 
@@ -53,3 +55,26 @@ def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Fin
         if not scores or scores[0].value < MARGIN:
             findings = rest
     return findings
+
+
+def contested(
+    declared: Design,
+    findings: list[Finding],
+    part: Segments,
+    level: float,
+    rng: np.random.Generator,
+) -> list[Finding]:
+    """Note with each effect those that could stand in its place beside all the others.
+
+    One that a later effect needs has no rivals: both would have to go.
+    """
+    judged = []
+    for finding in findings:
+        rest = [f for f in findings if f is not finding]
+        needed = {parent for f in rest for parent in f.candidate.parents}
+        design = declared.adding(column for f in rest for column in f.columns)
+        if not needed & set(finding.candidate.terms):
+            found = rivals_of(finding.candidate, design, part, level, rng)
+            finding = replace(finding, rivals=found)
+        judged.append(finding)
+    return judged

@@ -31,7 +31,6 @@ __all__ = [
     "plainest",
     "propose",
     "quick_fit",
-    "rivals",
     "score",
     "sharpened",
     "tuned",
@@ -130,16 +129,3 @@ def plainest(scores: Sequence[Score]) -> Score:
         return size, sum(VOCABULARY.index(candidate.name) for candidate in score.group)
 
     return min(equal, key=plainness)
-
-
-def rivals(best: Score, scores: Sequence[Score]) -> tuple[str, ...]:
-    """Return names of other effects that do as well within one standard error over the folds."""
-    names, own = [], {candidate.name for candidate in best.group}
-    for other in scores:
-        if len(other.group) != len(best.group):
-            continue
-        gap = np.log((other.errors + 1e-300) / (best.errors + 1e-300))
-        standard_error = gap.std(ddof=1) / np.sqrt(len(gap)) if len(gap) > 1 else np.inf
-        if gap.mean() <= standard_error:
-            names += [c.name for c in other.group if c.name not in own]
-    return tuple(dict.fromkeys(names))

@@ -15,8 +15,9 @@ from ..signals import Record
 from .design import Column, Design
 from .effects import Candidate
 from .rejected import Rejected
+from .rivals import Rival
 from .rules import Rules
-from .scoring import columns_of, plainest, propose, quick_fit, rivals, score, sharpened, tuned
+from .scoring import columns_of, plainest, propose, quick_fit, score, sharpened, tuned
 from .segments import Segments
 from .shares import Shares, is_exact
 from .twins import TwinMaker
@@ -45,10 +46,10 @@ class Finding:
         Chance that a twin shows a score as large.
     twin_scores : ndarray
         Best score found in each twin.
-    alternatives : tuple of str
-        Names of effects that do not do significantly worse.
     step : int
         Number of the step that found it; the effects of a pair share one.
+    rivals : tuple of Rival
+        Effects that this data cannot tell from it, once all are found.
     """
 
     candidate: Candidate
@@ -56,8 +57,8 @@ class Finding:
     score: float
     p_value: float
     twin_scores: np.ndarray
-    alternatives: tuple[str, ...]
     step: int = 0
+    rivals: tuple[Rival, ...] = ()
 
 
 def find(
@@ -117,9 +118,8 @@ def find(
     if p_value > rules.level:
         rejected.append(Rejected(best, shares.of(best), p_value, twins))
         return []
-    names = rivals(best, scores)
     group = [tuned(c, _beside(design, best.group, c), part) for c in best.group]
-    return [Finding(c, columns_of(c, design), best.value, p_value, twins, names) for c in group]
+    return [Finding(c, columns_of(c, design), best.value, p_value, twins) for c in group]
 
 
 def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Design:

@@ -12,7 +12,7 @@ import numpy as np
 from ..export import format_equations, format_expression
 
 if TYPE_CHECKING:
-    from .report import Effect, LoopReport
+    from .report import Alternative, Effect, LoopReport
 
 __all__ = ["as_markdown", "as_text"]
 
@@ -100,10 +100,19 @@ def evidence(effect: Effect, symbols: Sequence[Any]) -> list[str]:
         f"removes {100 * effect.explained:.0f} % of the held-out residual variance; "
         f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
     )
-    if effect.alternatives:
-        rivals = "this data cannot tell it from: " + ", ".join(effect.alternatives)
-        lines += wrap(rivals, width=92, subsequent_indent="  ")
+    if effect.rivals:
+        rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
+        lines += wrap(f"this data cannot tell it from: {rivals}", 92, subsequent_indent="  ")
     return lines
+
+
+def alternative(rival: Alternative, effect: Effect) -> str:
+    """Return name, equation if it is another one, and term of an alternative."""
+    term = format_expression(rival.term)
+    if rival.name == effect.name:
+        return f"the same in the form {term}"
+    where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
+    return f"{rival.name} {term}{where} (p = {rival.p_value:.2g})"
 
 
 def as_markdown(report: LoopReport) -> str:

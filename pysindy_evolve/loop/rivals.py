@@ -1,0 +1,134 @@
+"""The effects that could stand in the place of one that was found: its alternatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..operators import BUILTIN
+from ..terms import Call, Product, Sum, add, call, constant, mul, power
+from .design import Design
+from .effects import Candidate, candidates, standing
+from .encompassing import chance, left_by
+from .scoring import columns_of
+from .segments import Segments, ranges
+from .spectral import spectral_grams
+
+__all__ = ["Rival", "rivals_of"]
+
+ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the sign of
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """An effect that could have left the same record in another one's place.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        Name, equation and terms.
+    p_value : float
+        Chance that the other effect gains as much beside it, if this one were the cause.
+    """
+
+    candidate: Candidate
+    p_value: float
+
+    @property
+    def name(self) -> str:
+        """Name of the vocabulary."""
+        return self.candidate.name
+
+
+def rivals_of(
+    candidate: Candidate,
+    design: Design,
+    part: Segments,
+    level: float,
+    rng: np.random.Generator,
+) -> tuple[Rival, ...]:
+    """Return the effects that could stand in the place of one.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The effect.
+    design : Design
+        The whole model without it.
+    part : Segments
+        Pieces of the training records.
+    level : float
+        A rival with a smaller p-value is refuted.
+    rng : numpy.random.Generator
+        Draws the signs.
+
+    Returns
+    -------
+    tuple of Rival
+        The best form of each name, the least refuted first; other forms of the effect itself
+        count as well.
+    """
+    known = standing(design)
+    proposed = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    proposed += _rounded(candidate, part)
+    able = [c for c in proposed if all((c.state, parent) in known for parent in c.parents)]
+    options = [c for c in dict.fromkeys(able) if c != candidate and not _is_form(c, candidate)]
+    everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
+    grams = spectral_grams(part, design, [*design.columns, *everything])
+    first = len(design.columns)
+    base, own = tuple(range(first)), _places(first, candidate)
+    best: dict[str, Rival] = {}
+    first = own[-1] + 1
+    for option in options:
+        model = (*base, *_places(first, option))
+        first = model[-1] + 1
+        p_value = chance(left_by(grams, model), own, rng)
+        if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
+            best[option.name] = Rival(option, p_value)
+    return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
+
+
+def _places(first: int, candidate: Candidate) -> tuple[int, ...]:
+    return tuple(range(first, first + len(candidate.terms)))
+
+
+def _is_form(one: Candidate, other: Candidate) -> bool:
+    """Tell whether two candidates differ in the number of their shape only."""
+    shapes = one.shape, other.shape
+    return None not in shapes and (one.name, one.state) == (other.name, other.state)
+
+
+def _rounded(candidate: Candidate, part: Segments) -> list[Candidate]:
+    """Return an effect with its sign functions rounded off, as a hyperbolic tangent is."""
+    if len(candidate.terms) != 1:
+        return []
+    (term,) = candidate.terms
+    signs = {
+        atom.args[0]
+        for _, product in term.parts
+        for atom, _ in product.factors
+        if isinstance(atom, Call) and atom.operator.name == "sgn"
+    }
+    if len(signs) != 1:
+        return []
+    (inside,) = signs
+    size = float(np.std(inside.evaluate(part.z.reshape(-1, part.z.shape[-1]))))
+    return [Candidate(candidate.name, candidate.state, (_soft(term, inside, ROUNDED * size),))]
+
+
+def _soft(term: Sum, inside: Sum, width: float) -> Sum:
+    """Replace the sign of an expression by its hyperbolic tangent."""
+    step = call(BUILTIN["tanh"], mul(constant(1.0 / width), inside))
+    parts = []
+    for coefficient, product in term.parts:
+        replaced = constant(coefficient)
+        for atom, exponent in product.factors:
+            is_sign = isinstance(atom, Call) and atom.operator.name == "sgn"
+            factor = step if is_sign else Sum(((1.0, Product(((atom, 1),))),))
+            replaced = mul(replaced, power(factor, exponent))
+        parts.append(replaced)
+    total = parts[0]
+    for other in parts[1:]:
+        total = add(total, other)
+    return total
