@@ -30,12 +30,16 @@ class Case:
         Of the noise and of the search.
     experiment : {0, 1, 2, 3}
         Row of table 4; 0 for the numerical oscillator.
+    fused : bool
+        Whether the measured acceleration is first joined with the slope of the measured velocity,
+        see `signals.fuse`.
     """
 
     system: Literal["numerical", "rig"]
     snr_db: float
     seed: int
     experiment: int = 0
+    fused: bool = False
 
     @property
     def setting(self) -> Setting:
@@ -84,8 +88,13 @@ class Plan:
         return list(dict.fromkeys(case for cases in wanted for case in cases))
 
     def for_table2(self) -> list[Case]:
-        """Return the records of table 2."""
-        return [Case("numerical", snr, seed) for snr in self.table2 for seed in self.seeds]
+        """Return the records of table 2, each fused and as it was measured."""
+        return [
+            Case("numerical", snr, seed, fused=fused)
+            for fused in (True, False)
+            for snr in self.table2
+            for seed in self.seeds
+        ]
 
     def for_figure10(self) -> list[Case]:
         """Return the records of figure 10."""

@@ -81,7 +81,7 @@ def draw(parts: Sequence[str], plan: Plan, store: Store, folder: Path) -> Iterat
             "reproduce(parts=...) must be without figures where matplotlib is missing; got "
             f'{wanted[0]!r}. Run pip install "pysindy-evolve[plots]".'
         ) from error
-    numerical = Identified(Case("numerical", 20.0, plan.seeds[0]))
+    numerical = Identified(Case("numerical", 20.0, plan.seeds[0], fused=True))
     rigs = {e: Identified(Case("rig", SNR_RIG, plan.seeds[0], e)) for e in TABLE_4}
     trials = {
         snr: store.of([c for c in plan.for_figure10() if c.snr_db == snr]) for snr in plan.figure10

@@ -15,6 +15,7 @@ from ..export import format_equations
 from ..library import EvolvingLibrary
 from ..library_terms import from_model
 from ..optimizer import ElasticNet
+from ..signals import fuse
 from ..terms import Product
 from .cases import Case
 
@@ -96,6 +97,7 @@ def identify(case: Case, rig: DuffingRig) -> tuple[Equations, float]:
     )
     x, t, x_dot, u = (column[rig.train] for column in (rig.x, rig.t, rig.x_dot, rig.u))
     start = time.process_time()
+    x_dot = fuse(t, x, x_dot) if case.fused else x_dot
     model.fit(x, t, x_dot=x_dot, u=u, feature_names=list(rig.names))
     return from_model(model), time.process_time() - start
 

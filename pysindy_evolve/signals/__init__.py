@@ -6,6 +6,7 @@ over smooth windows before they are compared.
 
 from .files import read_csv
 from .filters import Motion, differentiate, integrate, lowpass
+from .fusion import fuse
 from .noise import noise_level
 from .prepare import Preparation, prepare
 from .record import Record
@@ -19,6 +20,7 @@ __all__ = [
     "Windows",
     "choose_windows",
     "differentiate",
+    "fuse",
     "integrate",
     "lowpass",
     "noise_level",
