@@ -6,11 +6,11 @@ over smooth windows before they are compared.
 
 from .files import read_csv
 from .filters import Motion, differentiate, integrate, lowpass
-from .fusion import fuse
 from .noise import noise_level
 from .prepare import Preparation, prepare
 from .record import Record
 from .sampling import resample
+from .slopes import fuse
 from .windows import Windows, choose_windows, project, project_derivative
 
 __all__ = [
