@@ -173,11 +173,23 @@ def test_markdown_of_a_table_is_aligned_and_has_its_note():
     assert text.endswith("Note.\n")
 
 
-def test_results_of_other_packages_are_shown_if_they_are_in_the_folder(small, searched, tmp_path):
-    (tmp_path / "peers.csv").write_text("method,exact\ngplearn,no\n", encoding="utf-8")
-    tables = reproduce(tmp_path, small, ("table5",)).tables
-    assert [table.name for table in tables] == ["table5", "peers"]
-    assert "gplearn" in (tmp_path / "report.md").read_text(encoding="utf-8")
+def test_results_of_other_packages_are_shown_with_table_5(small, searched, tmp_path):
+    row = {"method": "A", "problem": "friction", "validation_error": 2.0, "coefficient_error": None}
+    row |= {"exact": "no", "cpu": 3.0, "memory": 40.0, "lines": 9}
+    rows = [row, {**row, "cpu": 5.0, "exact": "yes"}, {"method": "B", "problem": "friction"}]
+    rows[2]["error"] = "not installed"
+    path = tmp_path / "rows.jsonl"
+    path.write_text("".join(f"{json.dumps(one)}\n" for one in rows), encoding="utf-8")
+    tables = reproduce(tmp_path, small, ("table5",), peers_file=path).tables
+    assert [table.name for table in tables] == ["table5", "table5_friction"]
+    assert tables[1].rows[0] == ("A", "1 of 2", "–", "2.000", "4.00", "40", "9")
+    assert tables[1].rows[1] == ("B", "failed", *["–"] * 5)
+    assert "other packages" in (tmp_path / "report.md").read_text(encoding="utf-8")
+
+
+def test_without_results_of_other_packages_table_5_stands_alone(small, searched, tmp_path):
+    tables = reproduce(tmp_path, small, ("table5",), peers_file=tmp_path / "none").tables
+    assert [table.name for table in tables] == ["table5"]
 
 
 def test_quick_is_a_part_of_all():

@@ -25,6 +25,7 @@ examples:
   Table 2 alone, two runs at a time:
     pysindy-evolve paper --only table2 --jobs 2"""
 FOLDER = Path("pysindy-evolve-paper")
+PEERS = Path("results/peers/rows.jsonl")
 
 
 def add_options(parser: ArgumentParser) -> None:
@@ -43,6 +44,13 @@ def add_options(parser: ArgumentParser) -> None:
         metavar="table2,...",
         help=f"some of {', '.join(PARTS)}",
     )
+    parser.add_argument(
+        "--peers",
+        type=Path,
+        default=PEERS,
+        metavar="FILE",
+        help=f"what benchmarks/peers wrote, to be shown with table 5 ({PEERS})",
+    )
     parser.add_argument("--jobs", type=count(1), metavar="N", help="runs at a time (1)")
     parser.add_argument(
         "--fresh", action="store_true", help="run again what the folder has of an earlier version"
@@ -57,6 +65,7 @@ def paper(given: Namespace) -> bool:
         given.output,
         plan(given.runs, first_seed=given.seed, quick=given.quick),
         given.only,
+        peers_file=given.peers,
         n_jobs=given.jobs,
         progress=progress(given),
     )

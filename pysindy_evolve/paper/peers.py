@@ -1,35 +1,65 @@
-"""The table of other packages on the same problem, if it was made."""
+"""The results of `benchmarks/peers`, other packages on the same rows, as a table beside table 5."""
 
 from __future__ import annotations
 
-import csv
+import json
+from collections.abc import Sequence
 from pathlib import Path
+from statistics import median
+from typing import Any
 
-from .tables import Table
+from .tables import NONE, Table
 
 __all__ = ["read"]
 
-NAME = "peers.csv"
+TITLES = {
+    "frictionless": "equation (3), 20 dB on the acceleration",
+    "friction": "equation (7), 30 dB on the acceleration",
+}
+NUMBERS = {
+    "coefficient_error": ("coefficients off by %", 2),
+    "validation_error": ("error %", 3),
+    "cpu": ("CPU s", 2),
+    "memory": ("memory above the data MB", 0),
+    "lines": ("lines", 0),
+}
+
+Row = dict[str, Any]
 
 
-def read(folder: Path) -> Table | None:
-    """Return the table in `peers.csv` of the results folder, or None if there is none.
+def read(path: Path) -> list[Table]:
+    """Return one table for each problem that the file holds.
 
     Parameters
     ----------
-    folder : Path
-        Results folder.
+    path : Path
+        The rows that `benchmarks/peers` writes, JSON lines; it may be missing.
 
     Returns
     -------
-    Table or None
+    list of Table
+        Medians of the runs of each method.
     """
-    path = folder / NAME
     if not path.exists():
-        return None
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = [tuple(row) for row in csv.reader(file) if row]
-    if not rows:
-        return None
-    title = "Table 5 with other packages on the same rows, one thread"
-    return Table("peers", title, rows[0], tuple(rows[1:]))
+        return []
+    rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines() if line]
+    problems = [one for one in TITLES if any(row["problem"] == one for row in rows)]
+    return [_table(one, [row for row in rows if row["problem"] == one]) for one in problems]
+
+
+def _table(problem: str, rows: Sequence[Row]) -> Table:
+    methods = dict.fromkeys(row["method"] for row in rows)
+    cells = [_cells(one, [row for row in rows if row["method"] == one]) for one in methods]
+    header = ("method", "exact", *(name for name, _ in NUMBERS.values()))
+    title = f"Table 5 with other packages, same rows, one thread: {TITLES[problem]}"
+    return Table(f"table5_{problem}", title, header, tuple(cells), "Medians of the runs.")
+
+
+def _cells(method: str, rows: Sequence[Row]) -> tuple[str, ...]:
+    good = [row for row in rows if "error" not in row]
+    exact = f"{sum(row['exact'] == 'yes' for row in good)} of {len(rows)}"
+    numbers = []
+    for key, (_, digits) in NUMBERS.items():
+        values = [row[key] for row in good if row.get(key) is not None]
+        numbers.append(f"{median(values):.{digits}f}" if values else NONE)
+    return (method, exact if good else "failed", *numbers)

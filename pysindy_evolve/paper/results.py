@@ -46,6 +46,7 @@ def reproduce(
     plan: Plan,
     parts: Sequence[str] = PARTS,
     *,
+    peers_file: Path | None = None,
     n_jobs: int | None = None,
     progress: bool = False,
 ) -> Results:
@@ -59,6 +60,8 @@ def reproduce(
         Signal-to-noise ratios and seeds.
     parts : sequence of str
         Which of `PARTS`.
+    peers_file : Path, optional
+        Results of `benchmarks/peers`, shown with table 5 if they are there.
     n_jobs : int, optional
         Trials at a time, as in joblib.
     progress : bool
@@ -82,7 +85,9 @@ def reproduce(
             store.add(trial)
     except KeyboardInterrupt:
         finished = False
-    tables = make_tables(parts, plan, store, peers.read(folder))
+    tables = make_tables(parts, plan, store)
+    if "table5" in parts and peers_file is not None:
+        tables += peers.read(peers_file)
     for table in tables:
         table.save(folder)
     if finished:

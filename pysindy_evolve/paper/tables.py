@@ -15,7 +15,7 @@ from .facts import CLEAN_DOWN_TO, TABLE_2, TABLE_4, TABLE_5, THEORY
 from .store import Store
 from .trials import Trial
 
-__all__ = ["Table", "accuracy", "make_tables"]
+__all__ = ["NONE", "Table", "accuracy", "make_tables"]
 
 NONE = "–"
 
@@ -63,7 +63,7 @@ class Table:
             csv.writer(file).writerows([self.header, *self.rows])
 
 
-def make_tables(parts: Sequence[str], plan: Plan, store: Store, peers: Table | None) -> list[Table]:
+def make_tables(parts: Sequence[str], plan: Plan, store: Store) -> list[Table]:
     """Return the tables of the parts, from what is finished."""
     found = []
     if "table2" in parts:
@@ -74,7 +74,6 @@ def make_tables(parts: Sequence[str], plan: Plan, store: Store, peers: Table | N
         found += [table4(plan, store), table4_by_noise(plan, store)]
     if "table5" in parts:
         found.append(table5(plan, store))
-        found += [peers] if peers is not None else []
     return found
 
 
