@@ -31,7 +31,7 @@ def close_loop(
     test: Record | Sequence[Record] | None = None,
     *,
     significance: float = 0.05,
-    n_twins: int = 39,
+    n_twins: int = 199,
     min_share: float = 0.05,
     max_effects: int = 8,
     operators: Sequence[str | Operator] = OPERATORS,

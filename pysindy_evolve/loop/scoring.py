@@ -66,7 +66,7 @@ def score(
     extra = [column for candidate in proposed for column in columns_of(candidate, design)]
     n_fixed = len(design.columns)
     grams = spectral_grams(part, design, [*design.columns, *extra])
-    return rank(grams, n_fixed, proposed, standing(design), pairs=pairs)
+    return rank(grams, n_fixed, proposed, standing(design), part.folds, pairs=pairs)
 
 
 def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:

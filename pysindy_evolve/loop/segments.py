@@ -14,6 +14,8 @@ from .sticking import moving
 __all__ = ["Segments", "ranges", "segments", "variables_of"]
 
 N_SEGMENTS = 16
+N_FOLDS = 8
+TO_TRANSFER = 3  # records, from which on each fold is made of whole ones
 MAX_ROWS = 24_000  # the search looks at no more rows; coefficients are fitted on all of them
 LOOK = 0.6  # share of the cutoff below which the low-pass of the states is hardly felt
 BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
@@ -39,6 +41,18 @@ class Segments:
     def n_states(self) -> int:
         """Number of states."""
         return self.x_dot.shape[2]
+
+    @property
+    def folds(self) -> np.ndarray:
+        """Fold of each piece, from 0: neighbors share one, or, of several records, a record does.
+
+        What only shows in one of several records is not confirmed by any other. Two records are
+        too few: each would be predicted from a single one.
+        """
+        record = np.unique([i for i, _ in self.places], return_inverse=True)[1]
+        unit = record if record[-1] + 1 >= TO_TRANSFER else np.arange(len(self.places))
+        n_units = int(unit[-1]) + 1
+        return unit * min(N_FOLDS, n_units) // n_units
 
     def every_other(self, start: int) -> Segments:
         """Return every second piece, beginning with the one numbered `start`."""

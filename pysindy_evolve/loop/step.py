@@ -25,6 +25,7 @@ from .twins import TwinMaker
 __all__ = ["Finding", "find", "twin_values"]
 
 BATCH = 4  # twins between two looks at whether the rest can be spared
+CLEAR = 2.0  # times the best of all twins so far: more of them would not change the verdict
 
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 Statistic = Callable[[Segments, list[Record]], float]
@@ -102,6 +103,7 @@ def find(
     proposer = proposer or propose
     equations = quick_fit(design, part)
     proposed = proposer(design, equations, records)
+    searched = score(design, part, proposed)  # as in the twins, which tune no shapes
     proposed = sharpened(design, part, proposed)
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
@@ -113,8 +115,9 @@ def find(
     richer = design.adding(c for candidate in best.group for c in columns_of(candidate, design))
     maker = TwinMaker.of(equations, quick_fit(richer, part), records)
     statistic = partial(_best_score, design=design, proposer=proposer)
-    twins = twin_values(maker, part, statistic, best.value, rules, rng)
-    p_value = float((1.0 + np.sum(twins >= best.value)) / (1.0 + len(twins)))
+    observed = min(best.value, searched[0].value)
+    twins = twin_values(maker, part, statistic, observed, rules, rng)
+    p_value = float((1.0 + np.sum(twins >= observed)) / (1.0 + len(twins)))
     if p_value > rules.level:
         rejected.append(Rejected(best, shares.of(best), p_value, twins))
         return []
@@ -138,11 +141,13 @@ def twin_values(
 ) -> np.ndarray:
     """Return a statistic of each twin: what the same search finds where nothing is missing.
 
-    Twins come in batches; once enough of them do better than what was observed for it to fail,
-    the rest are spared (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301).
+    Twins come in batches. Once enough of them do better than what was observed for it to fail,
+    the rest are spared (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301), and so they are
+    once there are enough for it to pass and none comes near it.
     """
     children = rng.spawn(rules.n_twins)
     allowed = rules.level * (rules.n_twins + 1) - 1.0
+    enough = 1.0 / rules.level - 1.0
     found: list[float] = []
     bar = tqdm(total=rules.n_twins, desc="twins", disable=not rules.progress, leave=False)
     with Parallel(n_jobs=rules.n_jobs) as parallel, bar:
@@ -150,7 +155,9 @@ def twin_values(
             batch = children[start : start + BATCH]
             found += parallel(delayed(_in_twin)(maker, part, statistic, c) for c in batch)
             bar.update(len(batch))
-            if np.sum(np.array(found) >= observed) > allowed:
+            fails = np.sum(np.array(found) >= observed) > allowed
+            passes = len(found) >= enough and observed > CLEAR * max(found)
+            if fails or passes:
                 break
     return np.array(found)
 

@@ -120,6 +120,6 @@ def generic_gain(design: Design, columns: Sequence[Column], part: Segments) -> f
     """Return log(held-out error without / with the generic columns)."""
     grams = spectral_grams(part, design, [*design.columns, *columns])
     n_fixed = len(design.columns)
-    without = fold_errors(grams, np.arange(n_fixed)[None, :]).sum()
-    with_all = fold_errors(grams, np.arange(n_fixed + len(columns))[None, :]).sum()
+    without = fold_errors(grams, np.arange(n_fixed)[None, :], part.folds).sum()
+    with_all = fold_errors(grams, np.arange(n_fixed + len(columns))[None, :], part.folds).sum()
     return float(np.log(max(without, 1e-300) / max(with_all, 1e-300)))

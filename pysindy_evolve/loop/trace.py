@@ -1,6 +1,7 @@
 """Trace a residual: which effects, refitted together with the model, better what is held out.
 
-Inside the training data, each fold of segments is predicted from the others. The score of an
+Inside the training data, each fold of segments is predicted from the others; where there are
+several records, a fold is made of whole records, so that an effect must transfer. The score of an
 effect is log(error without it / error with it), where an error is the sum of squares over the
 folds: 0 is no gain, 0.7 halves the error variance. Pairs of effects are scored as well, per effect,
 because some only show together: friction and drag, whose sum the viscous damping had absorbed.
@@ -20,7 +21,6 @@ from .linear import solve
 
 __all__ = ["Score", "fold_errors", "rank"]
 
-N_FOLDS = 8
 ROUNDING = 1e-16  # relative to the square of the target
 NEW = 1e-6  # share of a column's square that the model's columns must leave
 
@@ -42,7 +42,7 @@ class Score:
         return float(gain) / len(self.group)
 
 
-def fold_errors(grams: np.ndarray, models: np.ndarray) -> np.ndarray:
+def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.ndarray:
     """Predict each fold of segments from the others.
 
     Parameters
@@ -51,16 +51,16 @@ def fold_errors(grams: np.ndarray, models: np.ndarray) -> np.ndarray:
         Inner products, target last.
     models : ndarray of int of shape (n_models, n_columns)
         Columns of each model.
+    folds : ndarray of int of shape (n_segments,)
+        Fold of each segment, from 0.
 
     Returns
     -------
     ndarray of shape (n_models, n_folds)
         Sum of squared errors in each fold.
     """
-    n_segments, last = len(grams), grams.shape[1] - 1
-    n_folds = min(N_FOLDS, n_segments)
-    fold = np.arange(n_segments) * n_folds // n_segments
-    held = np.array([grams[fold == k].sum(axis=0) for k in range(n_folds)])
+    last = grams.shape[1] - 1
+    held = np.array([grams[folds == k].sum(axis=0) for k in range(int(folds.max()) + 1)])
     rest = held.sum(axis=0) - held
     models = np.asarray(models, dtype=int)
     index = np.column_stack([models, np.full(len(models), last)])
@@ -78,6 +78,7 @@ def rank(
     n_fixed: int,
     candidates: Sequence[Candidate],
     present: set[tuple[int, Sum]],
+    folds: np.ndarray,
     *,
     pairs: bool = True,
 ) -> list[Score]:
@@ -94,6 +95,8 @@ def rank(
     present : set of (int, Sum)
         Equation and expression of what stands in the model; parents must be in it, or in the
         group.
+    folds : ndarray of int of shape (n_segments,)
+        Fold of each segment.
     pairs : bool
         Whether to score pairs too.
 
@@ -102,7 +105,7 @@ def rank(
     list of Score
         Candidates that are linear combinations of the model's columns are left out.
     """
-    without = fold_errors(grams, np.arange(n_fixed)[None, :])[0]
+    without = fold_errors(grams, np.arange(n_fixed)[None, :], folds)[0]
     own, start = [], n_fixed
     for candidate in candidates:
         own.append(tuple(range(start, start + len(candidate.terms))))
@@ -115,7 +118,7 @@ def rank(
         if candidates[i].name != candidates[j].name
     ]
     allowed = [g for g in groups if _parents_stand([candidates[i] for i in g], present)]
-    scores = _scored(grams, n_fixed, candidates, own, allowed, without)
+    scores = _scored(grams, n_fixed, candidates, own, allowed, without, folds)
     return sorted(scores, key=lambda score: -score.value)
 
 
@@ -126,6 +129,7 @@ def _scored(
     own: Sequence[tuple[int, ...]],
     groups: Sequence[tuple[int, ...]],
     without: np.ndarray,
+    folds: np.ndarray,
 ) -> list[Score]:
     """Solve all groups with equally many columns at once."""
     base = tuple(range(n_fixed))
@@ -135,7 +139,7 @@ def _scored(
         models.setdefault(len(columns), []).append((group, columns))
     scores = []
     for entries in models.values():
-        errors = fold_errors(grams, np.array([base + columns for _, columns in entries]))
+        errors = fold_errors(grams, np.array([base + columns for _, columns in entries]), folds)
         scores += [
             Score(tuple(candidates[i] for i in group), columns, without, error)
             for (group, columns), error in zip(entries, errors, strict=True)

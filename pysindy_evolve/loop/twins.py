@@ -113,10 +113,14 @@ def shuffle_signs(columns: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 
 def _memory(columns: np.ndarray) -> float:
-    """Return twice the lag, in samples, at which the autocorrelation has fallen to a tenth."""
+    """Return twice the lag, in samples, at which the autocorrelation has fallen to a tenth.
+
+    Its envelope counts: that of a residual which rings crosses zero long before it is forgotten.
+    """
     n = len(columns)
     spectrum = np.fft.rfft(columns - columns.mean(axis=0), 2 * n, axis=0)
-    covariance = np.fft.irfft(np.abs(spectrum) ** 2, axis=0)[:n]
+    # Without its negative frequencies, an autocovariance has its envelope as magnitude.
+    covariance = np.abs(np.fft.ifft(np.abs(spectrum) ** 2, 2 * n, axis=0)[:n])
     correlation = np.max(covariance / np.maximum(covariance[0], 1e-300), axis=1)
     lag = int(np.argmax(correlation < 0.1)) or n
     return float(np.clip(2 * lag, 2, max(2, n // 40)))
