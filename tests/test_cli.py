@@ -229,7 +229,7 @@ WRONG = {
     "twice": (["loop", "FILE", "--equation", "q=-k*q", "--equation", "q=c"], "once for each state"),
     "wrong position": (["loop", "FILE", "--equation", "q=-k*q", "--position", "v"], "Sort or add"),
     "known": (["loop", "FILE", "--equation", "q=-k*q", "--known", "k=a"], "numbers as values"),
-    "twins": (["loop", "FILE", "--equation", "q=-k*q", "--twins", "3"], "at least 39"),
+    "twins": (["loop", "FILE", "--equation", "q=-k*q", "--twins", "3"], "at least 59"),
     "command": (["fix"], "'fix'"),
 }  # fmt: skip
 

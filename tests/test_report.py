@@ -44,7 +44,7 @@ def test_report_prints_verdict_equations_table_and_evidence_in_this_order(report
         r"(    \+ .*( +[\d.e+]+){3}\n)+"
         r"\n1\. .* in the equation of v\n"
         r"(   -?[\d.e+-]+ times .*\(95 %: -?[\d.e+-]+ to -?[\d.e+-]+\)\n)+"
-        r"   removes .* % of the held-out residual variance; p = 0\.025 \(39 twins\)"
+        r"   removes .* % of the held-out residual variance; p = 0\.016 \(60 twins\)"
     )
     assert re.match(expected, text), text
     assert max(map(len, text.splitlines())) <= 100

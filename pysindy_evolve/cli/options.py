@@ -191,7 +191,7 @@ def _add_loop(parser: argparse.ArgumentParser) -> None:
     search = parser.add_argument_group("search")
     for name, kind, default, text in (
         ("--significance", float, 0.05, "chance to add an effect where nothing is missing"),
-        ("--twins", int, 39, "simulated twins to test an effect on, at least 2/significance - 1"),
+        ("--twins", int, 299, "simulated twins to test an effect on, at least 3/significance - 1"),
         ("--min-share", float, 0.05, "share of the explainable error that an effect must remove"),
         ("--max-effects", int, 8, "stop after so many effects"),
         ("--jobs", int, None, "processes that work on the twins"),

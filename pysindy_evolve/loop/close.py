@@ -31,7 +31,7 @@ def close_loop(
     test: Record | Sequence[Record] | None = None,
     *,
     significance: float = 0.05,
-    n_twins: int = 199,
+    n_twins: int = 299,
     min_share: float = 0.05,
     max_effects: int = 8,
     operators: Sequence[str | Operator] = OPERATORS,
@@ -63,7 +63,7 @@ def close_loop(
         together could remove, in the derivative or in the simulation. Real records always hold
         traces of something; this says how small a trace matters to you.
     max_effects : int
-        Stop after so many effects.
+        Stop after so many effects; 0 only fits the declared model and asks whether it is all.
     operators : sequence of str or Operator
         Basis functions of the terms that are grown where no name fits; empty to grow none.
     random_state : int, Generator or None

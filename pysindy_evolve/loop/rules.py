@@ -11,6 +11,9 @@ import numpy as np
 __all__ = ["Rules", "generator"]
 
 
+N_LOOKS = 3  # Bonferroni
+
+
 @dataclass(frozen=True)
 class Rules:
     """When an effect counts, and how hard to look."""
@@ -30,7 +33,7 @@ class Rules:
                     f"close_loop({name}=...) must be in (0, 1); got {value!r}. "
                     "Give a share such as 0.05."
                 )
-        for name, least in (("n_twins", 1), ("max_effects", 1)):
+        for name, least in (("n_twins", 1), ("max_effects", 0)):
             value = getattr(self, name)
             if not isinstance(value, Integral) or value < least:
                 raise ValueError(
@@ -50,8 +53,8 @@ class Rules:
 
     @property
     def level(self) -> float:
-        """Largest p-value that counts: named effects and grown terms are two looks, half each."""
-        return self.significance / 2.0
+        """Largest p-value that counts: names, grown terms, any structure are three looks."""
+        return self.significance / N_LOOKS
 
 
 def generator(random_state: Any) -> np.random.Generator:

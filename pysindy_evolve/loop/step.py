@@ -112,8 +112,7 @@ def find(
         rejected += [Rejected(s, shares.of(s)) for s in scores[:1]]
         return []
     best = plainest(worthy)
-    richer = design.adding(c for candidate in best.group for c in columns_of(candidate, design))
-    maker = TwinMaker.of(equations, quick_fit(richer, part), records)
+    maker = TwinMaker.of(equations, records)
     statistic = partial(_best_score, design=design, proposer=proposer)
     observed = min(best.value, searched[0].value)
     twins = twin_values(maker, part, statistic, observed, rules, rng)

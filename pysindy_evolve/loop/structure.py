@@ -84,8 +84,7 @@ def has_structure(
     observed = generic_gain(design, columns, part)
     if observed < NOTABLE or is_exact(design, part):
         return False
-    equations = quick_fit(design, part)
-    maker = TwinMaker.of(equations, equations, records)
+    maker = TwinMaker.of(quick_fit(design, part), records)
     statistic = partial(_gain_in_twin, design=design, columns=columns)
     values = twin_values(maker, part, statistic, observed, rules, rng)
     return bool((1 + np.sum(values >= observed)) / (1 + len(values)) <= rules.level)

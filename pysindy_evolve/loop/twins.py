@@ -35,16 +35,15 @@ class TwinMaker:
     residuals: tuple[np.ndarray, ...]
 
     @classmethod
-    def of(cls, equations: Equations, richer: Equations, records: Sequence[Record]) -> TwinMaker:
+    def of(cls, equations: Equations, records: Sequence[Record]) -> TwinMaker:
         """Simulate the model once along each record.
 
         Parameters
         ----------
         equations : Equations
-            The model in which nothing is missing, fitted.
-        richer : Equations
-            The model with the effect that is on trial. What it leaves has the color of the
-            disturbances; what the poorer model leaves may have the color of the effect.
+            The model in which nothing is missing, fitted. What it leaves is taken for disturbance:
+            a bootstrap that imposes the null hypothesis keeps its level better (Davidson and
+            MacKinnon 1999, DOI 10.1017/S0266466699153027).
         records : sequence of Record
             What was measured.
 
@@ -52,7 +51,7 @@ class TwinMaker:
         -------
         TwinMaker
         """
-        residuals = tuple(r.x_dot - richer.evaluate(r.x, r.u, r.t) for r in records)
+        residuals = tuple(r.x_dot - equations.evaluate(r.x, r.u, r.t) for r in records)
         simulated = tuple(follow(equations, record) for record in records)
         return cls(equations, tuple(records), simulated, residuals)
 
