@@ -95,7 +95,7 @@ def main():
     parser.add_argument("--shares", nargs="+", type=float, default=[0.02, 0.05])
     parser.add_argument("--noise", nargs="+", type=float, default=[0.1, 0.5, 2.0], help="percent")
     parser.add_argument("--n", type=int, default=6000, help="raw samples")
-    parser.add_argument("--n-twins", type=int, default=39)
+    parser.add_argument("--n-twins", type=int, default=299)
     parser.add_argument("--seed", type=int, default=0, help="of the first run")
     parser.add_argument("--n-jobs", type=int, default=1)
     parser.add_argument("--json", help="append all rows to this file, one a line")

@@ -235,7 +235,7 @@ def test_close_loop_takes_anything(table, sides, driven, grow):
         )
         options = {} if grow else {"operators": ()}
         return pse.close_loop(
-            model, record, record, n_twins=19, significance=0.1, random_state=0, **options
+            model, record, record, n_twins=29, significance=0.1, random_state=0, **options
         )
 
     report = ends_well(action)

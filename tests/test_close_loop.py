@@ -64,7 +64,7 @@ def test_friction_is_found_with_its_size_and_both_errors_fall(friction_report):
     assert effect.state == "v"
     assert str(effect.term) == "sign(v)"
     assert effect.coefficients == pytest.approx([-2.0], rel=0.03)
-    assert effect.p_value == pytest.approx(1 / 40)
+    assert effect.p_value == pytest.approx(1 / 61)
     assert effect.explained > 0.9
     assert effect.score > effect.twin_scores.max()
     assert report.after.derivative_error[1] < 0.5 * report.before.derivative_error[1]

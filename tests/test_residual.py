@@ -160,6 +160,25 @@ def test_segments_of_a_long_record_are_shortened_and_spread_over_it():
     assert every.z.shape[0] * every.z.shape[1] > 0.9 * 60_000
 
 
+@pytest.mark.parametrize(
+    ("sizes", "expected"),
+    [
+        ((1600,), np.arange(16) // 2),
+        ((800, 800), np.arange(16) // 2),
+        ((400, 400, 800), [0] * 4 + [1] * 4 + [2] * 8),
+    ],
+)
+def test_folds_are_whole_records_where_there_are_three(sizes, expected):
+    records = [clean(n) for n in sizes]
+    np.testing.assert_array_equal(segments(records).folds, expected)
+
+
+def test_many_records_share_eight_folds():
+    folds = segments([clean(64)] * 20).folds
+    assert len(np.unique(folds)) == 8
+    assert np.all(np.diff(folds) >= 0)
+
+
 def test_same_pieces_of_a_twin():
     record, twin = clean(), clean(start=(-0.2, 1.0))
     part = segments([record]).of([twin])

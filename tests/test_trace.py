@@ -83,6 +83,9 @@ def made(target, *columns, n_segments=16):
     return np.einsum("srk,srl->skl", parts, parts)
 
 
+FOLDS = np.arange(16) // 2
+
+
 @pytest.fixture
 def columns():
     return np.random.default_rng(0).normal(size=(6, 1600))
@@ -98,7 +101,7 @@ def three(parents=()):
 
 def test_errors_of_folds_are_those_of_least_squares_on_the_other_folds(columns):
     x, target = columns[:2].T, columns[0] + 0.5 * columns[5]
-    errors = fold_errors(made(target, *x.T), np.array([[0, 1]]))[0]
+    errors = fold_errors(made(target, *x.T), np.array([[0, 1]]), FOLDS)[0]
     for k, held in enumerate(np.array_split(np.arange(1600), 8)):
         rest = np.setdiff1d(np.arange(1600), held)
         coef, *_ = np.linalg.lstsq(x[rest], target[rest], rcond=None)
@@ -108,7 +111,7 @@ def test_errors_of_folds_are_those_of_least_squares_on_the_other_folds(columns):
 def test_true_column_comes_first(columns):
     model, a, b, c, noise, _ = columns
     grams = made(2 * model + b + 0.1 * noise, model, a, b, c)
-    scores = rank(grams, 1, three(), set())
+    scores = rank(grams, 1, three(), set(), FOLDS)
     assert [candidate.name for candidate in scores[0].group] == ["two"]
     assert scores[0].places == (2,)
 
@@ -116,7 +119,7 @@ def test_true_column_comes_first(columns):
 def test_column_that_the_model_already_spans_is_left_out(columns):
     model, other, b, c, noise, _ = columns
     grams = made(b + 0.1 * noise, model, other, 2 * model - 3 * other, b, c)
-    names = {n.name for s in rank(grams, 2, three(), set()) for n in s.group}
+    names = {n.name for s in rank(grams, 2, three(), set(), FOLDS) for n in s.group}
     assert names == {"two", "three"}
 
 
@@ -125,7 +128,7 @@ def test_column_of_zeros_or_without_values_is_left_out(columns, bad):
     model, a, b, _, noise, _ = columns
     grams = made(b + 0.1 * noise, model, a, b, np.zeros(1600))
     grams[:, 3, :] = grams[:, :, 3] = bad
-    names = {n.name for s in rank(grams, 1, three(), set()) for n in s.group}
+    names = {n.name for s in rank(grams, 1, three(), set(), FOLDS) for n in s.group}
     assert names == {"one", "two"}
 
 
@@ -133,12 +136,12 @@ def test_effect_waits_for_its_parent_or_comes_with_it(columns):
     model, a, b, c, noise, _ = columns
     grams = made(c + 0.1 * noise, model, a, b, c)
     needs = three(parents=(variable(1),))
-    groups = [{c.name for c in s.group} for s in rank(grams, 1, needs, set())]
+    groups = [{c.name for c in s.group} for s in rank(grams, 1, needs, set(), FOLDS)]
     assert {"three"} not in groups
     assert {"one", "three"} in groups
     assert {"two", "three"} not in groups
     standing_parent = {(0, variable(1))}
-    groups = [{c.name for c in s.group} for s in rank(grams, 1, needs, standing_parent)]
+    groups = [{c.name for c in s.group} for s in rank(grams, 1, needs, standing_parent, FOLDS)]
     assert groups[0] == {"three"}
 
 
@@ -146,14 +149,14 @@ def test_parent_in_another_equation_does_not_count(columns):
     model, a, b, c, *_ = columns
     grams = made(c, model, a, b, c)
     needs = three(parents=(OFFSET,))
-    groups = [{c.name for c in s.group} for s in rank(grams, 1, needs, {(1, OFFSET)})]
+    groups = [{c.name for c in s.group} for s in rank(grams, 1, needs, {(1, OFFSET)}, FOLDS)]
     assert not any("three" in group for group in groups)
 
 
 def test_two_shapes_of_one_effect_are_no_pair(columns):
     model, a, b, c, *_ = columns
     same = [Candidate("drag", 0, (variable(1),)), Candidate("drag", 0, (variable(2),))]
-    scores = rank(made(c, model, a, b), 1, same, set())
+    scores = rank(made(c, model, a, b), 1, same, set(), FOLDS)
     assert [len(s.group) for s in scores] == [1, 1]
 
 

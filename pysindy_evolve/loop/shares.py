@@ -66,7 +66,9 @@ def view_gain(design: Design, candidate: Candidate, part: Segments) -> float:
     base, every = np.arange(len(design.columns))[None, :], np.arange(len(columns))[None, :]
     gains = []
     for grams in view_grams(part, design, columns, slopes).values():
-        without, with_it = (fold_errors(grams, models, part.folds).sum() for models in (base, every))
+        without, with_it = (
+            fold_errors(grams, models, part.folds).sum() for models in (base, every)
+        )
         gains.append(float(np.log(max(without, 1e-300) / max(with_it, 1e-300))))
     return max(gains)
 
