@@ -49,7 +49,9 @@ def searched(monkeypatch):
 
 @pytest.fixture
 def small():
-    return Plan((0, 1), table2=(20.0, 19.0), figure10=(20.0, 5.0), table4=(30.0, 20.0))
+    return Plan(
+        (0, 1), table2=(20.0, 19.0), figure10=(20.0, 5.0), table4=(30.0, 20.0), friction=(20.0,)
+    )
 
 
 def rows_of(path):
@@ -138,7 +140,9 @@ def test_table_4_has_one_row_an_experiment_and_one_a_noise(small, searched, tmp_
     rows = rows_of(tmp_path / "table4.csv")
     assert [row["error %"] for row in rows] == ["3.9", "5.6", "4.7"]
     assert all(row["exact"] == "2 of 2" for row in rows)
-    assert [row["SNR dB"] for row in rows_of(tmp_path / "table4_noise.csv")] == ["30", "20"]
+    noises = [(row["noise on"], row["SNR dB"]) for row in rows_of(tmp_path / "table4_noise.csv")]
+    sensors, alone = "both accelerometers", "acceleration alone"
+    assert noises == [(sensors, "30"), (sensors, "20"), (alone, "20")]
 
 
 def test_table_5_has_the_times_of_the_paper_and_ours(small, searched, tmp_path):

@@ -11,6 +11,8 @@ from .facts import NUMERICAL, RIG, TABLE_2, TABLE_4, Setting
 
 __all__ = ["Case", "Plan", "plan"]
 
+System = Literal["numerical", "friction", "rig"]
+
 SNR_RIG = 30.0  # dB on each accelerometer in table 4
 SEEDS = 20
 
@@ -21,9 +23,9 @@ class Case:
 
     Parameters
     ----------
-    system : {"numerical", "rig"}
-        The Duffing oscillator of equation (3), noise on its acceleration; or the rig with friction
-        of equation (7), measured by two noisy accelerometers.
+    system : {"numerical", "friction", "rig"}
+        The Duffing oscillator of equation (3), noise on its acceleration; that with friction of
+        equation (7), likewise; or the same measured by two noisy accelerometers and nothing else.
     snr_db : float
         Power of the signal over that of the noise, dB.
     seed : int
@@ -35,7 +37,7 @@ class Case:
         see `signals.fuse`.
     """
 
-    system: Literal["numerical", "rig"]
+    system: System
     snr_db: float
     seed: int
     experiment: int = 0
@@ -44,7 +46,7 @@ class Case:
     @property
     def setting(self) -> Setting:
         """Parameters of the search that the paper used."""
-        return RIG if self.system == "rig" else NUMERICAL
+        return NUMERICAL if self.system == "numerical" else RIG
 
     def simulate(self) -> DuffingRig:
         """Return the record; the motion is simulated once, the noise each time."""
@@ -54,7 +56,7 @@ class Case:
             friction=True,
             experiment=self.experiment,
             snr_db=self.snr_db,
-            accelerometers=True,
+            accelerometers=self.system == "rig",
             random_state=self.seed,
         )
 
@@ -67,14 +69,15 @@ class Plan:
     ----------
     seeds : tuple of int
         One run each.
-    table2, figure10, table4 : tuple of float
-        Signal-to-noise ratios, dB.
+    table2, figure10, table4, friction : tuple of float
+        Signal-to-noise ratios, dB; `friction` is of the noise on the acceleration alone.
     """
 
     seeds: tuple[int, ...]
     table2: tuple[float, ...] = tuple(TABLE_2)
     figure10: tuple[float, ...] = tuple(float(snr) for snr in range(20, 4, -1))
     table4: tuple[float, ...] = (SNR_RIG, 25.0, 20.0, 15.0)
+    friction: tuple[float, ...] = (SNR_RIG, 20.0)
 
     def cases(self, parts: Sequence[str]) -> list[Case]:
         """Return what the parts need, each record once, the records of one table together."""
@@ -110,9 +113,11 @@ class Plan:
 
     def by_noise(self) -> list[Case]:
         """Return one record a seed at each noise, the experiments in turn."""
+        noises: list[tuple[System, float]] = [("rig", snr) for snr in self.table4]
+        noises += [("friction", snr) for snr in self.friction]
         return [
-            Case("rig", snr, seed, 1 + seed % len(TABLE_4))
-            for snr in self.table4
+            Case(system, snr, seed, 1 + seed % len(TABLE_4))
+            for system, snr in noises
             for seed in self.seeds
         ]
 
@@ -135,5 +140,11 @@ def plan(n_runs: int = SEEDS, *, first_seed: int = 0, quick: bool = False) -> Pl
     """
     seeds = tuple(range(first_seed, first_seed + n_runs))
     if quick:
-        return Plan(seeds[:2], table2=(20.0, 18.5), figure10=(20.0, 12.0, 5.0), table4=(SNR_RIG,))
+        return Plan(
+            seeds[:2],
+            table2=(20.0, 18.5),
+            figure10=(20.0, 12.0, 5.0),
+            table4=(SNR_RIG,),
+            friction=(),
+        )
     return Plan(seeds)
