@@ -25,7 +25,7 @@ from .operators import BUILTIN, Operator
 from .terms import Call, Product, Sum, Variable
 from .tracing import trace
 
-__all__ = ["columns_of", "from_model"]
+__all__ = ["check_ordinary", "columns_of", "from_model"]
 
 
 def from_model(model: Any, owner: str = "from_model(model=...)") -> Equations:
@@ -84,6 +84,38 @@ def columns_of(library: BaseFeatureLibrary, owner: str = "columns_of(library=...
     return columns
 
 
+def check_ordinary(library: Any, owner: str) -> None:
+    """Refuse a library, fitted or not, whose columns are no functions of one row.
+
+    Parameters
+    ----------
+    library : pysindy feature library
+        The library, with all that it is made of.
+    owner : str
+        The call and parameter to name in an error.
+
+    Raises
+    ------
+    TypeError
+        If it is, or holds, a PDE or a weak library.
+    """
+    if isinstance(library, _NOT_ORDINARY):
+        raise _not_ordinary(library, owner)
+    for part in getattr(library, "libraries", None) or ():
+        check_ordinary(part, owner)
+
+
+_NOT_ORDINARY = (ps.PDELibrary, ps.WeakPDELibrary)
+
+
+def _not_ordinary(library: Any, owner: str) -> TypeError:
+    return TypeError(
+        f"{owner} must have a feature library of ordinary terms; got "
+        f"{type(library).__name__}. Use PolynomialLibrary, FourierLibrary, CustomLibrary, "
+        "their combinations, or EvolvingLibrary."
+    )
+
+
 def _from_sindy(model: ps.SINDy, owner: str) -> Equations:
     try:
         check_is_fitted(model)
@@ -133,11 +165,7 @@ class _Reader:
             return self._tensored(library, inputs)
         if isinstance(library, ps.GeneralizedLibrary):
             return self._generalized(library, inputs)
-        raise TypeError(
-            f"{self.owner} must have a feature library of ordinary terms; got "
-            f"{type(library).__name__}. Use PolynomialLibrary, FourierLibrary, CustomLibrary, "
-            "their combinations, or EvolvingLibrary."
-        )
+        raise _not_ordinary(library, self.owner)
 
     def _own(self, library: Any, inputs: Sequence[int]) -> list[Sum]:
         base = getattr(library, "base_library_", None)

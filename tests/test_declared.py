@@ -185,6 +185,34 @@ def test_sindy_model_takes_the_names_that_the_record_has():
     assert design.inputs == ("u0",)
 
 
+def test_custom_library_that_scikit_learn_cannot_clone_is_fitted_all_the_same():
+    library = ps.CustomLibrary(library_functions=[lambda x: x, lambda x: x**3])
+    model = ps.SINDy(feature_library=library, optimizer=ps.STLSQ(threshold=0.1))
+    design = design_of(model, [record()])
+    assert [column.name for column in design.columns] == ["x1: x0", "x1: x1", "x1: u0"]
+
+
+@pytest.mark.parametrize("nested", [False, True])
+@pytest.mark.parametrize(
+    "library",
+    [
+        ps.PDELibrary(derivative_order=1, spatial_grid=np.linspace(0.0, 1.0, 8)),
+        ps.WeakPDELibrary(
+            function_library=ps.PolynomialLibrary(degree=2),
+            spatiotemporal_grid=np.linspace(0.0, 1.0, 50),
+        ),
+    ],
+    ids=lambda library: type(library).__name__,
+)
+def test_library_without_ordinary_terms_is_refused_before_it_is_fitted(library, nested):
+    whole = ps.ConcatLibrary([ps.PolynomialLibrary(), library]) if nested else library
+    message = (
+        rf"declared=\.\.\.\) must have a feature library .*; got {type(library).__name__}\. Use"
+    )
+    with pytest.raises(TypeError, match=message):
+        design_of(ps.SINDy(feature_library=whole), [record()])
+
+
 def test_model_of_another_kind_is_a_type_error():
     with pytest.raises(TypeError, match=r"close_loop\(declared=\.\.\.\) must be a DeclaredModel"):
         design_of("-k*q", [record()])

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
 import pysindy as ps
-from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 
 from ..equations import Equations
-from ..library_terms import from_model
+from ..library_terms import check_ordinary, from_model
 from ..operators import Operator
 from ..signals import Record
 from ..terms import Sum, variable
@@ -159,7 +159,8 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
 
 def _fitted(model: ps.SINDy, records: Sequence[Record]) -> ps.SINDy:
     """Fit a copy, so that the caller's model stays as it was."""
-    copy = ps.SINDy(optimizer=clone(model.optimizer), feature_library=clone(model.feature_library))
+    check_ordinary(model.feature_library, OWNER)
+    copy = deepcopy(model)  # scikit-learn's clone refuses a CustomLibrary
     first = records[0]
     states = first.states or [f"x{i}" for i in range(first.n_states)]
     inputs = first.inputs or [f"u{i}" for i in range(first.n_inputs)]
