@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
@@ -30,3 +31,13 @@ def data_dir() -> Path:
 def repository() -> Path:
     """Root of the source tree, which holds the README."""
     return REPOSITORY
+
+
+@pytest.fixture
+def sparse_problem():
+    """Twelve columns of very different sizes, three of them true: theta, coef and y."""
+    rng = np.random.default_rng(0)
+    theta = rng.normal(size=(600, 12)) * 10.0 ** rng.integers(-6, 6, 12)
+    coef = np.zeros(12)
+    coef[[1, 5, 9]] = [2.0, -1.0, 0.5] / np.std(theta[:, [1, 5, 9]], axis=0)
+    return theta, coef, theta @ coef + 0.1 * rng.normal(size=600)

@@ -6,9 +6,9 @@ All of them are made from `Equations`, so they show what is predicted and simula
 from .callables import RightHandSideFunction, to_callable
 from .code import to_code
 from .latex import to_latex
+from .plotting import plot_tree
 from .printing import format_equations, format_expression, format_number
 from .symbolic import to_sympy
-from .tree import plot_tree
 
 __all__ = [
     "RightHandSideFunction", "format_equations", "format_expression", "format_number",

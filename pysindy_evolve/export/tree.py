@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from ..terms import ONE, Atom, Call, Product, Sum, Variable
 from .printing import format_number
-from .symbolic import System, system_of
+from .symbolic import System
 
-__all__ = ["Node", "expression_tree", "plot_tree"]
+__all__ = ["Node", "expression_tree"]
 
 
 @dataclass(frozen=True)
@@ -112,46 +111,3 @@ def _number(value: float, digits: int | None) -> str:
         return mantissa
     power = f"10{exponent.replace('−', '-').translate(_SUPERSCRIPTS)}"
     return mantissa.removesuffix("1") + power if mantissa in ("1", "−1") else f"{mantissa}·{power}"
-
-
-def plot_tree(model: Any, state: str | None = None, ax: Any = None, digits: int | None = 4) -> Any:
-    """Draw the equation of one state as a tree.
-
-    Parameters
-    ----------
-    model : pysindy.SINDy, Equations or LoopReport
-        Fitted model, or what holds one.
-    state : str, optional
-        Name of the state; by default the last one, where the dynamics of a mechanical system are.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; by default a new figure of a size that fits the tree.
-    digits : int or None
-        Significant digits of the numbers.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    ValueError
-        If `state` is not a state of the model.
-    ImportError
-        If matplotlib is not installed.
-    """
-    system = system_of(model, "plot_tree", digits)
-    name = system.lefts[-1] if state is None else state
-    if name not in system.lefts:
-        raise ValueError(
-            f"plot_tree(state=...) must be a state of the model; got {state!r}. "
-            f"Choose from {', '.join(system.lefts)}."
-        )
-    try:
-        from .drawing import draw
-    except ImportError as error:
-        raise ImportError(
-            "plot_tree needs matplotlib; got an environment without it. "
-            'Run pip install "pysindy-evolve[plots]".'
-        ) from error
-    root = expression_tree(system, system.lefts.index(name), digits)
-    return draw(Node(f"{name}′ =", "left", (root,)), ax)
