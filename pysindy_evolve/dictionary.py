@@ -46,12 +46,15 @@ class Problem:
         Columns that are always in the equation.
     project : callable, optional
         A linear map on rows, (n, p) to (m, p), applied to theta, fixed columns and target alike.
+    noise : ndarray of shape (n_variables,), optional
+        Standard deviation of the noise in each variable, in the user's units.
     """
 
     x: np.ndarray
     target: np.ndarray
     fixed: np.ndarray
     project: Project | None = None
+    noise: np.ndarray | None = None
 
     def sample(self, n_rows: int, rng: np.random.Generator) -> Problem:
         """Draw one row from each of `n_rows` consecutive strata: the order of time is kept."""

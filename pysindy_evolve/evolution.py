@@ -111,6 +111,7 @@ def evolve(
     rng: np.random.Generator,
     fixed: np.ndarray | None = None,
     project: Project | None = None,
+    noise: np.ndarray | None = None,
     settings: Settings | None = None,
     progress: bool = False,
 ) -> Evolution:
@@ -131,6 +132,8 @@ def evolve(
     project : callable, optional
         A linear map on the rows of columns, (n, p) to (m, p), applied to theta, fixed columns and
         target alike, such as smooth windows. All rows are then used in each generation.
+    noise : ndarray of shape (n_variables,), optional
+        Standard deviation of the noise in each variable: terms worth less than it are dropped.
     settings : Settings, optional
         Parameters of the search.
     progress : bool
@@ -148,7 +151,7 @@ def evolve(
     """
     settings = settings or Settings()
     fixed = np.empty((len(x), 0)) if fixed is None else fixed
-    problem = Problem(x, target, fixed, project)
+    problem = Problem(x, target, fixed, project, noise)
     history: list[Generation] = []
     finalists: tuple[Product, ...] = ()
     search = generations(problem, operators, settings, rng)

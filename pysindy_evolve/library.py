@@ -14,6 +14,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils.validation import check_is_fitted
 
 from . import checks, handover
+from .denoise import Rows, denoise
 from .dictionary import Problem, build_dictionary
 from .evolution import Evolution, Settings, evolve
 from .operators import Operator, resolve
@@ -252,12 +253,44 @@ class EvolvingLibrary(_TermColumns):
         EvolvingLibrary
             Itself.
         """
+        self._grow(x_full, y)
+        return self
+
+    @x_sequence_or_item
+    def fit_transform(self, x_full: list[Any], y: Any = None) -> list[Any]:
+        """Grow the terms and evaluate the library for a regression on the training data.
+
+        Where x is noisy this is not what `transform` gives: terms are evaluated on the rows that
+        they were grown on, which are freed from noise (see `denoise`), and rows that say nothing
+        are zero. So every optimizer gets coefficients that the noise in x does not bias.
+
+        Parameters
+        ----------
+        x_full, y
+            As in `fit`.
+
+        Returns
+        -------
+        ndarray of shape (n_samples, n_output_features), or list of them
+        """
+        rows = self._grow(x_full, y)
+        edges = np.cumsum([len(x) for x in x_full])[:-1]
+        theta = [self._theta(x) for x in np.split(rows.x, edges)]
+        if rows.kept is not None:
+            for part, kept in zip(theta, np.split(rows.kept, edges), strict=True):
+                part[~kept] = 0.0
+        return theta
+
+    def _grow(self, x_full: list[Any], y: Any) -> Rows:
+        """Grow the terms; return the rows that they were grown on."""
         seen = None if y is not None else handover.target(self, x_full)
         handover.forget(self)
         x, targets = checks.training_data(x_full, seen if y is None else y)
         operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
+        rows = denoise(x, targets, [len(xi) for xi in x_full], operators)
+        x, targets = rows.of(rows.x), rows.of(targets)
         base = None if self.base_library is None else clone(self.base_library).fit(x_full)
-        fixed = np.empty((len(x), 0)) if base is None else _stack(base.transform(x_full))
+        fixed = np.empty((len(x), 0)) if base is None else np.asarray(base.transform(x))
         streams = np.random.SeedSequence(_entropy(self.random_state)).spawn(targets.shape[1])
         found: list[Evolution] = Parallel(n_jobs=self.n_jobs)(
             delayed(evolve)(
@@ -266,6 +299,7 @@ class EvolvingLibrary(_TermColumns):
                 operators=operators,
                 rng=np.random.default_rng(stream),
                 fixed=fixed,
+                noise=rows.noise,
                 settings=settings,
                 progress=self.progress,
             )
@@ -277,7 +311,7 @@ class EvolvingLibrary(_TermColumns):
         self.history_ = [evolution.history for evolution in found]
         self.n_features_in_ = x.shape[1]
         self.n_output_features_ = fixed.shape[1] + len(self.terms_)
-        return self
+        return rows
 
     def _settings(self) -> Settings:
         counts = ("population_size", "n_generations", "max_depth", "max_terms")
@@ -287,10 +321,6 @@ class EvolvingLibrary(_TermColumns):
         for name in rates:
             checks.rate(getattr(self, name), "EvolvingLibrary", name)
         return Settings(**{name: getattr(self, name) for name in (*counts, *rates)})
-
-
-def _stack(parts: Sequence[Any]) -> np.ndarray:
-    return np.concatenate([np.asarray(part, dtype=float) for part in parts])
 
 
 def _union(x: np.ndarray, fixed: np.ndarray, found: Sequence[Evolution]) -> tuple[Product, ...]:

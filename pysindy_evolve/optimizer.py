@@ -107,6 +107,10 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
                 "ElasticNet.fit(X=...) must have at least as many samples as terms; got "
                 f"{len(theta)} samples for {theta.shape[1]} terms. Record longer or offer fewer."
             )
+        # A row of zeros says nothing about any coefficient.
+        said = np.flatnonzero(theta.any(axis=1))
+        if theta.shape[1] <= len(said) < len(theta):
+            theta, targets = theta[said], targets[said]
         self.coef_ = np.array([self._fit_target(theta, column) for column in targets.T])
         self.ind_ = self.coef_ != 0.0
         self.intercept_ = 0.0

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from . import regression
+from .blur import blurred_power
 from .constants import tune
 from .dictionary import Problem, price
 from .gram import Gram
@@ -42,7 +43,7 @@ def refit(
     -------
     terms : tuple of Product
         Those that pay their price on all rows, have the same coefficient all along the record,
-        and are larger than the error of a derivative.
+        and are larger than the error of a derivative and than what noise in the variables does.
     coef : tuple of float
         Their coefficients by least squares, in units of the target per unit of the term.
     """
@@ -59,9 +60,17 @@ def refit(
         n_effective = regression.effective_size(_residual(problem, [terms[j] for j in support]))
     if folds:
         support = regression.stable(whole, folds, support)
-    kept = sorted(regression.material(whole, support), key=lambda j: terms[j].size)
-    coef = regression.least_squares(whole, kept)[kept] / scale[kept]
-    return tuple(terms[j] for j in kept), tuple(float(c) for c in coef)
+    least = blurred_power(problem, *_equation(terms, whole, support, scale))
+    kept = sorted(regression.material(whole, support, least), key=lambda j: terms[j].size)
+    return _equation(terms, whole, kept, scale)
+
+
+def _equation(
+    terms: Sequence[Product], whole: Gram, support: Sequence[int] | np.ndarray, scale: np.ndarray
+) -> tuple[tuple[Product, ...], tuple[float, ...]]:
+    """Return the terms of a support and their coefficients, in the units of the problem."""
+    coef = regression.least_squares(whole, support)[support] / scale[support]
+    return tuple(terms[j] for j in support), tuple(float(c) for c in coef)
 
 
 def _grams(

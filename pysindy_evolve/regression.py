@@ -173,7 +173,7 @@ def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
     return list(front[chosen:])
 
 
-def material(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray:
+def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0) -> np.ndarray:
     """Drop terms too small to be told from the error of a derivative.
 
     Parameters
@@ -182,6 +182,8 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray:
         Inner products.
     support : sequence of int
         Columns to begin with.
+    least : float
+        Sum of squares that every term must explain, in units of the target squared.
 
     Returns
     -------
@@ -201,7 +203,8 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray:
         error = rss(scaled, least_squares(scaled, support))
         rise = without[support] - error
         worst = int(np.argmin(rise))
-        if error + rise[worst] >= MATERIAL * gram.yy or rise[worst] >= error / REMAINDER:
+        seen = error + rise[worst] >= MATERIAL * gram.yy or rise[worst] >= error / REMAINDER
+        if seen and rise[worst] >= least:
             break
         support = np.delete(support, worst)
     return support

@@ -14,7 +14,7 @@ LAYERS = (
     {"equations", "text", "grammar"},
     {"tracing", "library_terms"},
     {"gram", "elimination", "regression", "signals", "simulation"},
-    {"genetics", "refit", "constants", "dictionary"},
+    {"genetics", "refit", "constants", "dictionary", "blur", "denoise"},
     {"evolution"},
     {"handover", "library", "optimizer"},
     {"export"},
