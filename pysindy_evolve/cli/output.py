@@ -13,7 +13,7 @@ import numpy as np
 from ..equations import Equations
 from ..export import to_code, to_latex
 from ..loop import LoopReport
-from ..loop.judge import simulation_errors
+from ..loop.runs import simulation_errors
 from ..signals import Record
 
 __all__ = ["complain", "indented", "print_code", "print_errors", "progress", "save", "say"]

@@ -21,7 +21,14 @@ from .residual import jacobian, view_grams
 from .segments import segments, variables_of
 from .sticking import moving
 
-__all__ = ["Fit", "derivative_errors", "derivative_fit_errors", "derivative_intervals", "fit"]
+__all__ = [
+    "Fit",
+    "derivative_errors",
+    "derivative_fit_errors",
+    "derivative_intervals",
+    "fit",
+    "refit",
+]
 
 N_BLOCKS = 40  # of the derivative fit: long against the memory of a residual
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each from one initial state
@@ -78,7 +85,7 @@ def fit(design: Design, records: Sequence[Record], rng: np.random.Generator) -> 
         _square(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
     )
     plain = sum(_square(stretch, by_derivative) for stretch in judged)
-    by_simulation = _solve(np.array([_normalized(grams) for grams in horizons.values()]))
+    by_simulation = _over_all(horizons)
     whole = blocks.sum(axis=0)
     torn = _square(whole, by_simulation) > MAX_TORN * _square(whole, by_derivative)
     if len(judged) < 2 or torn or not held_out < plain:
@@ -86,6 +93,18 @@ def fit(design: Design, records: Sequence[Record], rng: np.random.Generator) -> 
     shortest = horizons[max(horizons)]
     shift = by_simulation - _solve(shortest)
     return Fit(by_simulation, _bootstrap(shortest, rng) + shift[:, None], "simulation")
+
+
+def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarray:
+    """Return the coefficients, shape (p,), that minimize the error named by a criterion."""
+    by_derivative = _solve(derivative_grams(design, records))
+    if criterion == "derivative":
+        return by_derivative
+    return _over_all(simulation_grams(design, by_derivative, records))
+
+
+def _over_all(horizons: dict[int, np.ndarray]) -> np.ndarray:
+    return _solve(np.array([_normalized(grams) for grams in horizons.values()]))
 
 
 def _normalized(grams: np.ndarray) -> np.ndarray:

@@ -27,7 +27,7 @@ SHORTEST = 64  # raw samples of a piece; below, little is left of the model
 FADE = 4  # pieces fade into one another over this part of their length
 TOLERANCES = (1e-10, 1e-7)  # of a simulation step: well below the noise, which may be rounding
 REFINEMENT = 4  # steps that splines put into each raw sample of an input, where that is cheap
-CHEAP = 40_000  # refined samples
+CHEAP = 160_000  # refined samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class _Course:
     def fine(self) -> tuple[np.ndarray, np.ndarray | None]:
         """Refined times and inputs: straight lines between samples would take off their peaks."""
         t, u, steps = self.made.t, self.made.u, self.refinement
-        if u is None or steps == 1:
+        if u is None:
             return t, u
         n = len(t)
         fine = np.interp(np.arange(steps * (n - 1) + 1) / steps, np.arange(n), t)

@@ -17,11 +17,12 @@ from ..terms import Sum
 from .design import Design
 from .effect import Alternative, Effect, Errors, Step
 from .fit import derivative_fit_errors
-from .judge import free_run, judge
+from .judge import judge
 from .model import as_sindy
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
+from .runs import free_run
 from .step import Finding
 from .text import as_markdown, as_text
 
@@ -142,7 +143,8 @@ def make_report(
     for _, group in groupby(findings, key=lambda finding: finding.step):
         found = list(group)
         design = design.adding(column for finding in found for column in finding.columns)
-        fitted, errors = judge(design, train, test, rng)
+        last = found[-1] is findings[-1]
+        fitted, errors = judge(design, train, test, rng, final=last)
         for finding in found:
             effects.append(_effect(design, finding, train, test))
             steps.append(Step(finding.candidate.name, effects[-1].state, errors))
