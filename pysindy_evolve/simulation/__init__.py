@@ -13,8 +13,8 @@ from tqdm.auto import tqdm
 from .freerun import CHUNK, Diverged, FreeRun, Limits
 from .inputs import Input, as_equations, check_input, check_start, check_time
 from .program import program_of
-from .shooting import simulate_windows
 from .structure import structure_of
+from .windows import simulate_windows
 
 __all__ = ["simulate", "simulate_windows"]
 

@@ -1,315 +1,180 @@
-"""Many short runs at once: every window of a record starts from its measured state.
-
-Columns are windows, and all of them take the same Runge-Kutta steps of order 4 in one array. The
-rules at a switch are those of the free run: a column whose step crosses a switch is cut there by
-regula falsi, decides whether it passes or sticks, and takes the rest of its step.
-
-======  =========================  ======================================================
-symbol  shape                      meaning
-======  =========================  ======================================================
-x       (n_states, n_columns)      states
-u, du   (n_inputs, n_columns)      inputs at the start of a step, and their slopes
-s       (n_switches, n_columns)    frozen signs, or equivalent ones where a switch is held
-held    (n_switches, n_columns)    whether a switch is held at zero
-======  =========================  ======================================================
-"""
+"""Predict a record in windows, each from its measured state: the cheap simulation error."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from .structure import Switch
+from ..equations import Equations
+from .columns import Columns, Field, choose_substeps
+from .crossing import advance, start_signs
+from .inputs import as_equations, check_input, check_states, check_time
+from .structure import find_switches, is_affine
 from .tape import Tape
 
-__all__ = ["Columns", "Field", "advance", "choose_substeps", "start_signs"]
+__all__ = ["simulate_windows"]
 
-MAX_EVENTS = 8  # in one step
-REFINEMENTS = 2  # of the fraction of the step at which a switch is crossed
-SWEEPS = 8  # over several switches at zero
-SETTLED = 1e-9  # change of a sign between two sweeps
-PROBE = 1e-3  # of a step, along which the slope of a switching function is taken
+TOLERANCE = 1e-6  # of a sample interval, relative to the state
+MAX_SUBSTEPS = 20
 
 
-@dataclass(frozen=True)
-class Field:
-    """The right-hand side on columns.
-
-    Attributes
-    ----------
-    tape : Tape
-        Terms.
-    coef : ndarray of shape (n_models, n_states, n_terms)
-        Coefficients of each model.
-    switches : tuple of Switch
-        Arguments of sgn.
-    affine : bool
-        Whether every sign is but a factor of terms, so that x_dot is affine in it.
-    """
-
-    tape: Tape
-    coef: np.ndarray
-    switches: tuple[Switch, ...]
-    affine: bool
-
-
-@dataclass(frozen=True)
-class Columns:
-    """State of some columns at the start of a step; see the table of the module.
-
-    `t` and `model`, of shape (n_columns,), hold the time and the row of `coef` of each column.
-    """
-
-    x: np.ndarray
-    u: np.ndarray
-    du: np.ndarray
-    t: np.ndarray
-    s: np.ndarray
-    held: np.ndarray
-    model: np.ndarray
-
-    def pick(self, at: np.ndarray) -> Columns:
-        """Return some of the columns."""
-        parts = (self.x, self.u, self.du, self.t, self.s, self.held, self.model)
-        return Columns(*(part[..., at] for part in parts))
-
-    def put(self, at: np.ndarray, other: Columns) -> None:
-        """Write the states, signs and times of other columns into some of these."""
-        for name in ("x", "u", "t", "s", "held"):
-            getattr(self, name)[..., at] = getattr(other, name)
-
-
-def advance(field: Field, columns: Columns, h: np.ndarray) -> Columns:
-    """Take one step of length h, shape (n_columns,), in every column."""
-    if not field.switches:
-        return _step(field, columns, h)
-    columns = _synchronized(field, columns, h)
-    after = _step(field, columns, h)
-    todo, crossed = _crossed(field, after)
-    now, left = columns, h
-    for _ in range(MAX_EVENTS):
-        if not len(todo):
-            break
-        now, left = now.pick(crossed), left[crossed]
-        now, left = _cross(field, now, left)
-        end = _step(field, now, left)
-        after.put(todo, end)
-        beyond, crossed = _crossed(field, end)
-        todo = todo[beyond]
-    return after
-
-
-def start_signs(field: Field, columns: Columns, h: np.ndarray) -> Columns:
-    """Set the signs at measured states; a switch that is exactly at zero is decided."""
-    for _ in field.switches:  # inner signs first
-        columns = replace(columns, s=np.sign(_g(field, columns)))
-    zero = _g(field, columns) == 0.0
-    return _resolve(field, columns, zero, h) if zero.any() else columns
-
-
-def _step(field: Field, c: Columns, h: np.ndarray) -> Columns:
-    k1 = _rates(field, c, h)
-    middle = _moved(c, k1, h / 2)
-    k2 = _rates(field, middle, h)
-    k3 = _rates(field, replace(middle, x=c.x + h / 2 * k2), h)
-    end = _moved(c, k3, h)
-    k4 = _rates(field, end, h)
-    return replace(end, x=c.x + h / 6 * (k1 + 2 * (k2 + k3) + k4), s=c.s.copy(), held=c.held.copy())
-
-
-def _moved(c: Columns, k: np.ndarray, h: np.ndarray) -> Columns:
-    return replace(c, x=c.x + h * k, u=c.u + h * c.du, t=c.t + h)
-
-
-def _rates(field: Field, c: Columns, h: np.ndarray) -> np.ndarray:
-    """Return x_dot; a held switch has the equivalent sign that keeps it at zero."""
-    rates = _plain_rates(field, c, c.s)
-    if not c.held.any():
-        return rates
-    at = np.flatnonzero(c.held.any(axis=0))
-    part = c.pick(at)
-    signs = _equivalent(field, part, part.held, h[at])
-    balanced = _mixed_rates(field, part, signs)
-    for i, switch in enumerate(field.switches):
-        if switch.state is not None:
-            balanced[switch.state, part.held[i]] = 0.0  # rest is rest, to the last digit
-    rates[:, at] = balanced
-    return rates
-
-
-def _mixed_rates(field: Field, c: Columns, s: np.ndarray, first: int = 0) -> np.ndarray:
-    """Return Filippov's convex combination of x_dot at the signs -1 and 1 of held switches."""
-    held = [] if field.affine else np.flatnonzero(c.held.any(axis=1)).tolist()
-    held = [i for i in held if i >= first]
-    if not held:
-        return _plain_rates(field, c, s)
-    i = held[0]
-    ends = []
-    for end in (-1.0, 1.0):
-        fixed = s.copy()
-        fixed[i] = np.where(c.held[i], end, s[i])
-        ends.append(_mixed_rates(field, c, fixed, i + 1))
-    share = np.where(c.held[i], (s[i] + 1.0) / 2.0, 0.0)
-    return ends[0] + share * (ends[1] - ends[0])
-
-
-def _plain_rates(field: Field, c: Columns, s: np.ndarray) -> np.ndarray:
-    theta = field.tape.theta([*c.x, *c.u, c.t], s)
-    if len(field.coef) == 1:
-        return field.coef[0] @ theta
-    return np.einsum("csk,kc->sc", field.coef[c.model], theta)
-
-
-def _g(field: Field, c: Columns) -> np.ndarray:
-    return field.tape.switches([*c.x, *c.u, c.t], c.s)
-
-
-def _slope(field: Field, c: Columns, s: np.ndarray, i: int, h: np.ndarray) -> np.ndarray:
-    """Return dg_i/dt with the signs s."""
-    rates = _plain_rates(field, c, s)
-    state = field.switches[i].state
-    if state is not None:
-        return rates[state]
-    step = PROBE * h
-    there = _moved(c, rates, step)
-    return (_g(field, there)[i] - _g(field, c)[i]) / step
-
-
-def _both_slopes(
-    field: Field, c: Columns, s: np.ndarray, i: int, h: np.ndarray
+def simulate_windows(
+    model: Any,
+    x: Any,
+    t: Any,
+    u: Any = None,
+    *,
+    window: int = 100,
+    stride: int | None = None,
+    substeps: int | None = None,
+    coef: Any = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    up, down = s.copy(), s.copy()
-    up[i], down[i] = 1.0, -1.0
-    return _slope(field, c, up, i, h), _slope(field, c, down, i, h)
-
-
-def _equivalent(field: Field, c: Columns, held: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """Return signs that hold all held switches at zero, not bounded by one."""
-    s = c.s.copy()
-    several = held.sum(axis=0).max() > 1
-    for _ in range(SWEEPS if several else 1):
-        before = s.copy()
-        for i in np.flatnonzero(held.any(axis=1)).tolist():
-            up, down = _both_slopes(field, c, s, i, h)
-            s[i] = np.where(held[i], _balance(up, down), s[i])
-        if np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
-            break
-    return s
-
-
-def _balance(up: np.ndarray, down: np.ndarray) -> np.ndarray:
-    """Return the sign between -1 and 1 (or beyond) at which a slope affine in it is zero."""
-    total, gap = up + down, down - up
-    with np.errstate(all="ignore"):
-        return np.where(total == 0.0, 0.0, total / gap)
-
-
-def _resolve(field: Field, c: Columns, zero: np.ndarray, h: np.ndarray) -> Columns:
-    """Apply Filippov's rule to the switches that are at zero, each given the others."""
-    s, held = c.s.copy(), c.held.copy()
-    several = zero.sum(axis=0).max() > 1
-    for _ in range(SWEEPS if several else 1):
-        before = s.copy()
-        for i in np.flatnonzero(zero.any(axis=1)).tolist():
-            up, down = _both_slopes(field, c, s, i, h)
-            onward = np.where(s[i] == 0.0, 1.0, -np.sign(s[i]))
-            rule = np.where(up > 0.0, np.where(down >= 0.0, 1.0, onward), _balance(up, down))
-            rule = np.where((up <= 0.0) & (down < 0.0), -1.0, rule)
-            s[i] = np.where(zero[i], np.clip(rule, -1.0, 1.0), s[i])
-        if np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
-            break
-    held = np.where(zero, np.abs(s) < 1.0, held)
-    return replace(c, s=s, held=held)
-
-
-def _synchronized(field: Field, c: Columns, h: np.ndarray) -> Columns:
-    """Release switches whose limit is passed, and renew the signs that jumped with an input."""
-    for i, switch in enumerate(field.switches):
-        if switch.external:
-            g = _g(field, c)[i]
-            after = _g(field, _moved(c, np.zeros_like(c.x), h))[i]
-            c.s[i] = np.where(g == 0.0, np.sign(after), np.sign(g))
-            c.held[i] = False
-    if c.held.any():
-        at = np.flatnonzero(c.held.any(axis=0))
-        part = c.pick(at)
-        c.put(at, _resolve(field, part, part.held, h[at]))
-    return c
-
-
-def _crossed(field: Field, after: Columns) -> tuple[np.ndarray, np.ndarray]:
-    """Return the columns whose step went beyond a switch: as indices, and as a mask."""
-    beyond = (~after.held & (after.s * _g(field, after) < 0.0)).any(axis=0)
-    return np.flatnonzero(beyond), beyond
-
-
-def _cross(field: Field, c: Columns, h: np.ndarray) -> tuple[Columns, np.ndarray]:
-    """Go to the first switch in each column and decide there; return it and the rest of h."""
-    fraction, first = _fractions(field, c, h)
-    at = _step(field, c, fraction * h)
-    zero = at.held.copy()
-    zero[first, np.arange(len(h))] = True
-    for i, switch in enumerate(field.switches):
-        if switch.state is not None:
-            at.x[switch.state, zero[i]] = 0.0
-    at = _resolve(field, at, zero, h)
-    if len(field.switches) > 1:  # an argument may hold a sign that has just jumped
-        g = _g(field, at)
-        at = replace(at, s=np.where(zero | at.held | (g == 0.0), at.s, np.sign(g)))
-    return at, (1.0 - fraction) * h
-
-
-def _fractions(field: Field, c: Columns, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Locate the first switch within a step: its fraction of h, and which switch it is."""
-    signs = np.where(c.held, 0.0, c.s)
-    start = np.maximum(signs * _g(field, c), 0.0)
-    end = signs * _g(field, _step(field, c, h))
-    with np.errstate(all="ignore"):
-        share = np.where(end < 0.0, start / (start - end), np.inf)
-    first = np.argmin(share, axis=0)
-    columns = np.arange(len(h))
-    low, high = np.zeros(len(h)), np.ones(len(h))
-    below, above = start[first, columns], end[first, columns]
-    fraction = np.clip(share[first, columns], 0.0, 1.0)
-    for _ in range(REFINEMENTS):
-        trial = _step(field, c, fraction * h)
-        value = (signs * _g(field, trial))[first, columns]
-        inside = value >= 0.0
-        low, below = np.where(inside, fraction, low), np.where(inside, value, below)
-        high, above = np.where(inside, high, fraction), np.where(inside, above, value)
-        with np.errstate(all="ignore"):
-            fraction = low + (high - low) * below / (below - above)
-        fraction = np.clip(np.nan_to_num(fraction, nan=0.0), 0.0, 1.0)
-    return fraction, first
-
-
-def choose_substeps(field: Field, c: Columns, h: np.ndarray, tolerance: float, largest: int) -> int:
-    """Return how many steps a sample interval needs in nine columns of ten.
+    """Integrate a model over many windows of a record at once, each from its measured state.
 
     Parameters
     ----------
-    field : Field
-        Right-hand side.
-    c : Columns
-        Columns at their starts, which serve as a sample of the trajectory.
-    h : ndarray of shape (n_columns,)
-        Sample interval.
-    tolerance : float
-        Error of one interval, relative to the spread of each state over the columns.
-    largest : int
-        Never more than these.
+    model : SINDy, Equations, or an object whose `equations` are Equations
+        A model in continuous time.
+    x : array-like of shape (n_samples, n_states)
+        Measured states.
+    t : array-like of shape (n_samples,)
+        Times, strictly increasing.
+    u : array-like of shape (n_samples,) or (n_samples, n_inputs), optional
+        Inputs at t, linear in between.
+    window : int
+        Samples that are predicted in each window.
+    stride : int, optional
+        Samples between the starts of two windows; by default `window`, so that each sample but
+        the starts and a remainder at the end is predicted once.
+    substeps : int, optional
+        Runge-Kutta steps a sample interval; by default from the error of one step.
+    coef : array-like of shape (n_models, n_states, n_terms), optional
+        Coefficients of several models with the terms of this one.
 
     Returns
     -------
-    int
+    predicted : ndarray of shape (n_windows, window, n_states)
+        States at the samples `index`; with `coef` of shape (n_models, n_windows, window,
+        n_states). Where a model diverges, values are not finite.
+    index : ndarray of shape (n_windows, window)
+        Samples that are predicted.
+
+    Raises
+    ------
+    ValueError
+        If a shape is wrong, t does not increase, or the record is shorter than a window.
+
+    Notes
+    -----
+    A step is cut where a sign switches, as in `simulate`, but located in two refinements, and a
+    switch that sticks is released at the end of the step in which it should be. The cost grows
+    with `window` and hardly with the number of windows.
     """
-    once = _step(field, c, h)
-    twice = _step(field, _step(field, c, h / 2), h / 2)
-    size = np.maximum(np.abs(c.x).max(axis=1), np.abs(once.x - c.x).max(axis=1))
-    worst = np.max(np.abs(once.x - twice.x) / np.where(size > 0, size, 1.0)[:, None], axis=0)
-    worst = worst[np.isfinite(worst)]
-    if not len(worst):
-        return 1
-    typical = float(np.quantile(worst, 0.9))
-    return int(min(max(np.ceil((typical / tolerance) ** 0.25), 1), largest))
+    owner = "simulate_windows"
+    equations = as_equations(model, owner)
+    times = check_time(t, owner)
+    states = check_states(x, times, equations, owner)
+    inputs = check_input(u, times, equations, owner)
+    batch = _check_coef(coef, equations)
+    starts = _starts(len(times), window, stride)
+    field, n_models = _field(equations, batch), len(batch)
+    columns = _columns(field, states, inputs, times, starts, n_models)
+    steps = np.diff(times)
+    slopes = np.diff(inputs, axis=0) / steps[:, None]
+    out = np.empty((window, len(equations.states), n_models * len(starts)))
+    with np.errstate(all="ignore"):
+        h = np.tile(steps[starts], n_models)
+        columns = _fed(columns, inputs, slopes, times, starts, n_models)
+        columns = start_signs(field, columns, h)
+        n = substeps or choose_substeps(field, columns, h, TOLERANCE, MAX_SUBSTEPS)
+        for j in range(window):
+            columns = _fed(columns, inputs, slopes, times, starts + j, n_models)
+            h = np.tile(steps[starts + j], n_models) / n
+            for _ in range(n):
+                columns = advance(field, columns, h)
+            out[j] = columns.x
+    predicted = out.reshape(window, len(equations.states), n_models, len(starts))
+    predicted = predicted.transpose(2, 3, 0, 1)
+    index = starts[:, None] + np.arange(1, window + 1)
+    return (predicted[0] if coef is None else predicted), index
+
+
+def _field(equations: Equations, batch: np.ndarray) -> Field:
+    used = np.flatnonzero(np.any(batch != 0.0, axis=(0, 1)))
+    terms = tuple(equations.terms[i] for i in used)
+    n_states = len(equations.states)
+    switches = find_switches(terms, n_states)
+    n_variables = n_states + len(equations.inputs) + 1
+    tape = Tape(terms, switches, n_variables)
+    return Field(tape, batch[:, :, used], switches, is_affine(terms))
+
+
+def _columns(
+    field: Field,
+    x: np.ndarray,
+    u: np.ndarray,
+    t: np.ndarray,
+    starts: np.ndarray,
+    n_models: int,
+) -> Columns:
+    n_columns, n_switches = n_models * len(starts), len(field.switches)
+    return Columns(
+        x=np.tile(x[starts].T, n_models),
+        u=np.tile(u[starts].T, n_models),
+        du=np.zeros((u.shape[1], n_columns)),
+        t=np.tile(t[starts], n_models),
+        s=np.zeros((n_switches, n_columns)),
+        held=np.zeros((n_switches, n_columns), dtype=bool),
+        model=np.repeat(np.arange(n_models), len(starts)),
+    )
+
+
+def _fed(
+    columns: Columns,
+    u: np.ndarray,
+    slopes: np.ndarray,
+    t: np.ndarray,
+    at: np.ndarray,
+    n_models: int,
+) -> Columns:
+    """Put the measured inputs of the next sample interval into the columns."""
+    return Columns(
+        x=columns.x,
+        u=np.tile(u[at].T, n_models),
+        du=np.tile(slopes[at].T, n_models),
+        t=np.tile(t[at], n_models),
+        s=columns.s,
+        held=columns.held,
+        model=columns.model,
+    )
+
+
+def _starts(n_samples: int, window: int, stride: int | None) -> np.ndarray:
+    for name, value in (("window", window), ("stride", stride)):
+        if name == "stride" and value is None:
+            continue
+        if not isinstance(value, int | np.integer) or value < 1:
+            raise ValueError(
+                f"simulate_windows({name}=...) must be an integer of at least 1; got {value!r}. "
+                "Give a number of samples."
+            )
+    if n_samples <= window:
+        raise ValueError(
+            f"simulate_windows(window=...) must be below the {n_samples} samples of the record; "
+            f"got {window}. Take a shorter window."
+        )
+    return np.arange(0, n_samples - window, stride or window)
+
+
+def _check_coef(coef: Any, equations: Equations) -> np.ndarray:
+    if coef is None:
+        return np.asarray(equations.coef, dtype=float)[None]
+    batch = np.asarray(coef, dtype=float)
+    shape = (len(equations.states), len(equations.terms))
+    if batch.ndim != 3 or batch.shape[1:] != shape:
+        raise ValueError(
+            f"simulate_windows(coef=...) must have shape (n_models, {shape[0]}, {shape[1]}); "
+            f"got {batch.shape}. Stack the coefficients of the models along the first axis."
+        )
+    return batch

@@ -1,0 +1,125 @@
+"""Steps of many columns that cross switches.
+
+The rules are those of the free run: a column whose step crosses a switch is cut there by regula
+falsi, decides whether it passes or sticks, and takes the rest of its step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .columns import SETTLED, SWEEPS, Columns, Field, balance, both_slopes, moved, step, switching
+
+__all__ = ["advance", "start_signs"]
+
+MAX_EVENTS = 8  # in one step
+REFINEMENTS = 2  # of the fraction of the step at which a switch is crossed
+
+
+def advance(field: Field, columns: Columns, h: np.ndarray) -> Columns:
+    """Take one step of length h, shape (n_columns,), in every column."""
+    if not field.switches:
+        return step(field, columns, h)
+    columns = _synchronized(field, columns, h)
+    after = step(field, columns, h)
+    todo, crossed = _crossed(field, after)
+    now, left = columns, h
+    for _ in range(MAX_EVENTS):
+        if not len(todo):
+            break
+        now, left = now.pick(crossed), left[crossed]
+        now, left = _cross(field, now, left)
+        end = step(field, now, left)
+        after.put(todo, end)
+        beyond, crossed = _crossed(field, end)
+        todo = todo[beyond]
+    return after
+
+
+def start_signs(field: Field, columns: Columns, h: np.ndarray) -> Columns:
+    """Set the signs at measured states; a switch that is exactly at zero is decided."""
+    for _ in field.switches:  # inner signs first
+        columns = replace(columns, s=np.sign(switching(field, columns)))
+    zero = switching(field, columns) == 0.0
+    return _resolve(field, columns, zero, h) if zero.any() else columns
+
+
+def _resolve(field: Field, c: Columns, zero: np.ndarray, h: np.ndarray) -> Columns:
+    """Apply Filippov's rule to the switches that are at zero, each given the others."""
+    s, held = c.s.copy(), c.held.copy()
+    several = zero.sum(axis=0).max() > 1
+    for _ in range(SWEEPS if several else 1):
+        before = s.copy()
+        for i in np.flatnonzero(zero.any(axis=1)).tolist():
+            up, down = both_slopes(field, c, s, i, h)
+            onward = np.where(s[i] == 0.0, 1.0, -np.sign(s[i]))
+            rule = np.where(up > 0.0, np.where(down >= 0.0, 1.0, onward), balance(up, down))
+            rule = np.where((up <= 0.0) & (down < 0.0), -1.0, rule)
+            s[i] = np.where(zero[i], np.clip(rule, -1.0, 1.0), s[i])
+        if np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
+            break
+    held = np.where(zero, np.abs(s) < 1.0, held)
+    return replace(c, s=s, held=held)
+
+
+def _synchronized(field: Field, c: Columns, h: np.ndarray) -> Columns:
+    """Release switches whose limit is passed, and renew the signs that jumped with an input."""
+    for i, switch in enumerate(field.switches):
+        if switch.external:
+            g = switching(field, c)[i]
+            after = switching(field, moved(c, np.zeros_like(c.x), h))[i]
+            c.s[i] = np.where(g == 0.0, np.sign(after), np.sign(g))
+            c.held[i] = False
+    if c.held.any():
+        at = np.flatnonzero(c.held.any(axis=0))
+        part = c.pick(at)
+        c.put(at, _resolve(field, part, part.held, h[at]))
+    return c
+
+
+def _crossed(field: Field, after: Columns) -> tuple[np.ndarray, np.ndarray]:
+    """Return the columns whose step went beyond a switch: as indices, and as a mask."""
+    beyond = (~after.held & (after.s * switching(field, after) < 0.0)).any(axis=0)
+    return np.flatnonzero(beyond), beyond
+
+
+def _cross(field: Field, c: Columns, h: np.ndarray) -> tuple[Columns, np.ndarray]:
+    """Go to the first switch in each column and decide there; return it and the rest of h."""
+    fraction, first = _fractions(field, c, h)
+    at = step(field, c, fraction * h)
+    zero = at.held.copy()
+    zero[first, np.arange(len(h))] = True
+    for i, switch in enumerate(field.switches):
+        if switch.state is not None:
+            at.x[switch.state, zero[i]] = 0.0
+    at = _resolve(field, at, zero, h)
+    if len(field.switches) > 1:  # an argument may hold a sign that has just jumped
+        g = switching(field, at)
+        at = replace(at, s=np.where(zero | at.held | (g == 0.0), at.s, np.sign(g)))
+    return at, (1.0 - fraction) * h
+
+
+def _fractions(field: Field, c: Columns, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Locate the first switch within a step: its fraction of h, and which switch it is."""
+    signs = np.where(c.held, 0.0, c.s)
+    start = np.maximum(signs * switching(field, c), 0.0)
+    end = signs * switching(field, step(field, c, h))
+    with np.errstate(all="ignore"):
+        share = np.where(end < 0.0, start / (start - end), np.inf)
+    first = np.argmin(share, axis=0)
+    columns = np.arange(len(h))
+    low, high = np.zeros(len(h)), np.ones(len(h))
+    below, above = start[first, columns], end[first, columns]
+    fraction = np.clip(share[first, columns], 0.0, 1.0)
+    for _ in range(REFINEMENTS):
+        trial = step(field, c, fraction * h)
+        value = (signs * switching(field, trial))[first, columns]
+        inside = value >= 0.0
+        low, below = np.where(inside, fraction, low), np.where(inside, value, below)
+        high, above = np.where(inside, high, fraction), np.where(inside, above, value)
+        with np.errstate(all="ignore"):
+            fraction = low + (high - low) * below / (below - above)
+        fraction = np.clip(np.nan_to_num(fraction, nan=0.0), 0.0, 1.0)
+    return fraction, first
