@@ -14,6 +14,7 @@ false naming comes with its 95 % Clopper-Pearson interval.
 
 import argparse
 import json
+import random
 import time
 
 from joblib import Parallel, delayed
@@ -78,6 +79,7 @@ def loop(declared, records, seed, options):
 
 def row(report, **case):
     return case | {
+        "verdict": report.verdict,
         "names": [e.name for e in report.effects],
         "terms": [f"{e.state}: {e.term}" for e in report.effects],
         "p": [e.p_value for e in report.effects],
@@ -94,6 +96,9 @@ def main():
     parser.add_argument("--only", nargs="+", help="names of effects")
     parser.add_argument("--shares", nargs="+", type=float, default=[0.02, 0.05])
     parser.add_argument("--noise", nargs="+", type=float, default=[0.1, 0.5, 2.0], help="percent")
+    parser.add_argument(
+        "--sample", type=int, help="draw at random so many of the runs with effects"
+    )
     parser.add_argument("--n", type=int, default=6000, help="raw samples")
     parser.add_argument("--n-twins", type=int, default=299)
     parser.add_argument("--seed", type=int, default=0, help="of the first run")
@@ -112,6 +117,8 @@ def main():
         if given.only is None or e in given.only
         for share in given.shares for percent in given.noise
     ]  # fmt: skip
+    if given.sample is not None:
+        effects = random.Random(given.seed).sample(effects, min(given.sample, len(effects)))
     for calls, show in ((nulls, print_nulls), (effects, print_effects)):
         if calls:
             found = Parallel(n_jobs=given.n_jobs, return_as="generator")(calls)

@@ -23,17 +23,22 @@ def grouped(rows, key):
 
 
 def print_nulls(rows):
-    print(f"\n{'nothing missing':<20}{'runs':>6}{'named':>7}{'rate %':>8}{'95 %':>14}   names")
+    """Print how often an effect was named, or the verdict was "untraced" without a name."""
+    heads = f"{'runs':>6}{'named':>7}{'rate %':>8}{'95 %':>14}{'untraced':>10}   names"
+    print(f"\n{'nothing missing':<20}{heads}")
     by_system = grouped(rows, lambda r: "  " + r["system"])
     for kind, group in {**grouped(rows, lambda r: r["kind"]), **by_system, "all": rows}.items():
         k, n = sum(bool(r["names"]) for r in group), len(group)
         low, high = interval(k, n)
+        lost = sum(r["verdict"] == "untraced" for r in group)
         names = defaultdict(int)
         for r in group:
             for name in r["names"][:1]:
                 names[name] += 1
         shown = ", ".join(f"{v} {k}" for k, v in sorted(names.items(), key=lambda x: -x[1]))
-        print(f"{kind:<20}{n:>6}{k:>7}{100 * k / n:>8.1f}{low:>6.1f} -{high:>5.1f}    {shown}")
+        print(
+            f"{kind:<20}{n:>6}{k:>7}{100 * k / n:>8.1f}{low:>6.1f} -{high:>5.1f}{lost:>9}    {shown}"
+        )
     print(f"median seconds a loop: {np.median([r['seconds'] for r in rows]):.2f}")
 
 
@@ -61,7 +66,9 @@ def print_effects(rows):
             scores = np.array([judged(r) for r in group], dtype=float)
             known = scores[~np.isnan(scores[:, 1])]
             first, found = known[:, 1:3].mean(axis=0) if len(known) else (np.nan, np.nan)
-            ratio = np.array([r["free_run"][1] / r["free_run"][2] for r in group])
+            runs = np.array([r["free_run"][1:] for r in group])  # a reference that diverges is none
+            ratio = np.where(np.isfinite(runs[:, 1]), runs[:, 0] / runs[:, 1], np.nan)
+            ratio = ratio[~np.isnan(ratio)]
             print(
                 f"{' '.join(label):<28}{len(group):>5}{scores[:, 0].mean():>7.2f}{first:>7.2f}"
                 f"{found:>7.2f}{scores[:, 3].mean():>7.2f}{(ratio <= 1.2).mean():>11.2f}"
