@@ -36,9 +36,8 @@ def print_nulls(rows):
             for name in r["names"][:1]:
                 names[name] += 1
         shown = ", ".join(f"{v} {k}" for k, v in sorted(names.items(), key=lambda x: -x[1]))
-        print(
-            f"{kind:<20}{n:>6}{k:>7}{100 * k / n:>8.1f}{low:>6.1f} -{high:>5.1f}{lost:>9}    {shown}"
-        )
+        rate = f"{100 * k / n:>8.1f}{low:>6.1f} -{high:>5.1f}"
+        print(f"{kind:<20}{n:>6}{k:>7}{rate}{lost:>9}    {shown}")
     print(f"median seconds a loop: {np.median([r['seconds'] for r in rows]):.2f}")
 
 
