@@ -216,7 +216,8 @@ def test_declared_model_takes_anything(sides, inputs):
     ends_well(lambda: pse.DeclaredModel(equations, inputs=inputs).design())
 
 
-@settings(max_examples=50, **FUZZ)
+@pytest.mark.slow
+@settings(max_examples=150, **FUZZ)
 @given(
     table=tables(max_columns=4),
     sides=st.tuples(TEXTS, TEXTS) | st.tuples(st.sampled_from(["v", "0"]), FITTING),
