@@ -40,6 +40,7 @@ def ends_well(action):
         ({"n_twins": 2.5}, r"n_twins=\.\.\.\) must be an integer of at least 1; got 2\.5"),
         ({"n_twins": 5}, r"n_twins=\.\.\.\) must be at least 59 for significance=0\.05; got 5"),
         ({"max_effects": -1}, r"max_effects=\.\.\.\) must be an integer of at least 0; got -1"),
+        ({"refine": "both"}, r"refine=\.\.\.\) must be one of auto, derivative, simulation"),
         ({"n_jobs": 0}, r"n_jobs=\.\.\.\) must be an integer other than 0, or None; got 0"),
         ({"n_jobs": "all"}, r"n_jobs=\.\.\.\) must be an integer other than 0, or None; got 'all'"),
         ({"operators": ("sinh",)}, r"operators=\.\.\.\) must name built-in operators"),

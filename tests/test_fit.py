@@ -73,6 +73,13 @@ def test_intervals_hold_the_coefficients_and_shrink_with_more_data():
     assert np.all(np.ptp(long.intervals, axis=1) < np.ptp(short.intervals, axis=1))
 
 
+@pytest.mark.parametrize("refine", ["derivative", "simulation"])
+def test_error_to_minimize_can_be_chosen(refine):
+    found = fit(design(), [measured(MACHINE, noise=1e-3, duration=15.0)], rng(), refine)
+    assert found.criterion == refine
+    assert found.coef[:3] == pytest.approx(TRUE[:3], rel=0.02)
+
+
 def test_same_generator_gives_the_same_intervals():
     record = measured(MACHINE, duration=15.0)
     first, again = (fit(design(), [record], rng()) for _ in range(2))

@@ -34,6 +34,7 @@ def close_loop(
     n_twins: int = 299,
     min_share: float = 0.05,
     max_effects: int = 8,
+    refine: str = "auto",
     operators: Sequence[str | Operator] = OPERATORS,
     random_state: int | np.random.Generator | None = None,
     n_jobs: int | None = None,
@@ -64,6 +65,9 @@ def close_loop(
         traces of something; this says how small a trace matters to you.
     max_effects : int
         Stop after so many effects; 0 only fits the declared model and asks whether it is all.
+    refine : {"auto", "derivative", "simulation"}
+        Error that the final coefficients minimize. By default it is that of the simulation where
+        this predicts parts of the training data better that it was not fitted on, and only there.
     operators : sequence of str or Operator
         Basis functions of the terms that are grown where no name fits; empty to grow none.
     random_state : int, Generator or None
@@ -99,7 +103,7 @@ def close_loop(
     >>> report.verdict, report.effects[0].name
     ('traced', 'constant offset')
     """
-    rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress)
+    rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress, refine)
     fit_on, judge_on = split_records(train, test)
     declared_design = design_of(declared, fit_on)
     check_records(declared_design, [*fit_on, *judge_on])
@@ -123,8 +127,8 @@ def close_loop(
     if not findings and has_structure(declared_design, wide, part, rules, rng):
         verdict = "untraced"
     findings = contested(declared_design, findings, part, rules.significance, rng.spawn(1)[0])
-    report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rng)
-    return replace(report, rejected=rejected[-1] if rejected else None, rules=rules)
+    report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rules, rng)
+    return replace(report, rejected=rejected[-1] if rejected else None)
 
 
 def _search(

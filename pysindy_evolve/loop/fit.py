@@ -59,7 +59,9 @@ class Fit:
     criterion: str
 
 
-def fit(design: Design, records: Sequence[Record], rng: np.random.Generator) -> Fit:
+def fit(
+    design: Design, records: Sequence[Record], rng: np.random.Generator, refine: str = "auto"
+) -> Fit:
     """Fit a design on training records.
 
     Parameters
@@ -70,6 +72,8 @@ def fit(design: Design, records: Sequence[Record], rng: np.random.Generator) -> 
         Training records.
     rng : numpy.random.Generator
         Draws the blocks of the intervals.
+    refine : {"auto", "derivative", "simulation"}
+        Error to minimize; by default the better one of the two.
 
     Returns
     -------
@@ -79,20 +83,30 @@ def fit(design: Design, records: Sequence[Record], rng: np.random.Generator) -> 
     by_derivative = _solve(blocks)
     if not design.columns:
         return Fit(by_derivative, np.empty((0, 2)), "derivative")
+    if refine == "derivative":
+        return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
     horizons = simulation_grams(design, by_derivative, records)
-    judged = horizons[JUDGED]
-    held_out = sum(
-        _square(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
-    )
-    plain = sum(_square(stretch, by_derivative) for stretch in judged)
     by_simulation = _over_all(horizons)
-    whole = blocks.sum(axis=0)
-    torn = _square(whole, by_simulation) > MAX_TORN * _square(whole, by_derivative)
-    if len(judged) < 2 or torn or not held_out < plain:
+    if refine == "auto" and not _betters(horizons[JUDGED], blocks, by_derivative, by_simulation):
         return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
     shortest = horizons[max(horizons)]
     shift = by_simulation - _solve(shortest)
     return Fit(by_simulation, _bootstrap(shortest, rng) + shift[:, None], "simulation")
+
+
+def _betters(
+    judged: np.ndarray, blocks: np.ndarray, by_derivative: np.ndarray, by_simulation: np.ndarray
+) -> bool:
+    """Tell whether stretches are simulated better by a fit to the others than by the derivative."""
+    whole = blocks.sum(axis=0)
+    torn = _square(whole, by_simulation) > MAX_TORN * _square(whole, by_derivative)
+    if len(judged) < 2 or torn:
+        return False
+    held_out = sum(
+        _square(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
+    )
+    plain = sum(_square(stretch, by_derivative) for stretch in judged)
+    return bool(held_out < plain)
 
 
 def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarray:

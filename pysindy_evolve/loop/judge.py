@@ -11,6 +11,7 @@ from .bias import unbiased
 from .design import Design
 from .effect import Errors
 from .fit import Fit, derivative_errors, fit
+from .rules import Rules
 from .runs import simulation_errors
 
 __all__ = ["judge"]
@@ -20,6 +21,7 @@ def judge(
     design: Design,
     train: Sequence[Record],
     test: Sequence[Record],
+    rules: Rules,
     rng: np.random.Generator,
     *,
     final: bool = False,
@@ -29,9 +31,9 @@ def judge(
     The bias of the coefficients is taken off a final model only: that of a model which lacks
     something is of no interest.
     """
-    fitted = fit(design, train, rng)
+    fitted = fit(design, train, rng, rules.refine)
     if final:
-        fitted = unbiased(design, fitted, train, rng)
+        fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
     equations = design.equations(fitted.coef)
     windows = choose_windows(list(train))
     derivative = derivative_errors(design, fitted.coef, test, windows)

@@ -134,17 +134,18 @@ def make_report(
     test: Sequence[Record],
     verdict: str,
     finished: bool,
+    rules: Rules,
     rng: np.random.Generator,
 ) -> LoopReport:
     """Fit each stage on all training rows and judge it on held-out records."""
     design = declared
-    fitted, errors = judge(declared, train, test, rng)
+    fitted, errors = judge(declared, train, test, rules, rng)
     before, effects, steps = errors, [], []
     for _, group in groupby(findings, key=lambda finding: finding.step):
         found = list(group)
         design = design.adding(column for finding in found for column in finding.columns)
         last = found[-1] is findings[-1]
-        fitted, errors = judge(design, train, test, rng, final=last)
+        fitted, errors = judge(design, train, test, rules, rng, final=last)
         for finding in found:
             effects.append(_effect(design, finding, train, test))
             steps.append(Step(finding.candidate.name, effects[-1].state, errors))
@@ -156,7 +157,7 @@ def make_report(
             effects[k], coefficients=fitted.coef[own], confidence_intervals=fitted.intervals[own]
         )
     records = tuple(train), tuple(test)
-    return LoopReport(verdict, effects, before, errors, steps, *records, finished)
+    return LoopReport(verdict, effects, before, errors, steps, *records, finished, rules=rules)
 
 
 def _effect(

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Rules", "generator"]
+__all__ = ["REFINE", "Rules", "generator"]
 
-
+REFINE = ("auto", "derivative", "simulation")
 N_LOOKS = 3  # Bonferroni
 
 
@@ -24,6 +24,7 @@ class Rules:
     max_effects: int
     n_jobs: int | None = None
     progress: bool = False
+    refine: str = "auto"
 
     def __post_init__(self) -> None:
         for name in ("significance", "min_share"):
@@ -44,6 +45,11 @@ class Rules:
             raise ValueError(
                 f"close_loop(n_jobs=...) must be an integer other than 0, or None; "
                 f"got {self.n_jobs!r}. Give 1 for one process, -1 for as many as there are cores."
+            )
+        if self.refine not in REFINE:
+            raise ValueError(
+                f"close_loop(refine=...) must be one of {', '.join(REFINE)}; got {self.refine!r}. "
+                "Take auto if you are not sure."
             )
         if (self.n_twins + 1) * self.level < 1.0 - 1e-9:
             raise ValueError(
