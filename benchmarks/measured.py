@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -150,11 +151,11 @@ def run_error(equations, run: Run) -> float:
     return 100 * rms / measured.std() if run.unit == "%" else 1000 * rms
 
 
-def measure(name: str, folder=None) -> Result:
+def measure(name: str, folder=None, seed: int = 0) -> Result:
     """Run one case from its raw records to the report."""
     case, start = CASES[name], time.perf_counter()
     split = case.split(folder)
-    report = pse.close_loop(case.declared, split.train, test=split.test, random_state=0)
+    report = pse.close_loop(case.declared, split.train, test=split.test, random_state=seed)
     seconds = time.perf_counter() - start
     runs = tuple(
         (run_error(report.before.model, run), run_error(report.after.model, run), run.unit)
@@ -174,9 +175,9 @@ def measure(name: str, folder=None) -> Result:
     )
 
 
-def in_new_process(name: str, folder=None) -> Result:
+def in_new_process(name: str, folder=None, seed: int = 0) -> Result:
     pool = multiprocessing.get_context("spawn").Pool(1)
-    result = pool.apply(measure, (name, folder))
+    result = pool.apply(measure, (name, folder, seed))
     pool.close()
     pool.join()
     return result
@@ -188,13 +189,13 @@ def peak_memory() -> float:
     return peak / (1e6 if sys.platform == "darwin" else 1e3)
 
 
-def row(name: str, result: Result) -> list[str]:
+def row(label: str, name: str, result: Result) -> list[str]:
     def runs(side: int) -> str:
         return ", ".join(f"{run[side]:.3g} {run[2]}" for run in result.runs)
 
     missed = [what for what, reached in result.reached.items() if not reached]
     return [
-        name,
+        label,
         f"{result.derivative[0]:.3g} %, {runs(0)}",
         f"{result.derivative[1]:.3g} %, {runs(1)}",
         ", ".join(result.effects) or result.verdict,
@@ -227,18 +228,20 @@ def main() -> None:
     parser.add_argument("case", nargs="*", help=f"any of {', '.join(CASES)}; all by default")
     parser.add_argument("--folder", help="folder of the measured sets; searched for by default")
     parser.add_argument("--reports", action="store_true", help="print the whole reports too")
+    parser.add_argument("--seeds", type=int, default=1, help="runs of each case, from seed 0 on")
     given = parser.parse_args()
     names = [name for name in CASES if not given.case or name.split()[0] in given.case]
     names += [name for name in given.case if name in CASES and name not in names]
     if not names:
         parser.error(f"case must be any of {', '.join(CASES)}")
     rows = []
-    for name in names:
-        result = in_new_process(name, given.folder)
+    for name, seed in product(names, range(given.seeds)):
+        result = in_new_process(name, given.folder, seed)
         if given.reports:
-            print(f"\n== {name}\n\n{result.text}", flush=True)
-        rows.append(row(name, result))
-        print(f"{name}: {result.seconds:.0f} s", file=sys.stderr, flush=True)
+            print(f"\n== {name}, seed {seed}\n\n{result.text}", flush=True)
+        label = f"{name}, seed {seed}" if given.seeds > 1 else name
+        rows.append(row(label, name, result))
+        print(f"{rows[-1][0]}: {result.seconds:.0f} s", file=sys.stderr, flush=True)
     print(table(rows))
 
 
