@@ -17,7 +17,7 @@ import numpy as np
 from deap import gp
 
 from .operators import BUILTIN, Operator
-from .terms import Atom, Call, Product, Sum, Variable, call, constant, variable
+from .terms import Atom, Call, Product, Sum, Variable, call, constant, simplified, variable
 
 __all__ = ["Genetics"]
 
@@ -168,7 +168,7 @@ class Genetics:
         parts = self._expression(tree).parts
         if len(parts) > MAX_SPLIT:
             return []
-        return [term for _, term in parts if self._fits(term)]
+        return [term for _, term in map(_signs_above, parts) if self._fits(term)]
 
     def _fits(self, term: Product) -> bool:
         small = term.size <= NODES_PER_LEVEL * self.max_depth and term.depth <= self.max_depth
@@ -204,10 +204,24 @@ class Genetics:
         return float(f"{size * self.random.lognormvariate(0, 1):.3g}")
 
 
+def _signs_above(part: tuple[float, Product]) -> tuple[float, Product]:
+    """Write q sgn(v) for q/sgn(v): the same wherever both have a value, and it has one at zero."""
+    coefficient, term = part
+    below = any(n < 0 and _is_sign(atom) for atom, n in term.factors)
+    if not below:
+        return part
+    factors = tuple((atom, abs(n) if _is_sign(atom) else n) for atom, n in term.factors)
+    return coefficient, simplified(factors)
+
+
+def _is_sign(atom: Atom) -> bool:
+    return isinstance(atom, Call) and atom.operator == BUILTIN["sgn"]
+
+
 def _is_mask(factor: tuple[Atom, int]) -> bool:
     """Tell whether a factor is sgn(v)^2: one everywhere but at zero, it hides single samples."""
     atom, n = factor
-    return isinstance(atom, Call) and atom.operator == BUILTIN["sgn"] and n % 2 == 0
+    return _is_sign(atom) and n % 2 == 0
 
 
 def _deap_drawing_from(source: random.Random) -> dict[str, Any]:

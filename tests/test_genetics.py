@@ -55,6 +55,13 @@ def test_a_sum_is_split_into_its_terms():
         assert "+" not in term.name(["a", "b"])
 
 
+def test_a_sign_stands_above_the_line_where_it_has_a_value_at_zero():
+    terms = breed(genetics(("mul", "div", "sgn")), n=60)
+    names = [term.name(["a", "b"]) for term in terms]
+    assert [name for name in names if "sgn" in name]
+    assert not [name for name in names if "/sgn" in name or "/(sgn" in name]
+
+
 def test_a_wave_of_signs_is_no_mask_of_samples():
     names = [term.name(["a", "b"]) for term in breed(genetics(("mul", "sgn")), n=60)]
     assert not [name for name in names if "sgn(a)^2" in name or "sgn(b)^2" in name]

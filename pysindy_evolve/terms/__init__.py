@@ -16,11 +16,13 @@ Floats inside an atom (the 2.1 and 0.3 above) are the *inner constants* of a ter
 from .arithmetic import add, constant, div, mul, neg, power, sub, variable
 from .atoms import Call, Variable
 from .calls import call
+from .canonical import simplified
 from .node import Cache
 from .products import ONE, Product
 from .sums import Atom, Sum
 
 __all__ = [
     "ONE", "Atom", "Cache", "Call", "Product", "Sum", "Variable",
-    "add", "call", "constant", "div", "mul", "neg", "power", "sub", "variable",
+    "add", "call", "constant", "div", "mul", "neg", "power", "simplified", "sub",
+    "variable",
 ]  # fmt: skip
