@@ -217,7 +217,7 @@ def test_max_effects_ends_the_search_and_is_told():
 
 def test_interrupt_keeps_what_was_found(monkeypatch):
     hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
-    find, calls = close.find, []
+    find, calls = close.find_or_recall, []
 
     def interrupted(*args, **options):
         if calls:
@@ -225,7 +225,7 @@ def test_interrupt_keeps_what_was_found(monkeypatch):
         calls.append(1)
         return find(*args, **options)
 
-    monkeypatch.setattr(close, "find", interrupted)
+    monkeypatch.setattr(close, "find_or_recall", interrupted)
     report = close_by_name(hidden.model, hidden.record())
     assert not report.finished
     assert report.effects

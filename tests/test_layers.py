@@ -11,9 +11,9 @@ NAME = PACKAGE.name
 # From the bottom up; parts of one layer may use each other, but not in a circle.
 LAYERS = (
     {"checks", "operators", "terms"},
-    {"equations", "text", "grammar"},
+    {"equations", "text", "grammar", "substitution"},
     {"tracing", "library_terms"},
-    {"gram", "elimination", "regression", "signals", "simulation"},
+    {"gram", "elimination", "regression", "signals", "simulation", "memory", "hidden"},
     {"genetics", "refit", "constants", "dictionary", "blur", "denoise"},
     {"evolution"},
     {"handover", "library", "optimizer"},

@@ -8,18 +8,20 @@ from dataclasses import replace
 import numpy as np
 import pysindy as ps
 
+from ..memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
 from .declared import DeclaredModel, design_of
 from .design import Design
 from .grow import OPERATORS, Garden
+from .recall import find_or_recall, memories_of, resettled
 from .records import alike, check_records, split_records, widened
 from .rejected import Rejected
 from .report import LoopReport, make_report
 from .revise import contested, exchange, prune
 from .rules import Rules, generator
 from .segments import Segments, segments
-from .step import Finding, find
+from .step import Finding
 from .structure import has_structure
 
 __all__ = ["close_loop"]
@@ -126,7 +128,8 @@ def close_loop(
     verdict = "traced" if findings else "complete"
     if not findings and has_structure(declared_design, wide, part, rules, rng):
         verdict = "untraced"
-    findings = contested(declared_design, findings, part, rules.significance, rng.spawn(1)[0])
+    acted = part.of([remembered(record, memories_of(findings)) for record in wide])
+    findings = contested(declared_design, findings, acted, rules.significance, rng.spawn(1)[0])
     report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rules, rng)
     return replace(report, rejected=rejected[-1] if rejected else None)
 
@@ -141,17 +144,29 @@ def _search(
     rejected: list[Rejected],
 ) -> Iterator[list[Finding]]:
     """Yield what is found so far: named effects until none passes, then grown terms."""
+    source, whole = records, part  # as they are without memories
     garden = Garden(declared, records, part, rules, operators, rng)
     findings: list[Finding] = []
     while len(findings) < rules.max_effects:
         design = _with(declared, findings)
-        found = find(declared, design, records, part, rules, rng, rejected=rejected)
+        present = memories_of(findings)
+        found = find_or_recall(declared, design, records, part, rules, rng, present, rejected)
         if not found:
             break
-        found = garden.better(design, found) or found
+        if memories_of(found):
+            records = [remembered(record, memories_of(found)) for record in records]
+            part = part.of(records)
+            garden = Garden(declared, records, part, rules, operators, rng)
+        else:
+            found = garden.better(design, found) or found
         findings = exchange(declared, [*findings, *_numbered(found, findings)], part)
         yield findings
     findings = prune(declared, findings, part)
+    if memories_of(findings):
+        findings = resettled(findings, _with(declared, findings), source, whole)
+        records = [remembered(record, memories_of(findings)) for record in source]
+        part = whole.of(records)
+        garden = Garden(declared, records, part, rules, operators, rng)
     yield findings
     while len(findings) < rules.max_effects:
         found = garden.find(_with(declared, findings))

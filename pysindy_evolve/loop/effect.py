@@ -9,6 +9,7 @@ import numpy as np
 
 from ..equations import Equations
 from ..export import to_sympy
+from ..memory import Memory
 from ..terms import Sum
 
 __all__ = ["Alternative", "Effect", "Errors", "Step"]
@@ -94,6 +95,9 @@ class Effect:
         Its own score.
     rivals : tuple of Alternative
         The alternatives with their terms, and other forms of the effect itself.
+    memory : Memory, optional
+        Of a memory of an input: its kind, and its delay or time constant, which then stands in
+        `coefficients`, too, in units of t.
     """
 
     name: str
@@ -108,6 +112,7 @@ class Effect:
     twin_scores: np.ndarray
     score: float
     rivals: tuple[Alternative, ...] = ()
+    memory: Memory | None = None
 
 
 @dataclass(frozen=True, eq=False)

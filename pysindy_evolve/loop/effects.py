@@ -79,6 +79,11 @@ class Candidate:
     shape: Shape | None = field(default=None, compare=False)
 
     @property
+    def is_exchange(self) -> bool:
+        """Whether it changes what a term of the model depends on, instead of adding one."""
+        return False
+
+    @property
     def size(self) -> int:
         """Number of nodes of its terms."""
         return sum(term.size for term in self.terms)

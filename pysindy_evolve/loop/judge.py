@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..hidden import with_memories
+from ..memory import Memory, remembered
 from ..signals import Record, choose_windows
 from .bias import unbiased
 from .design import Design
@@ -23,18 +25,21 @@ def judge(
     test: Sequence[Record],
     rules: Rules,
     rng: np.random.Generator,
+    memories: Sequence[Memory] = (),
     *,
     final: bool = False,
 ) -> tuple[Fit, Errors]:
     """Fit a design on all training rows and take both errors on held-out records.
 
     The bias of the coefficients is taken off a final model only: that of a model which lacks
-    something is of no interest.
+    something is of no interest. Memories are what the inputs go through before they act.
     """
+    train, test = ([remembered(r, memories) for r in records] for records in (train, test))
     fitted = fit(design, train, rng, rules.refine)
     if final:
         fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
     equations = design.equations(fitted.coef)
     windows = choose_windows(list(train))
     derivative = derivative_errors(design, fitted.coef, test, windows)
-    return fitted, Errors(derivative, simulation_errors(equations, test), equations)
+    simulation = simulation_errors(equations, test)
+    return fitted, Errors(derivative, simulation, with_memories(equations, memories))

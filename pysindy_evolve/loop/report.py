@@ -12,6 +12,8 @@ import numpy as np
 import pysindy as ps
 
 from ..equations import Equations
+from ..hidden import with_memories
+from ..memory import Memory, remembered
 from ..signals import Record
 from ..terms import Sum
 from .design import Design
@@ -19,6 +21,7 @@ from .effect import Alternative, Effect, Errors, Step
 from .fit import derivative_fit_errors
 from .judge import judge
 from .model import as_sindy
+from .recall import MemoryFinding, memories_of, memory_interval
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
@@ -141,13 +144,15 @@ def make_report(
     design = declared
     fitted, errors = judge(declared, train, test, rules, rng)
     before, effects, steps = errors, [], []
+    memories: tuple[Memory, ...] = ()
     for _, group in groupby(findings, key=lambda finding: finding.step):
         found = list(group)
         design = design.adding(column for finding in found for column in finding.columns)
         last = found[-1] is findings[-1]
-        fitted, errors = judge(design, train, test, rules, rng, final=last)
+        memories += memories_of(found)
+        fitted, errors = judge(design, train, test, rules, rng, memories, final=last)
         for finding in found:
-            effects.append(_effect(design, finding, train, test))
+            effects.append(_effect(design, finding, train, test, memories))
             steps.append(Step(finding.candidate.name, effects[-1].state, errors))
     place = len(declared.columns)
     for k, finding in enumerate(findings):
@@ -156,18 +161,28 @@ def make_report(
         effects[k] = replace(
             effects[k], coefficients=fitted.coef[own], confidence_intervals=fitted.intervals[own]
         )
+        if isinstance(finding, MemoryFinding):
+            effects[k] = _with_memory(effects[k], finding, design, fitted.coef, train, rng)
     records = tuple(train), tuple(test)
     return LoopReport(verdict, effects, before, errors, steps, *records, finished, rules=rules)
 
 
 def _effect(
-    design: Design, finding: Finding, train: Sequence[Record], test: Sequence[Record]
+    design: Design,
+    finding: Finding,
+    train: Sequence[Record],
+    test: Sequence[Record],
+    memories: Sequence[Memory],
 ) -> Effect:
     """Return an effect with its evidence; its coefficients are those of the final model."""
+    others = [memory for memory in memories if memory not in memories_of([finding])]
     state, terms = finding.candidate.state, finding.candidate.terms
     symbols = design.equations(np.zeros(len(design.columns))).symbols
     poorer = design.dropping(finding.columns)
-    without, with_it = (derivative_fit_errors(d, train, test)[state] for d in (poorer, design))
+    without, with_it = (
+        derivative_fit_errors(d, *([remembered(r, m) for r in rs] for rs in (train, test)))[state]
+        for d, m in ((poorer, others), (design, memories))
+    )
     unknown = np.full(len(terms), np.nan)
     return Effect(
         name=finding.candidate.name,
@@ -199,3 +214,27 @@ def _alternative(rival: Rival, design: Design) -> Alternative:
     term = _total(candidate.terms, symbols)
     state = design.states[candidate.state]
     return Alternative(candidate.name, state, term, rival.p_value, candidate.terms)
+
+
+def _with_memory(
+    effect: Effect,
+    finding: MemoryFinding,
+    design: Design,
+    coef: np.ndarray,
+    train: Sequence[Record],
+    rng: np.random.Generator,
+) -> Effect:
+    """Return the effect of a memory with its delay or time constant."""
+    memory = finding.memory
+    low, high = memory_interval(memory, design, coef, train, rng)
+    equations = with_memories(design.equations(coef), [memory])
+    place = len(equations.states) + memory.column
+    hidden = len(design.states)
+    term = equations.symbols[hidden if memory.has_state else place]
+    return replace(
+        effect,
+        term=term,
+        coefficients=np.array(memory.values),
+        confidence_intervals=np.array([[low, high]]),
+        memory=memory,
+    )

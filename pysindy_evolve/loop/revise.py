@@ -8,6 +8,7 @@ import numpy as np
 
 from .design import Design
 from .effects import candidates
+from .recall import MemoryFinding
 from .rivals import rivals_of
 from .scoring import MARGIN, columns_of, score
 from .segments import Segments, ranges
@@ -23,6 +24,8 @@ def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[
     wrong name: cubic damping for drag, as long as the friction is not there yet.
     """
     for place, finding in enumerate(findings[:-1]):
+        if isinstance(finding, MemoryFinding):
+            continue
         rest = [f for k, f in enumerate(findings) if k != place]
         parents = {parent for f in rest for parent in f.candidate.parents}
         if parents & set(finding.candidate.terms):
@@ -47,6 +50,8 @@ def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Fin
     """Drop effects that later ones made superfluous, unless one of those needs them."""
     for finding in list(findings):
         rest = [f for f in findings if f is not finding]
+        if isinstance(finding, MemoryFinding):
+            continue
         needed = {parent for f in rest for parent in f.candidate.parents}
         if needed & set(finding.candidate.terms):
             continue
@@ -73,7 +78,8 @@ def contested(
         rest = [f for f in findings if f is not finding]
         needed = {parent for f in rest for parent in f.candidate.parents}
         design = declared.adding(column for f in rest for column in f.columns)
-        if not needed & set(finding.candidate.terms):
+        free = not isinstance(finding, MemoryFinding) and not needed & set(finding.candidate.terms)
+        if free:
             found = rivals_of(finding.candidate, design, part, level, rng)
             finding = replace(finding, rivals=found)
         judged.append(finding)

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..equations import Equations
+from ..hidden import MemoryEquations
 from ..signals import Record
 from ..simulation import simulate
 
@@ -23,6 +24,8 @@ def free_run(equations: Equations, record: Record, **options: Any) -> np.ndarray
     Prepared inputs are smooth between the samples, so they are refined by splines: straight lines
     would take five percent off a sine with nine samples a period.
     """
+    if isinstance(equations, MemoryEquations):
+        return _run_with_memory(equations, record, **options)
     if record.u is None:
         return simulate(equations, record.x[0], record.t, **options)
     fine = np.interp(
@@ -32,12 +35,22 @@ def free_run(equations: Equations, record: Record, **options: Any) -> np.ndarray
     return simulate(equations, record.x[0], fine, u, **options)[::REFINEMENT]
 
 
+def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any) -> np.ndarray:
+    """Run over a record whose raw inputs also say what the hidden states were at its first row."""
+    hidden = []
+    for memory in equations.memories:
+        record = memory.apply(record)
+        if memory.has_state and record.u is not None:
+            hidden.append(memory.state(record.u[:, memory.column]))
+    return np.column_stack([free_run(equations.inner, record, **options), *hidden])
+
+
 def simulation_errors(equations: Equations, records: Sequence[Record]) -> np.ndarray:
     """Return the NRMSE of free runs over records, percent, shape (n_states,)."""
     errors = []
     for record in records:
         run = free_run(equations, record, on_divergence="nan", tolerance=1e-7)
-        errors.append(run - record.x)
+        errors.append(run[:, : record.n_states] - record.x)
     rms = np.sqrt(np.mean(np.concatenate(errors) ** 2, axis=0))
     spread = np.concatenate([record.x for record in records]).std(axis=0)
     return np.nan_to_num(100.0 * rms / np.where(spread > 0.0, spread, 1.0), nan=np.inf)

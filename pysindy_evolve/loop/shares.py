@@ -24,7 +24,8 @@ class Shares:
 
     Explainable is what the declared model leaves and the model with all candidates does not. Of
     derivative and simulation the larger share counts: an offset hardly shows in the first, a
-    ripple hardly in the second.
+    ripple hardly in the second. An effect that adds no term, but says when an input acts, is held
+    against what the present model leaves: it makes no equation longer.
     """
 
     def __init__(
@@ -35,11 +36,14 @@ class Shares:
         views = view_grams(part, design, [*design.columns, *extra], slopes)
         self._grams = {name: grams.sum(axis=0) for name, grams in views.items()}
         self._base = tuple(range(len(design.columns)))
-        n_declared, n_columns = len(declared.columns), len(design.columns) + len(extra)
-        self._explainable = {
-            name: _error(gram, range(n_declared)) - _error(gram, range(n_columns))
-            for name, gram in self._grams.items()
-        }
+        n_columns = len(design.columns) + len(extra)
+        self._of_declared, self._of_present = (
+            {
+                name: _error(gram, range(n)) - _error(gram, range(n_columns))
+                for name, gram in self._grams.items()
+            }
+            for n in (len(declared.columns), len(design.columns))
+        )
 
     def of(self, score: Score) -> float:
         """Return the share that the least useful effect of a group removes."""
@@ -48,10 +52,12 @@ class Shares:
     def _of_effect(self, score: Score, k: int) -> float:
         start = sum(len(candidate.terms) for candidate in score.group[:k])
         own = score.places[start : start + len(score.group[k].terms)]
+        exchange = score.group[k].is_exchange
+        explainable = self._of_present if exchange else self._of_declared
         others = tuple(place for place in score.places if place not in own)
         return max(
             (_error(gram, self._base + others) - _error(gram, self._base + score.places))
-            / max(self._explainable[name], 1e-300)
+            / max(explainable[name], 1e-300)
             for name, gram in self._grams.items()
         )
 

@@ -59,7 +59,7 @@ def _table(report: LoopReport) -> str:
 
 def _cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str]]]]:
     """Return the titles of the columns, and name and values of each row."""
-    states = report.equations.states
+    states = report.before.model.states  # hidden ones are not measured
     stages = [("declared", report.before)]
     for _, group in groupby(report.steps, key=lambda step: id(step.errors)):
         added = list(group)
@@ -94,6 +94,10 @@ def evidence(effect: Effect, symbols: Sequence[Any]) -> list[str]:
     parts = zip(effect.expressions, effect.coefficients, effect.confidence_intervals, strict=True)
     lines = []
     for expression, value, (low, high) in parts:
+        if effect.memory is not None:
+            shown = f"{format_expression(effect.term)}: {effect.memory.quantity}"
+            lines.append(f"{shown} {value:.4g}   (95 %: {low:.4g} to {high:.4g})")
+            continue
         shown = format_expression(expression.to_sympy(symbols))
         lines.append(f"{value:.4g} times {shown}   (95 %: {low:.4g} to {high:.4g})")
     lines.append(

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from tqdm.auto import tqdm
 
+from ..hidden import MemoryEquations
 from .freerun import CHUNK, Diverged, FreeRun, Limits
 from .inputs import Input, as_equations, check_input, check_start, check_time
 from .program import program_of
@@ -46,7 +47,8 @@ def simulate(
     model : SINDy, Equations, or an object whose `equations` are Equations
         A fitted model in continuous time.
     x0 : array-like of shape (n_states,)
-        State at t[0], in the units of the data.
+        State at t[0], in the units of the data. Hidden states may be left out: they start in
+        balance with the first inputs.
     t : array-like of shape (n_samples,)
         Times at which the state is wanted, strictly increasing, in units of t.
     u : array-like of shape (n_samples,) or (n_samples, n_inputs), or callable, optional
@@ -103,9 +105,12 @@ def simulate(
     equations = as_equations(model, "simulate")
     _check_options(substeps, tolerance, on_divergence)
     times = check_time(t, "simulate")
-    start = check_start(x0, equations, "simulate")
     fine, keep = _refined(times, u)
     inputs = check_input(u, fine, equations, "simulate")
+    if isinstance(equations, MemoryEquations):
+        inputs = equations.arriving(fine, inputs)
+        x0 = equations.complete(np.asarray(x0, dtype=float), inputs[0], float(fine[0]))
+    start = check_start(x0, equations, "simulate")
     structure, parameters = structure_of(equations)
     limits = Limits(tolerance, substeps, max_steps or 20_000 + 100 * len(times), bound)
     run = FreeRun(program_of(structure), parameters, limits)

@@ -1,0 +1,161 @@
+"""Equations with memory: hidden states at the end, and inputs that act later."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import sympy
+
+from .equations import Equations
+from .memory import Memory, acting, balance, rate
+from .substitution import substituted
+from .terms import Sum, variable
+
+__all__ = ["MemoryEquations", "with_memories"]
+
+
+@dataclass(frozen=True, eq=False)
+class MemoryEquations(Equations):
+    """Equations whose last states are hidden and whose inputs may be delayed.
+
+    Wherever measured states are given without the hidden ones, these are computed from the inputs:
+    `evaluate` over a whole record in time order, `simulate` from a start in balance.
+
+    Parameters
+    ----------
+    inner : Equations
+        The equations of the measured states, in terms of what acts.
+    memories : tuple of Memory
+        What the inputs go through before they act.
+    delays : tuple of float
+        Delay of each input, units of t.
+    rests : tuple of Sum
+        Value of each hidden state at the beginning, of states, inputs and time there.
+    """
+
+    inner: Equations = field(kw_only=True)
+    memories: tuple[Memory, ...] = ()
+    delays: tuple[float, ...] = ()
+    rests: tuple[Sum, ...] = ()
+
+    @property
+    def n_measured(self) -> int:
+        """Number of states that are not hidden."""
+        return len(self.states) - len(self.rests)
+
+    @property
+    def symbols(self) -> tuple[Any, ...]:
+        """Sympy symbols; a delayed input is a function of an earlier time."""
+        symbols = list(super().symbols)
+        for j, delay in enumerate(self.delays):
+            if delay:
+                place = len(self.states) + j
+                earlier = sympy.Function(self.inputs[j], real=True)
+                symbols[place] = earlier(symbols[-1] - delay)
+        return tuple(symbols)
+
+    def evaluate(
+        self, x: np.ndarray, u: np.ndarray | None = None, t: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Evaluate the right-hand sides.
+
+        Parameters
+        ----------
+        x : ndarray of shape (n_samples, n_states) or (n_samples, n_measured)
+            States. Without the hidden ones, the rows are a record in time order.
+        u : ndarray of shape (n_samples, n_inputs)
+            Inputs; where all states are given, what arrives of them after their delays.
+        t : ndarray of shape (n_samples,), optional
+            Time, needed for hidden states and delays.
+
+        Returns
+        -------
+        ndarray of the shape of x
+        """
+        if x.shape[1] == len(self.states) or u is None or t is None:
+            return super().evaluate(x, u, t)
+        return self.inner.evaluate(x, self.acts(t, u), t)
+
+    def acts(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Return the inputs as they act on the measured states, shape (n_samples, n_inputs)."""
+        result = np.array(u, dtype=float)
+        for memory in self.memories:
+            result[:, memory.column] = memory.response(t, result[:, memory.column])
+        return result
+
+    def arriving(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Return the inputs after their delays."""
+        result = np.array(u, dtype=float)
+        for memory in self.memories:
+            if not memory.has_state:
+                result[:, memory.column] = memory.response(t, result[:, memory.column])
+        return result
+
+    def complete(self, x0: np.ndarray, u0: np.ndarray, t0: float) -> np.ndarray:
+        """Return an initial state with the hidden states in balance with the first inputs."""
+        if len(x0) != self.n_measured:
+            return x0
+        start = np.concatenate([x0, np.zeros(len(self.rests)), u0, [t0]])
+        for k, rest in enumerate(self.rests):
+            start[self.n_measured + k] = rest.evaluate(start[None, :])[0]
+        return start[: len(self.states)]
+
+
+def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations:
+    """Return equations with hidden states and delays written out.
+
+    Parameters
+    ----------
+    equations : Equations
+        In terms of what acts.
+    memories : sequence of Memory
+        What the inputs go through before they act.
+
+    Returns
+    -------
+    Equations
+        The same object where there are no memories.
+    """
+    if not memories:
+        return equations
+    n, n_inputs = len(equations.states), len(equations.inputs)
+    hidden = [m for m in memories if m.has_state]
+    first = n + len(hidden)
+    acts = [variable(first + j) for j in range(n_inputs)]
+    names, rates, rests = list(equations.names), [], []
+    for k, memory in enumerate(hidden):
+        state, source = variable(n + k), acts[memory.column]
+        rates.append(rate(memory, state, source))
+        rests.append(balance(memory, source))
+        acts[memory.column] = acting(memory, state)
+        names.insert(n + k, _new_name(f"{equations.inputs[memory.column]}_{memory.suffix}", names))
+    moved = dict(enumerate([*acts, variable(first + n_inputs)], start=n))
+    sides = [substituted(side, moved) for side in equations.sums] + rates
+    delays = [0.0] * n_inputs
+    for memory in memories:
+        if not memory.has_state:
+            delays[memory.column] += memory.values[0]
+    terms = tuple(dict.fromkeys(term for side in sides for _, term in side.parts))
+    coef = np.zeros((len(sides), len(terms)))
+    for row, side in zip(coef, sides, strict=True):
+        for c, term in side.parts:
+            row[terms.index(term)] += c
+    return MemoryEquations(
+        terms,
+        coef,
+        tuple(names[:first]),
+        equations.inputs,
+        inner=equations,
+        memories=tuple(memories),
+        delays=tuple(delays),
+        rests=tuple(rests),
+    )
+
+
+def _new_name(name: str, taken: Sequence[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name

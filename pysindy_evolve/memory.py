@@ -1,0 +1,169 @@
+r"""Memory of an input: what it goes through before it acts, given as what comes out.
+
+===================  ==============================================  =====================
+kind                 hidden state w                                  what acts
+===================  ==============================================  =====================
+``"input delay"``    none                                            u(t - d)
+``"actuator lag"``   T w' = u - w                                    w
+``"hidden state"``   T w' = u - sqrt(w), a vessel that runs out      sqrt(w)
+===================  ==============================================  =====================
+
+Each has the gain one, so the coefficients of a model keep their meaning. Before a record begins,
+the input is taken to have stood still at its first value, and the hidden state to be in balance.
+A memory changes the inputs of a record and nothing else: whatever works on records works on these.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import lfilter
+
+from .operators import BUILTIN
+from .terms import Sum, call, constant, mul, power, sub
+
+if TYPE_CHECKING:
+    from .signals import Record
+
+__all__ = ["DELAY", "LAG", "VESSEL", "Memory", "acting", "balance", "rate", "remembered"]
+
+DELAY, LAG, VESSEL = "input delay", "actuator lag", "hidden state"
+N_SUBSTEPS = 4  # of a vessel, in each sample
+
+
+@dataclass(frozen=True)
+class Memory:
+    """What one input goes through before it acts.
+
+    Attributes
+    ----------
+    kind : {"input delay", "actuator lag", "hidden state"}
+        Name of the effect.
+    column : int
+        Which input.
+    values : tuple of float
+        Delay or time constant, units of t.
+    """
+
+    kind: str
+    column: int
+    values: tuple[float, ...]
+
+    def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Return what acts.
+
+        Parameters
+        ----------
+        t : ndarray of shape (n_samples,)
+            Uniform times.
+        u : ndarray of shape (n_samples,)
+            The input.
+
+        Returns
+        -------
+        ndarray of shape (n_samples,)
+        """
+        if np.ptp(u) == 0.0:
+            return u
+        return _RESPONSES[self.kind](t, u, *self.values)
+
+    def apply(self, record: Record) -> Record:
+        """Return a record whose input is what acts, in its raw data as well."""
+        if record.u is None:
+            return record
+        made = record.preparation
+        if made is None or made.u is None:
+            return replace(record, u=self._on(record.t, record.u))
+        raw = self._on(made.t, made.u)
+        again = replace(made, u=raw)
+        return replace(record, u=again.lowpass(raw), preparation=again)
+
+    def _on(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+        changed = np.array(u)
+        changed[:, self.column] = self.response(t, u[:, self.column])
+        return changed
+
+    def state(self, acts: np.ndarray) -> np.ndarray:
+        """Return the hidden state from what acts."""
+        return acts**2 if self.kind == VESSEL else acts
+
+    @property
+    def quantity(self) -> str:
+        """What its value is."""
+        return "delay" if self.kind == DELAY else "time constant"
+
+    @property
+    def suffix(self) -> str:
+        """What the name of the hidden state ends in."""
+        return "level" if self.kind == VESSEL else "lag"
+
+    @property
+    def has_state(self) -> bool:
+        """Whether a hidden state belongs to it."""
+        return self.kind != DELAY
+
+
+def remembered(record: Record, memories: Sequence[Memory]) -> Record:
+    """Apply memories to a record, one after the other."""
+    for memory in memories:
+        record = memory.apply(record)
+    return record
+
+
+def rate(memory: Memory, state: Sum, source: Sum) -> Sum:
+    """Return the right-hand side of a hidden state, from the state and what it is fed by."""
+    return mul(constant(1.0 / memory.values[0]), sub(source, acting(memory, state)))
+
+
+def acting(memory: Memory, state: Sum) -> Sum:
+    """Return what acts, from the hidden state."""
+    return call(BUILTIN["sqrt"], state) if memory.kind == VESSEL else state
+
+
+def balance(memory: Memory, source: Sum) -> Sum:
+    """Return the value of the hidden state at which it does not change."""
+    return power(source, 2) if memory.kind == VESSEL else source
+
+
+def _delayed(t: np.ndarray, u: np.ndarray, delay: float) -> np.ndarray:
+    """Return u(t - delay), by splines between the samples."""
+    return np.asarray(CubicSpline(t, u)(np.maximum(t - delay, t[0])))
+
+
+def _lagging(t: np.ndarray, u: np.ndarray, time_constant: float) -> np.ndarray:
+    """Return w of T w' = u - w, exact for an input that is linear between samples."""
+    ratio = float(t[-1] - t[0]) / (len(t) - 1) / time_constant
+    decay = np.exp(-ratio)
+    new = 1.0 + np.expm1(-ratio) / ratio
+    old = 1.0 - decay - new
+    driven = lfilter([new, old], [1.0, -decay], u - u[0])
+    return np.asarray(u[0] + driven)
+
+
+def _running_out(t: np.ndarray, u: np.ndarray, time_constant: float) -> np.ndarray:
+    """Return sqrt(w) of T w' = u - sqrt(w), where the input is not negative."""
+    n = len(t)
+    fine = np.interp((np.arange(N_SUBSTEPS * (n - 1)) + 0.5) / N_SUBSTEPS, np.arange(n), u)
+    ratio = float(t[-1] - t[0]) / (n - 1) / N_SUBSTEPS / time_constant
+    out = np.empty(N_SUBSTEPS * (n - 1) + 1)
+    level = max(float(u[0]), 0.0) ** 2
+    out[0] = np.sqrt(level)
+    for i, inflow in enumerate(fine.tolist()):
+        # Implicit in the outflow, which is the root of s^2 + ratio s = level + ratio inflow.
+        half = 0.5 * ratio
+        root = math.sqrt(max(level + ratio * inflow, 0.0) + half * half) - half
+        level = root * root
+        out[i + 1] = root
+    return out[::N_SUBSTEPS]
+
+
+_RESPONSES: dict[str, Callable[..., np.ndarray]] = {
+    DELAY: _delayed,
+    LAG: _lagging,
+    VESSEL: _running_out,
+}

@@ -1,0 +1,143 @@
+"""Memories of inputs: what acts, how it is found beside other effects, and how it is reported."""
+
+import numpy as np
+import pytest
+import sympy
+from loop_systems import DT, equations_of, multisine
+
+import pysindy_evolve as pse
+from pysindy_evolve.hidden import MemoryEquations, with_memories
+from pysindy_evolve.memory import Memory, remembered
+
+T = np.arange(0.0, 20.0, 0.01)
+OSCILLATOR = {"q": "v", "v": "-40*q - 0.8*v + F"}
+DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+
+
+def record_with(memory, friction=0.0, noise=2e-3, seed=0, duration=40.0):
+    """Record a driven oscillator whose force goes through a memory before it acts."""
+    sides = OSCILLATOR | {"v": OSCILLATOR["v"] + f" - {friction}*sgn(v)"}
+    fine = np.arange(0.0, duration, DT / 10)
+    force = multisine(20.0, seed)
+    acts = force(fine) if memory is None else memory.response(fine, force(fine))
+    x = pse.simulate(equations_of(sides, ("F",)), [0.0, 0.0], fine, acts, tolerance=1e-8)
+    q = x[::10, 0]
+    q = q + noise * q.std() * np.random.default_rng(seed + 1000).standard_normal(q.shape)
+    return pse.prepare(fine[::10], q, force(fine[::10]))
+
+
+def close(record, **options):
+    return pse.close_loop(DECLARED, record, operators=(), random_state=0, **options)
+
+
+def test_delayed_sine_is_the_sine_of_an_earlier_time():
+    delayed = Memory("input delay", 0, (0.0137,)).response(T, np.sin(3 * T))
+    assert delayed[10:] == pytest.approx(np.sin(3 * (T[10:] - 0.0137)), abs=1e-6)
+
+
+def test_lag_follows_a_ramp_by_its_time_constant():
+    lagging = Memory("actuator lag", 0, (0.5,)).response(T, 2.0 * T)
+    assert lagging[-1] == pytest.approx(2.0 * (T[-1] - 0.5))
+
+
+def test_lag_far_shorter_than_a_sample_changes_nothing():
+    u = np.sin(3 * T)
+    assert Memory("actuator lag", 0, (1e-6,)).response(T, u) == pytest.approx(u, abs=1e-5)
+
+
+def test_vessel_passes_on_a_steady_inflow():
+    inflow = np.where(T < 1.0, 4.0, 9.0)
+    out = Memory("hidden state", 0, (0.05,)).response(T, inflow)
+    assert out[0] == pytest.approx(4.0)
+    assert out[-1] == pytest.approx(9.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["input delay", "actuator lag", "hidden state"])
+def test_simulated_equations_with_memory_agree_with_the_response(kind):
+    memory = Memory(kind, 0, (0.3,))
+    u = 5.0 + np.sin(2 * T)
+    plain = equations_of({"x": "-x + F"}, ("F",))
+    full = with_memories(plain, [memory])
+    run = pse.simulate(full, [1.0], T, u)
+    expected = pse.simulate(plain, [1.0], T, memory.response(T, u))
+    assert run.shape == (len(T), 1 if kind == "input delay" else 2)
+    assert run[:, 0] == pytest.approx(expected[:, 0], abs=2e-4)
+
+
+def test_equations_with_memory_are_written_with_hidden_states_and_earlier_times():
+    plain = equations_of({"x": "-x + F*G"}, ("F", "G"))
+    memories = [Memory("input delay", 0, (0.25,)), Memory("actuator lag", 1, (0.5,))]
+    full = with_memories(plain, memories)
+    assert full.states == ("x", "G_lag")
+    x, lag, G, t = (sympy.Symbol(name, real=True) for name in ("x", "G_lag", "G", "t"))
+    earlier = sympy.Function("F", real=True)(t - 0.25)
+    first, second = full.to_sympy()
+    assert sympy.expand(first - (earlier * lag - x)) == 0
+    assert sympy.expand(second - (2.0 * G - 2.0 * lag)) == 0
+
+
+def test_equations_without_memory_stay_as_they_are():
+    plain = equations_of({"x": "-x + F"}, ("F",))
+    assert with_memories(plain, []) is plain
+
+
+def test_record_without_hidden_states_is_evaluated_in_time_order():
+    plain = equations_of({"x": "-x + F"}, ("F",))
+    memory = Memory("actuator lag", 0, (0.5,))
+    full = with_memories(plain, [memory])
+    assert isinstance(full, MemoryEquations)
+    x, u = np.cos(T)[:, None], np.sin(T)[:, None]
+    acts = memory.response(T, u[:, 0])[:, None]
+    assert full.evaluate(x, u, T) == pytest.approx(plain.evaluate(x, acts))
+
+
+def test_memory_of_a_part_knows_the_input_before_it():
+    q = np.sin(T)
+    record = pse.prepare(T, q, np.cos(2 * T), cutoff=5.0)
+    memory = Memory("actuator lag", 0, (2.0,))
+    whole = remembered(record, [memory])
+    part = remembered(record[300:], [memory])
+    assert part.u == pytest.approx(whole[300:].u)
+
+
+@pytest.mark.parametrize(
+    "memory",
+    [Memory("input delay", 0, (0.004,)), Memory("actuator lag", 0, (0.05,))],
+    ids=lambda memory: memory.kind,
+)
+def test_memory_is_found_with_its_value_and_both_errors_fall(memory):
+    report = close(record_with(memory))
+    (effect,) = report.effects
+    assert effect.name == memory.kind
+    assert effect.state == "v"
+    assert effect.coefficients == pytest.approx(memory.values, rel=0.02)
+    low, high = effect.confidence_intervals[0]
+    assert low < effect.coefficients[0] < high < 1.1 * memory.values[0]
+    assert report.after.derivative_error[1] < 0.3 * report.before.derivative_error[1]
+    assert np.all(report.after.simulation_error < 0.2 * report.before.simulation_error)
+    assert f"{memory.values[0]:.2g}"[:4] in str(report)
+
+
+def test_lag_is_a_state_of_the_reported_model():
+    report = close(record_with(Memory("actuator lag", 0, (0.1,))))
+    assert report.equations.states == ("q", "v", "F_lag")
+    assert report.model.feature_names == ["q", "v", "F_lag", "F"]
+    run = report.simulate(report.test[0])
+    assert run.shape == (len(report.test[0]), 3)
+    assert run[:, 0] == pytest.approx(report.test[0].x[:, 0], abs=0.02 * np.ptp(run[:, 0]))
+    assert report.residual_after[0].shape == report.test[0].x.shape
+
+
+def test_delay_and_friction_are_found_together():
+    report = close(record_with(Memory("input delay", 0, (0.01,)), friction=2.0))
+    found = {effect.name: effect for effect in report.effects}
+    assert set(found) == {"input delay", "Coulomb friction"}
+    assert found["input delay"].coefficients[0] == pytest.approx(0.01, rel=0.03)
+    assert found["Coulomb friction"].coefficients[0] == pytest.approx(-2.0, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_no_memory_is_named_where_the_input_acts_at_once(seed):
+    noise = (2e-3, 2e-2)[seed % 2]
+    assert close(record_with(None, noise=noise, seed=seed)).verdict == "complete"
