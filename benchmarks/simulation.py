@@ -3,6 +3,7 @@
 One thread. The first free run of a structure compiles its program, the later ones do not.
 """
 
+import argparse
 import time
 
 import numpy as np
@@ -59,7 +60,12 @@ def windows() -> None:
             print(f"{f'window of {window}':<34}{n_models:>9}{seconds:>9.3f}{error[0]:>12.1e}")
 
 
-if __name__ == "__main__":
+def main() -> None:
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     free_runs()
     accuracy()
     windows()
+
+
+if __name__ == "__main__":
+    main()

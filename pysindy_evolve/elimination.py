@@ -193,7 +193,8 @@ def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, 
     cross = gram.xx[support]
     slope = gram.xy - coef @ cross
     power = np.diag(gram.xx) - np.einsum("ij,ij->j", cross, inverted @ cross)
-    gain = np.where(power > 1e-9 * np.diag(gram.xx), slope**2 / np.maximum(power, 1e-300), 0.0)
+    new = power > 1e-9 * np.diag(gram.xx)
+    gain = np.divide(slope**2, power, out=np.zeros(len(power)), where=new)
     with_column, without_column = np.maximum(error - gain, floor), np.full(len(gram.xy), error)
     with_column[support] = error
     without_column[support] = error + _rise(coef, inverted, gram.n)
