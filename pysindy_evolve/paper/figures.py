@@ -38,7 +38,7 @@ class Identified:
     @cached_property
     def equations(self) -> Equations:
         """What was identified."""
-        return identify(self.case, self.rig)[0]
+        return identify(self.case)[0]
 
     @cached_property
     def predicted(self) -> np.ndarray:

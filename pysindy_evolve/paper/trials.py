@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ class Trial:
 def run(case: Case) -> Trial:
     """Simulate a record, identify it, and compare the result with the truth."""
     rig = case.simulate()
-    found, seconds = identify(case, rig)
+    found, seconds = identify(case)
     extra, missing = _structure(rig.equations, found)
     return Trial(
         case,
@@ -89,8 +90,13 @@ def run(case: Case) -> Trial:
     )
 
 
-def identify(case: Case, rig: DuffingRig) -> tuple[Equations, float]:
-    """Fit an ordinary `ps.SINDy` with an evolving library; return equations and processor time."""
+@lru_cache
+def identify(case: Case) -> tuple[Equations, float]:
+    """Fit an ordinary `ps.SINDy` with an evolving library; return equations and processor time.
+
+    A figure of a case that was run in this process does not fit it again.
+    """
+    rig = case.simulate()
     model = ps.SINDy(
         feature_library=EvolvingLibrary(random_state=case.seed, **case.setting.options),
         optimizer=ElasticNet(),
