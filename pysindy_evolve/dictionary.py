@@ -12,14 +12,15 @@ theta   (m, p)                terms on the m rows of a sample, columns of unit R
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from .gram import Gram, block_grams, gram
-from .terms import Product
+from .operators import BUILTIN
+from .terms import Atom, Cache, Call, Product, Sum, Variable
 
 __all__ = ["Dictionary", "Problem", "build_dictionary", "price", "skeleton"]
 
@@ -29,6 +30,7 @@ TWIN = 1.0 - 1e-9  # correlation above which two columns are one signal up to sc
 SIBLING = 0.98  # the same for two terms that differ only in their inner constants
 SPIKE = 0.5  # share of a column's power in a single row above which it only fits that row
 SPANNED = 1e-9  # share of a column's power that the fixed columns must leave
+KINKS = (BUILTIN["abs"], BUILTIN["sgn"])
 NODE = 2.0  # price of a node: 2 log 3, as there are about 3^size terms of a size (extended BIC)
 
 
@@ -65,19 +67,23 @@ class Problem:
         rows = (edges[:-1] + rng.random(n_rows) * np.diff(edges)).astype(int)
         return Problem(self.x[rows], self.target[rows], self.fixed[rows])
 
-    def theta(self, terms: Sequence[Product], rows: slice = slice(None)) -> np.ndarray:
+    def theta(
+        self, terms: Sequence[Product], rows: slice = slice(None), cache: Cache | None = None
+    ) -> np.ndarray:
         """Evaluate fixed columns and terms, not yet projected: (rows, n_fixed + n_terms)."""
-        x, n_fixed = self.x[rows], self.fixed.shape[1]
-        cache: dict[Any, np.ndarray] = {}
-        columns = np.empty((len(x), n_fixed + len(terms)))
+        x, n_fixed = np.asfortranarray(self.x[rows]), self.fixed.shape[1]
+        cache = {} if cache is None else cache
+        columns = np.empty((len(x), n_fixed + len(terms)), order="F")
         columns[:, :n_fixed] = self.fixed[rows]
         for j, term in enumerate(terms):
             columns[:, n_fixed + j] = term.evaluate(x, cache)
         return columns
 
-    def regression(self, terms: Sequence[Product]) -> tuple[np.ndarray, np.ndarray]:
+    def regression(
+        self, terms: Sequence[Product], cache: Cache | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return the two sides of the regression: theta with fixed columns first, and target."""
-        theta, y = self.theta(terms), self.target
+        theta, y = self.theta(terms, cache=cache), self.target
         if self.project is None:
             return theta, y
         finite = np.isfinite(theta)
@@ -112,9 +118,8 @@ class Dictionary:
     def residual(self, support: np.ndarray) -> np.ndarray:
         """Return what fixed columns and the terms of a support leave of the target: (m,)."""
         n = self.n_fixed
-        columns = self.theta[:, [*range(n), *(n + j for j in support)]]
-        coef = np.linalg.lstsq(columns, self.y, rcond=None)[0]
-        return self.y - columns @ coef
+        basis = np.linalg.qr(self.theta[:, [*range(n), *(n + j for j in support)]])[0]
+        return self.y - basis @ (basis.T @ self.y)
 
 
 def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
@@ -131,10 +136,12 @@ def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
     -------
     Dictionary
         Without terms that are not finite, zero, in the span of the fixed columns, or all in one
-        row.
+        row, and without those that say with a kink what they would say without: abs(q - 3 v)
+        where q is always larger than 3 v.
     """
-    terms = sorted(dict.fromkeys(terms), key=lambda term: term.size)
-    theta, y = problem.regression(terms)
+    idle = _Idle(problem.x)
+    terms = sorted((t for t in dict.fromkeys(terms) if not idle(t)), key=lambda term: term.size)
+    theta, y = problem.regression(terms, idle.cache)
     n_fixed = problem.fixed.shape[1]
     with np.errstate(all="ignore"):
         power = np.einsum("ij,ij->j", theta, theta)
@@ -154,6 +161,40 @@ def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
         left.select(keep),
         scale[good][n_fixed:][keep],
     )
+
+
+class _Idle:
+    """Tells whether an abs or sgn within a term never changes its sign on the sample."""
+
+    def __init__(self, x: np.ndarray) -> None:
+        self.x = x
+        self.cache: dict[Any, np.ndarray] = {}
+        self._known: dict[Any, bool] = {}
+
+    def __call__(self, node: Product | Atom) -> bool:
+        if isinstance(node, Variable):
+            return False
+        if node not in self._known:
+            self._known[node] = self._is_kink(node) or any(map(self, _children(node)))
+        return self._known[node]
+
+    def _is_kink(self, node: Product | Atom) -> bool:
+        if not isinstance(node, Call) or node.operator not in KINKS:
+            return False
+        (argument,) = node.args
+        if len(argument.parts) < 2:
+            return False  # then it is a factor of the term's own twin without it
+        value = argument.evaluate(self.x, self.cache)
+        return bool(value.min() >= 0.0 or value.max() <= 0.0)
+
+
+def _children(node: Product | Atom) -> Iterator[Product | Atom]:
+    if isinstance(node, Product):
+        yield from (atom for atom, _ in node.factors)
+    elif isinstance(node, Sum):
+        yield from (term for _, term in node.parts)
+    elif isinstance(node, Call):
+        yield from node.args
 
 
 def _different(left: Gram, terms: Sequence[Product]) -> list[int]:

@@ -73,14 +73,15 @@ def front(
     """
     n = float(gram.n) if n_effective is None else n_effective
     penalty = default_penalty(gram, n) if penalty is None else penalty
-    best: dict[int, tuple[float, tuple[int, ...]]] = {0: (n * np.log(_share(gram, gram.yy)), ())}
+    nothing = np.arange(0)
+    best: dict[int, tuple[float, np.ndarray]] = {0: (n * np.log(_share(gram, gram.yy)), nothing)}
     for proposal in proposals:
         for support, error in eliminate(gram, proposal, penalty, n):
             value = n * np.log(_share(gram, error)) + penalty[support].sum()
             size = len(support)
             if size <= (max_terms or size) and value < best.get(size, (np.inf,))[0]:
-                best[size] = (float(value), tuple(support))
-    found = {size: np.array(support, dtype=int) for size, (_, support) in best.items()}
+                best[size] = (float(value), support)
+    found = {size: support for size, (_, support) in best.items()}
     # Downdating loses digits where terms are nearly collinear, so the winners are solved afresh.
     value = {size: information(gram, s, penalty, n) for size, s in found.items()}
     first = min(value, key=lambda size: (value[size], size))
@@ -142,32 +143,41 @@ def eliminate(
     -----
     Each step costs k^2 on a support of k terms, because the inverse is downdated.
     """
-    left = np.asarray(support, dtype=int)
-    part = gram.select(left)
+    columns = np.asarray(support, dtype=int)
+    part = gram.select(columns)
     part = part.scaled(part.scale)
     inverted = inverse(part)
-    coef, price = inverted @ part.xy, penalty[left]
+    coef, price = inverted @ part.xy, penalty[columns]
     floor = max(LEAST * gram.yy, np.finfo(float).tiny)
     error = max(float(gram.yy - coef @ part.xy), floor)
-    way = [(left, error)]
-    alive = np.arange(len(left))
-    while len(left):
-        if np.min(np.diag(inverted)) < HEALTHY / gram.n:  # downdating has lost its digits
-            inverted = inverse(part.select(alive))
-            coef = inverted @ part.xy[alive]
+    way = [(columns, error)]
+    alive = np.ones(len(columns), dtype=bool)
+    for _ in columns:
+        # Columns that went keep their place, with zeros in the inverse.
+        if inverted.diagonal()[alive].min() < HEALTHY / gram.n:  # downdating has lost its digits
+            inverted, coef = _inverted_again(part, alive)
         rise = _rise(coef, inverted, gram.n)
-        worst = int(np.argmin(n_effective * np.log1p(rise / error) - price))
+        worth = n_effective * np.log1p(rise / error) - price
+        worth[~alive] = np.inf
+        worst = int(worth.argmin())
         error = max(error + float(rise[worst]), floor)
-        keep = np.arange(len(left)) != worst
-        column, pivot = inverted[keep, worst], inverted[worst, worst]
+        alive[worst] = False
+        column, pivot = inverted[:, worst].copy(), inverted[worst, worst]
         if abs(pivot) >= HEALTHY / gram.n:
-            coef = coef[keep] - column * coef[worst] / pivot
-            inverted = inverted[np.ix_(keep, keep)] - np.outer(column, column) / pivot
-        else:
-            coef, inverted = coef[keep], inverted[np.ix_(keep, keep)]
-        left, price, alive = left[keep], price[keep], alive[keep]
-        way.append((left, error))
+            coef -= column * (coef[worst] / pivot)
+            inverted -= column[:, None] * (column / pivot)
+        inverted[worst], inverted[:, worst], coef[worst] = 0.0, 0.0, 0.0
+        way.append((columns[alive], error))
     return way
+
+
+def _inverted_again(part: Gram, alive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the inverse of the columns alive, zeros for the others, and their coefficients."""
+    inverted, coef = np.zeros_like(part.xx), np.zeros_like(part.xy)
+    left = np.flatnonzero(alive)
+    inverted[np.ix_(left, left)] = inverse(part.select(left))
+    coef[left] = inverted[np.ix_(left, left)] @ part.xy[left]
+    return inverted, coef
 
 
 def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -203,6 +213,6 @@ def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, 
 
 def _rise(coef: np.ndarray, inverted: np.ndarray, n: int) -> np.ndarray:
     """Return what the sum of squares rises by without each column; nothing for a zero column."""
-    diagonal = np.diag(inverted)
+    diagonal = inverted.diagonal()
     usable = diagonal > 1e-12 / n
-    return np.where(usable, coef**2 / np.where(usable, diagonal, 1.0), 0.0)
+    return np.divide(coef * coef, diagonal, out=np.zeros_like(coef), where=usable)

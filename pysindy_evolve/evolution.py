@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,7 @@ from .constants import tune
 from .dictionary import Dictionary, Problem, Project, build_dictionary, price, skeleton
 from .genetics import Genetics
 from .operators import Operator
+from .plateau import PERFECT, Plateau
 from .refit import refit
 from .terms import ONE, Product, Variable
 
@@ -37,8 +38,6 @@ ROWS = 3000  # rows that a generation is scored on; the final refit sees all of 
 FINALISTS = 24  # terms that are weighed against each other on all rows
 N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
 TUNING_ROWS = 800  # are enough to tune one or two constants
-PATIENCE_IF_PERFECT = 2
-PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
 
 
 @dataclass(frozen=True)
@@ -146,8 +145,9 @@ def evolve(
     Notes
     -----
     A generation costs a fixed number of rows, whatever n is. The search ends after
-    ``n_generations``, or when the equation has not changed for ``patience`` of them, or when
-    nothing is left to explain. Ctrl-C ends it with the best equation so far.
+    ``n_generations``, or when no new term has entered the equation for ``patience`` of them, or
+    sooner where nothing is left to explain, see `plateau`. Ctrl-C ends it with the best equation
+    so far.
     """
     settings = settings or Settings()
     fixed = np.empty((len(x), 0)) if fixed is None else fixed
@@ -155,13 +155,14 @@ def evolve(
     history: list[Generation] = []
     finalists: tuple[Product, ...] = ()
     search = generations(problem, operators, settings, rng)
+    plateau = Plateau(problem, settings.patience)
     bar = tqdm(search, total=settings.n_generations, disable=not progress, desc="generation")
     try:
         for generation, ranking in bar:
             history.append(generation)
             finalists = ranking
             bar.set_postfix(n_terms=generation.n_terms, fitness=f"{generation.fitness:.3g}")
-            if _settled(history, settings.patience):
+            if plateau.reached(generation):
                 break
     except KeyboardInterrupt:
         warnings.warn(
@@ -186,6 +187,7 @@ def generations(
 
     survivors: tuple[Product, ...] = leaves
     population = genetics.random_terms(settings.population_size, known=leaves)
+    known: set[Hashable] = set()
     for number in range(1, settings.n_generations + 1):
         sample = problem.sample(ROWS, rng)
         dictionary = build_dictionary(sample, [*survivors, *population])
@@ -194,7 +196,7 @@ def generations(
 
         ranking = _ranking(dictionary, front[0], fitness)
         yield _record(dictionary, front[0], number, start), ranking[:FINALISTS]
-        tuned = tune_constants(dictionary, front, fitness, partners)
+        tuned = tune_constants(dictionary, front, fitness, partners, known)
         survivors = _unique([*tuned, *ranking[:FINALISTS], *leaves])
         population = genetics.offspring(
             dictionary.terms,
@@ -225,7 +227,9 @@ def solve_elastic_net(
         residual = dictionary.residual(front[0])
         if residual @ residual <= PERFECT * (dictionary.y @ dictionary.y):
             break  # what is left is rounding
-        n_effective = regression.effective_size(residual)
+        n_before, n_effective = n_effective, regression.effective_size(residual)
+        if n_effective == n_before:
+            break  # as white noise leaves it: the next look would be the same
     return front, n_effective
 
 
@@ -249,16 +253,27 @@ def rate(
 
 
 def tune_constants(
-    dictionary: Dictionary, front: Sequence[np.ndarray], fitness: np.ndarray, partners: np.ndarray
+    dictionary: Dictionary,
+    front: Sequence[np.ndarray],
+    fitness: np.ndarray,
+    partners: np.ndarray,
+    known: set[Hashable],
 ) -> list[Product]:
-    """Tune the inner constants of the best terms that have some, each beside its equation."""
+    """Tune the inner constants of the best terms that have some, each beside its equation.
+
+    A term that has been tuned beside the same equation before is `known` and left as it is.
+    """
     problem, n_fixed = dictionary.problem, dictionary.n_fixed
     tuned: list[Product] = []
     step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
     order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
     for j in order[:N_TUNED]:
-        beside = [n_fixed + i for i in front[partners[j]] if i != j]
-        others = dictionary.theta[:, [*range(n_fixed), *beside]]
+        beside = [i for i in front[partners[j]] if i != j]
+        case = skeleton(dictionary.terms[j]), frozenset(dictionary.terms[i] for i in beside)
+        if case in known:
+            continue
+        known.add(case)
+        others = dictionary.theta[:, [*range(n_fixed), *(n_fixed + i for i in beside)]]
         tuned += tune(
             [dictionary.terms[j]],
             problem.x[::step],
@@ -289,17 +304,9 @@ def _record(dictionary: Dictionary, support: np.ndarray, number: int, start: flo
     )
 
 
-def _settled(history: Sequence[Generation], patience: int) -> bool:
-    """Tell whether the search has stopped to find anything."""
-    if history[-1].fitness <= PERFECT:
-        patience = min(patience, PATIENCE_IF_PERFECT)  # there may be a shorter way to say it
-    recent = {frozenset(map(skeleton, g.terms)) for g in history[-patience - 1 :]}
-    return len(history) > patience and len(recent) == 1
-
-
 def _typical(x: np.ndarray) -> np.ndarray:
     """RMS of each variable; one where a variable is zero."""
-    size = np.sqrt(np.mean(np.square(x), axis=0))
+    size = np.sqrt(np.einsum("ij,ij->j", x, x) / len(x))
     return np.where(size > 0.0, size, 1.0)
 
 

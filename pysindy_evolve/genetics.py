@@ -63,7 +63,7 @@ class Genetics:
 
     def random_terms(self, n: int, known: Iterable[Product] = ()) -> list[Product]:
         """Return up to `n` random terms, all different and none of them known."""
-        return self._gather(n, set(known), self._random_tree)
+        return self._gather(n, set(known), self._random_child)
 
     def offspring(
         self,
@@ -94,26 +94,27 @@ class Genetics:
             where that does not help makes way for another, in the end for a random term.
         """
 
-        def child() -> gp.PrimitiveTree:
+        def child() -> list[Product]:
             tree = self._select(parents, fitness)
             if self.random.random() < crossover_rate:
                 tree = self._crossed(tree, self._select(parents, fitness))
-            if self.random.random() < mutation_rate or known.issuperset(self._terms(tree)):
-                tree = self._mutated(tree)
-            return tree
+            terms = self._terms(tree)
+            if self.random.random() < mutation_rate or known.issuperset(terms):
+                terms = self._terms(self._mutated(tree))
+            return terms
 
         known = set(parents)
         children = self._gather(n, known, child)
-        return children + self._gather(n - len(children), known, self._random_tree)
+        return children + self._gather(n - len(children), known, self._random_child)
 
     def _gather(
-        self, n: int, known: set[Product], make: Callable[[], gp.PrimitiveTree]
+        self, n: int, known: set[Product], make: Callable[[], list[Product]]
     ) -> list[Product]:
         found: list[Product] = []
         for _ in range(4 * n):  # so that a small space of terms ends the search, not a full one
             if len(found) >= n:
                 break
-            for term in self._terms(make()):
+            for term in make():
                 if term not in known:
                     known.add(term)
                     found.append(term)
@@ -123,10 +124,11 @@ class Genetics:
         self, parents: Sequence[Product], fitness: Sequence[float] | np.ndarray
     ) -> gp.PrimitiveTree:
         rivals = [self.random.randrange(len(parents)) for _ in range(TOURNAMENT)]
-        return _tree(parents[min(rivals, key=lambda i: fitness[i])])
+        return gp.PrimitiveTree(_nodes(parents[min(rivals, key=lambda i: fitness[i])]))
 
-    def _random_tree(self) -> gp.PrimitiveTree:
-        return gp.PrimitiveTree(self._deap["genHalfAndHalf"](self._pset, 1, min(self.max_depth, 3)))
+    def _random_child(self) -> list[Product]:
+        nodes = self._deap["genHalfAndHalf"](self._pset, 1, min(self.max_depth, 3))
+        return self._terms(gp.PrimitiveTree(nodes))
 
     def _crossed(self, one: gp.PrimitiveTree, other: gp.PrimitiveTree) -> gp.PrimitiveTree:
         """Exchange a subtree; leaves, which DEAP leaves alone, are multiplied instead."""
@@ -253,9 +255,10 @@ def _terminal(value: Sum) -> gp.Terminal:
 _MUL, _DIV, _ADD = (_primitive(BUILTIN[name]) for name in ("mul", "div", "add"))
 
 
-def _tree(term: Product) -> gp.PrimitiveTree:
+@lru_cache(4096)  # a good term is a parent many times over
+def _nodes(term: Product) -> tuple[Any, ...]:
     """Write a term as a prefix tree, in any operators: the canonical form has its own."""
-    return gp.PrimitiveTree(_prefix_of_product(term))
+    return tuple(_prefix_of_product(term))
 
 
 def _prefix_of_product(term: Product) -> list[Any]:

@@ -111,7 +111,7 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         said = np.flatnonzero(theta.any(axis=1))
         if theta.shape[1] <= len(said) < len(theta):
             theta, targets = theta[said], targets[said]
-        self.coef_ = np.array([self._fit_target(theta, column) for column in targets.T])
+        self.coef_ = self._fit_targets(theta, targets)
         self.ind_ = self.coef_ != 0.0
         self.intercept_ = 0.0
         return self
@@ -139,18 +139,21 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         return int(np.count_nonzero(self.coef_))
 
-    def _fit_target(self, theta: np.ndarray, y: np.ndarray) -> np.ndarray:
-        coef = np.zeros(theta.shape[1])
-        support = self._support(theta, y)
-        if len(support):
-            part = theta[:, support]
-            scale = np.sqrt(np.mean(np.square(part), axis=0))
-            coef[support] = np.linalg.lstsq(part / scale, y, rcond=None)[0] / scale
+    def _fit_targets(self, theta: np.ndarray, targets: np.ndarray) -> np.ndarray:
+        n, p = theta.shape
+        n_blocks = N_BLOCKS if n >= N_BLOCKS * max(MIN_ROWS, 2 * p) else 1
+        grams = regression.target_grams(lambda rows: theta[rows], targets, n_blocks)
+        coef = np.zeros((len(grams), p))
+        for row, blocks, y in zip(coef, grams, targets.T, strict=True):
+            support = self._support(theta, y, blocks)
+            if len(support):
+                part = regression.total(blocks).select(support)
+                row[support] = regression.refined(lambda rows: theta[rows][:, support], y, part)  # noqa: B023
         return coef
 
-    def _support(self, theta: np.ndarray, y: np.ndarray) -> np.ndarray:
-        n_blocks = N_BLOCKS if len(y) >= N_BLOCKS * max(MIN_ROWS, 2 * theta.shape[1]) else 1
-        blocks = regression.block_grams(lambda rows: theta[rows], y, n_blocks)
+    def _support(
+        self, theta: np.ndarray, y: np.ndarray, blocks: list[regression.Gram]
+    ) -> np.ndarray:
         whole = regression.total(blocks)
         if whole.yy == 0.0:
             return np.arange(0)
@@ -161,14 +164,17 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
             return self._support_at(whole)
         weights = regression.LAMBDA2 if self.lambda2 is None else (self.lambda2,)
         proposals = regression.supports(whole, min(self.max_terms, len(scale)), weights)
-        support, n_effective = np.arange(0), None
+        support, n_before, n_effective = np.arange(0), 0.0, float(whole.n)
         for _ in range(2):
+            if n_effective == n_before:
+                break  # as white noise leaves it: the next look would be the same
             cost = regression.default_penalty(whole, n_effective)
             front = regression.front(whole, proposals, cost, n_effective)
             support = regression.frugal(whole, front)[0]
-            coef = regression.least_squares(whole, support)[support] / scale[support]
-            n_effective = regression.effective_size(y - theta[:, support] @ coef)
-        if n_blocks > 1:
+            coef = regression.least_squares(whole, support) / scale
+            left = regression.residual(lambda rows: theta[rows], y, coef)
+            n_before, n_effective = n_effective, regression.effective_size(left)
+        if len(blocks) > 1:
             support = regression.stable(whole, folds, support)
         return regression.material(whole, support)
 

@@ -13,7 +13,7 @@ from . import regression
 from .blur import blurred_power
 from .constants import tune
 from .dictionary import Problem, price
-from .gram import Gram
+from .gram import Gram, least_squares, residual
 from .terms import Product
 
 __all__ = ["refit"]
@@ -52,12 +52,15 @@ def refit(
     if not terms:
         return (), ()
     proposals = [*regression.supports(whole, max_terms), np.arange(len(terms))]
-    n_effective = float(whole.n)
+    n_before, n_effective = 0.0, float(whole.n)
     for _ in range(2):
+        if n_effective == n_before:
+            break  # as white noise leaves it: the next look would be the same
         cost = price(terms, n_effective)
         front = regression.front(whole, proposals, cost, n_effective, max_terms)
         support = regression.frugal(whole, front)[0]
-        n_effective = regression.effective_size(_residual(problem, [terms[j] for j in support]))
+        n_before, left = n_effective, _residual(problem, [terms[j] for j in support])
+        n_effective = regression.effective_size(left)
     if folds:
         support = regression.stable(whole, folds, support)
     least = blurred_power(problem, *_equation(terms, whole, support, scale))
@@ -95,9 +98,13 @@ def _grams(
 
 
 def _residual(problem: Problem, terms: Sequence[Product]) -> np.ndarray:
-    theta, y = problem.regression(terms)
-    gram = regression.gram(theta, y)
-    return y - theta @ regression.least_squares(gram, np.arange(theta.shape[1]))
+    if problem.project is not None:
+        theta, y = problem.regression(terms)
+        basis = np.linalg.qr(theta)[0]
+        return y - basis @ (basis.T @ y)
+    (whole,) = problem.blocks(terms, 1)
+    coef = least_squares(whole, np.arange(len(whole.xy)))
+    return residual(lambda rows: problem.theta(terms, rows), problem.target, coef)
 
 
 def _tuned_together(problem: Problem, terms: Sequence[Product]) -> Sequence[Product]:

@@ -11,18 +11,29 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import lars_path_gram
 
 from .elimination import default_penalty, eliminate, front, gains, information, prune
-from .gram import LEAST, Gram, block_grams, gram, least_squares, rss, total
+from .gram import (
+    LEAST,
+    Gram,
+    block_grams,
+    gram,
+    least_squares,
+    refined,
+    residual,
+    rss,
+    target_grams,
+    total,
+)  # fmt: skip
+from .independence import effective_size
 
 # Elimination and Gram matrices are part of the regression for those who use it.
 __all__ = [
     "LAMBDA2", "Gram", "block_grams", "default_penalty", "effective_size", "elastic_net",
     "eliminate", "front", "frugal", "gains", "gram", "information", "least_squares", "material",
-    "path", "prune", "rss", "stable", "supports", "total",
+    "path", "prune", "refined", "residual", "rss", "stable", "supports", "target_grams", "total",
 ]  # fmt: skip
 
 MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
@@ -255,30 +266,3 @@ def _jackknife_ratio(whole: Gram, folds: Sequence[Gram], support: np.ndarray) ->
     error = np.sqrt((count - 1) / count * ((coef - coef.mean(axis=0)) ** 2).sum(axis=0))
     size = np.abs(least_squares(whole, support)[support])
     return size / np.maximum(error, np.finfo(float).tiny)
-
-
-def effective_size(residual: np.ndarray) -> float:
-    """Count the independent samples in an autocorrelated series.
-
-    Parameters
-    ----------
-    residual : ndarray of shape (n,)
-        In order of time.
-
-    Returns
-    -------
-    float
-        n / (1 + 2 sum of autocorrelations up to their first zero), at least 8.
-    """
-    n = len(residual)
-    centered = residual - residual.mean()
-    power = float(centered @ centered)
-    if n < 16 or power <= 0.0:
-        return float(n)
-    length = next_fast_len(n + n // 2, real=True)  # padded for lags up to n / 2
-    spectrum = np.abs(rfft(centered, length)) ** 2
-    correlation = irfft(spectrum, length)[1 : n // 2] / power
-    # 2/sqrt(n) is what white noise shows by chance.
-    quiet = np.flatnonzero(correlation < 2.0 / np.sqrt(n))
-    until = quiet[0] if len(quiet) else len(correlation)
-    return max(n / (1.0 + 2.0 * float(correlation[:until].sum())), 8.0)

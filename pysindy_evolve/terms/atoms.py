@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..lazily import lazily
 from ..operators import Operator
 from .node import Cache, Node, take
 
@@ -26,7 +26,7 @@ class Variable(Node):
 
     index: int
 
-    @cached_property
+    @lazily
     def key(self) -> tuple[Any, ...]:
         """Sort key: in the order of the columns."""
         return (0, self.index, "")
@@ -96,22 +96,22 @@ class Call(Node):
         """Return the sympy expression."""
         return self.operator.to_sympy(*(a.to_sympy(symbols) for a in self.args))
 
-    @cached_property
+    @lazily
     def size(self) -> int:
         """Number of nodes."""
         return 1 + sum(a.size for a in self.args)
 
-    @cached_property
+    @lazily
     def depth(self) -> int:
         """Height of the tree."""
         return 1 + max(a.depth for a in self.args)
 
-    @cached_property
+    @lazily
     def variables(self) -> frozenset[int]:
         """Columns of the data that the value depends on."""
         return frozenset().union(*(a.variables for a in self.args))
 
-    @cached_property
+    @lazily
     def constants(self) -> tuple[float, ...]:
         """Inner constants, from left to right."""
         return tuple(c for a in self.args for c in a.constants)

@@ -26,7 +26,10 @@ def simplified(factors: tuple[tuple[Atom, int], ...]) -> Product:
     for atom in list(exponents):
         if isinstance(atom, Call) and atom.operator in (BUILTIN["sgn"], BUILTIN["abs"]):
             _fold(exponents, atom.args[0])
-    return Product(tuple(sorted(((a, n) for a, n in exponents.items() if n), key=_order)))
+    kept = [(atom, n) for atom, n in exponents.items() if n]
+    if len(kept) > 1:
+        kept.sort(key=_order)
+    return Product(tuple(kept))
 
 
 def _fold(exponents: dict[Atom, int], argument: Sum) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
-from functools import cached_property
 from typing import Any
 
 import numpy as np
+
+from ..lazily import lazily
 
 __all__ = ["Cache", "Node", "take"]
 
@@ -26,7 +27,7 @@ class Node:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
 
-    @cached_property
+    @lazily
     def _hash(self) -> int:
         # __match_args__ are the fields of a dataclass, five times faster to reach than fields().
         return hash(tuple(getattr(self, name) for name in self.__match_args__))  # type: ignore[attr-defined]
@@ -34,14 +35,37 @@ class Node:
     def __hash__(self) -> int:
         return self._hash
 
-    @cached_property
+    @lazily
     def key(self) -> tuple[Any, ...]:
         """Sort key: the constant and plain variables first, then by size and printed form."""
-        return (1, self.size, self.name(_COLUMN_NAMES))  # type: ignore[attr-defined]
+        return (1, self.size, _PrintedForm(self))  # type: ignore[attr-defined]
 
     def factor_name(self, names: Sequence[str]) -> str:
         """Return the printed form inside a product."""
         return self.name(names)  # type: ignore[attr-defined]
+
+
+class _PrintedForm:
+    """A node's printed form in a sort key, written only where nothing before it decides."""
+
+    __slots__ = ("node",)
+
+    def __init__(self, node: Any) -> None:
+        self.node = node
+
+    def text(self) -> str:
+        return self.node.name(_COLUMN_NAMES)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, _PrintedForm):
+            return NotImplemented
+        return self.node is other.node or self.text() == other.text()
+
+    def __hash__(self) -> int:
+        return hash(self.text())
+
+    def __lt__(self, other: _PrintedForm) -> bool:
+        return self.text() < other.text()
 
 
 class _ColumnNames(Sequence[str]):

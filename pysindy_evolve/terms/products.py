@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..lazily import lazily
 from .node import Cache, Node, take
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class Product(Node):
 
     __hash__ = Node.__hash__
 
-    @cached_property
+    @lazily
     def key(self) -> tuple[Any, ...]:
         """Sort key: the constant term before all others."""
         return super().key if self.factors else (0, -1, "")
@@ -82,13 +82,13 @@ class Product(Node):
         one = symbols[0] ** 0 if len(symbols) else 1
         return math.prod((a.to_sympy(symbols) ** n for a, n in self.factors), start=one)
 
-    @cached_property
+    @lazily
     def size(self) -> int:
         """Number of nodes; a power counts as one node above its atom."""
         own = max(len(self.factors) - 1, 0) + sum(n != 1 for _, n in self.factors)
         return max(own + sum(atom.size for atom, _ in self.factors), 1)
 
-    @cached_property
+    @lazily
     def depth(self) -> int:
         """Height of the tree."""
         if not self.factors:
@@ -96,12 +96,12 @@ class Product(Node):
         powers = any(n != 1 for _, n in self.factors)
         return (len(self.factors) > 1) + powers + max(atom.depth for atom, _ in self.factors)
 
-    @cached_property
+    @lazily
     def variables(self) -> frozenset[int]:
         """Columns of the data that the value depends on."""
         return frozenset().union(*(atom.variables for atom, _ in self.factors))
 
-    @cached_property
+    @lazily
     def constants(self) -> tuple[float, ...]:
         """Inner constants, from left to right."""
         return tuple(c for atom, _ in self.factors for c in atom.constants)

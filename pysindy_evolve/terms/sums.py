@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ..lazily import lazily
 from .atoms import Call, Variable
 from .node import Cache, Node, take
 from .products import ONE, Product
@@ -56,25 +56,25 @@ class Sum(Node):
         zero = 0 * symbols[0] if len(symbols) else 0
         return sum((_exact(c) * term.to_sympy(symbols) for c, term in self.parts), start=zero)
 
-    @cached_property
+    @lazily
     def size(self) -> int:
         """Number of nodes: of the terms, and one for each coefficient that is not one."""
         own = max(len(self.parts) - 1, 0) + sum(abs(c) != 1.0 for c, _ in self.parts)
         return own + sum(term.size for _, term in self.parts)
 
-    @cached_property
+    @lazily
     def depth(self) -> int:
         """Height of the tree."""
         if not self.parts:
             return 0
         return (len(self.parts) > 1) + max(term.depth for _, term in self.parts)
 
-    @cached_property
+    @lazily
     def variables(self) -> frozenset[int]:
         """Columns of the data that the value depends on."""
         return frozenset().union(*(term.variables for _, term in self.parts))
 
-    @cached_property
+    @lazily
     def constants(self) -> tuple[float, ...]:
         """Coefficients other than one and minus one, each before the constants of its term."""
         return tuple(
@@ -108,7 +108,9 @@ def collect(parts: Iterable[tuple[float, Product]]) -> Sum:
     for coefficient, term in parts:
         totals[term] = totals.get(term, 0.0) + coefficient
     kept = [(c, term) for term, c in totals.items() if c != 0.0]
-    return Sum(tuple(sorted(kept, key=lambda part: part[1].key)))
+    if len(kept) > 1:
+        kept.sort(key=lambda part: part[1].key)
+    return Sum(tuple(kept))
 
 
 def _is_free(coefficient: float, term: Product) -> bool:
