@@ -28,6 +28,7 @@ PERFECT = 1e-11  # share of the target's power at which there is nothing left to
 PATIENCE_IF_PERFECT = 2  # there may be a shorter way to say it
 PATIENCE_IF_NOISE = 3
 ROWS = 10_000  # with ten neighbors each, one percent of the residual's power shows at two sigma
+SHARP = 0.005  # largest standard error of a test that may end a search; few rows cannot judge
 N_NEIGHBORS = 10
 CLOSE = 0.9  # likeness of the equation's own values without which neighbors are too far to judge
 CHANCE = 2.0  # standard errors
@@ -89,7 +90,7 @@ class Plateau:
             fitted = basis @ (basis.T @ y)
             close, _ = likeness(fitted - fitted.mean(), neighbors)
             left, error = likeness(y - fitted, neighbors)
-            self._judged[shapes] = close >= CLOSE and left <= CHANCE * error
+            self._judged[shapes] = close >= CLOSE and error <= SHARP and left <= CHANCE * error
         return self._judged[shapes]
 
     @cached_property

@@ -10,11 +10,12 @@ NAME = PACKAGE.name
 
 # From the bottom up; parts of one layer may use each other, but not in a circle.
 LAYERS = (
-    {"checks", "operators", "terms"},
+    {"checks", "lazily", "operators", "terms"},
     {"equations", "text", "grammar", "substitution"},
     {"tracing", "library_terms"},
-    {"gram", "elimination", "regression", "signals", "simulation", "memory", "hidden"},
-    {"genetics", "refit", "constants", "dictionary", "blur", "denoise"},
+    {"gram", "elimination", "independence", "regression"},
+    {"signals", "simulation", "memory", "hidden"},
+    {"genetics", "refit", "constants", "dictionary", "plateau", "blur", "denoise"},
     {"evolution"},
     {"handover", "library", "optimizer"},
     {"export"},
