@@ -13,7 +13,7 @@ from pysindy_evolve.evolution import Settings, evolve, rate
 from pysindy_evolve.library import EvolvingLibrary
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.optimizer import ElasticNet
-from pysindy_evolve.terms import ONE, add, call, constant, div, mul, power, variable
+from pysindy_evolve.terms import ONE, add, call, constant, div, mul, power, sub, variable
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")
 
@@ -228,3 +228,14 @@ def test_powers_and_constants_have_their_price():
     costs = price([sine, saturating], 1000.0)
     assert costs[1] - costs[0] > np.log(1000.0)
     assert regression.default_penalty(regression.gram(np.eye(4), np.ones(4)))[0] > 0
+
+
+def test_a_kink_that_no_row_reaches_is_no_term(data):
+    x, _ = data
+    q, v = variable(0), variable(1)
+    far = float(x[:, 0].max()) + 1.0
+    idle = call(BUILTIN["abs"], sub(q, constant(far)))
+    active = call(BUILTIN["abs"], sub(q, constant(float(np.median(x[:, 0])))))
+    terms = [term(mul(v, idle)), term(active)]
+    dictionary = build_dictionary(Problem(x, x[:, 1], np.empty((len(x), 0))), terms)
+    assert dictionary.terms == (term(active),)

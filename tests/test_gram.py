@@ -1,8 +1,19 @@
 """Gram matrices: blocks, projections and least squares agree with the rows."""
 
 import numpy as np
+import pytest
 
-from pysindy_evolve.gram import block_grams, gram, least_squares, total
+from pysindy_evolve.gram import (
+    Gram,
+    block_grams,
+    gram,
+    inverse,
+    least_squares,
+    refined,
+    residual,
+    target_grams,
+    total,
+)
 
 
 def test_blocks_add_up_to_the_whole(sparse_problem):
@@ -37,3 +48,49 @@ def test_projecting_columns_out_leaves_the_other_coefficients(sparse_problem):
     left = gram(theta[:, [1, 5, 9]], y).without(1)
     expected = np.linalg.lstsq(theta[:, [1, 5, 9]], y, rcond=None)[0][1:]
     np.testing.assert_allclose(least_squares(left, [0, 1]), expected, rtol=1e-6)
+
+
+def test_several_targets_share_one_pass(sparse_problem):
+    theta, _, y = sparse_problem
+    targets = np.column_stack([y, theta[:, 2], -y])
+    shared = target_grams(lambda rows: theta[rows], targets, 5)
+    for blocks, column in zip(shared, targets.T, strict=True):
+        for one, other in zip(
+            blocks, block_grams(lambda rows: theta[rows], column, 5), strict=True
+        ):
+            np.testing.assert_allclose(one.xx, other.xx, rtol=1e-12)
+            np.testing.assert_allclose(one.xy, other.xy, rtol=1e-9, atol=1e-9)
+            assert one.yy == pytest.approx(other.yy)
+            assert one.n == other.n
+
+
+def test_refinement_gives_back_what_the_gram_matrix_rounds_away():
+    rng = np.random.default_rng(0)
+    base = rng.normal(size=20_000)
+    theta = np.column_stack([base, base + 1e-5 * rng.normal(size=20_000)])
+    truth = np.array([2.0, -1.0])
+    y = theta @ truth
+    whole = gram(theta, y)
+    rough = np.abs(least_squares(whole, [0, 1]) - truth).max()
+    fine = np.abs(refined(lambda rows: theta[rows], y, whole) - truth).max()
+    assert fine < 0.05 * rough
+
+
+def test_the_residual_is_taken_in_pieces_and_is_the_same(sparse_problem, monkeypatch):
+    theta, _, y = sparse_problem
+    monkeypatch.setattr("pysindy_evolve.gram.CHUNK", 64)
+    coef = np.arange(theta.shape[1], dtype=float)
+    left = residual(lambda rows: theta[rows], y, coef)
+    np.testing.assert_allclose(left, y - theta @ coef, rtol=1e-9, atol=1e-9)
+
+
+def test_an_inverse_exists_for_equal_columns_and_for_none(sparse_problem):
+    theta, _, y = sparse_problem
+    twice = gram(np.column_stack([theta[:, 0], theta[:, 0]]), y)
+    assert np.isfinite(inverse(twice)).all()
+    assert inverse(gram(theta[:, :0], y)).shape == (0, 0)
+
+
+def test_an_indefinite_matrix_is_inverted_by_its_eigenvalues():
+    indefinite = Gram(np.diag([1.0, -0.5]), np.ones(2), 1.0, 1)
+    np.testing.assert_allclose(inverse(indefinite), np.diag([1.0, -2.0]), rtol=1e-9)
