@@ -6,6 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import settings
+from loop_systems import measured, oscillator
+
+import pysindy_evolve as pse
 
 # A developer explores new inputs at each run; CI repeats the same ones, so it judges the change.
 settings.register_profile("ci", derandomize=True)
@@ -25,6 +28,21 @@ def data_dir() -> Path:
     if os.environ.get("CI", "").lower() == "true":
         pytest.fail(reason)
     pytest.skip(reason)
+
+
+@pytest.fixture(scope="session")
+def report() -> pse.LoopReport:
+    """A loop that finds friction and an offset."""
+    hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
+    return pse.close_loop(hidden.model, hidden.record(), operators=(), random_state=0)
+
+
+@pytest.fixture(scope="session")
+def complete() -> pse.LoopReport:
+    """A loop on a machine whose model lacks nothing."""
+    record = measured({"q": "v", "v": "-40*q - 0.8*v + F"})
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    return pse.close_loop(declared, record, operators=(), random_state=0)
 
 
 @pytest.fixture(scope="session")

@@ -5,24 +5,11 @@ import re
 import numpy as np
 import pytest
 import sympy
-from loop_systems import measured, oscillator
+from loop_systems import oscillator
 
 import pysindy_evolve as pse
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
-
-
-@pytest.fixture(scope="module")
-def report():
-    """Friction and offset are found."""
-    record = FRICTION.record()
-    return pse.close_loop(FRICTION.model, record, operators=(), random_state=0)
-
-
-@pytest.fixture(scope="module")
-def complete():
-    record = measured({"q": "v", "v": "-40*q - 0.8*v + F"})
-    return pse.close_loop(FRICTION.model, record, operators=(), random_state=0)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +43,8 @@ def test_complete_report_says_so_and_shows_one_equation(complete):
     text = str(complete)
     assert text.startswith("Verdict: complete: nothing is missing that this data can show.")
     assert "Corrected model" not in text
-    assert "1. " not in text.split("NRMSE")[1]
+    assert not re.search(r"^1\. ", text, flags=re.MULTILINE)
+    assert "The best of what did not pass is" in text
 
 
 def test_table_shows_the_errors_of_the_report(report):
@@ -138,41 +126,6 @@ def test_residuals_are_the_measured_derivative_less_the_model(report):
 def test_kinematic_equation_is_not_rated(report):
     assert report.before.derivative_error[0] == pytest.approx(0.0, abs=1e-6)
     assert "dq/dt" not in str(report)
-
-
-def test_picture_shows_the_residual_before_and_after_over_time_and_over_a_variable(report):
-    pytest.importorskip("matplotlib")
-    from matplotlib.figure import Figure
-
-    figure = report.plot()
-    assert isinstance(figure, Figure)
-    over_time, over_variable = figure.axes
-    assert over_time.get_xlabel() == "t"
-    assert over_variable.get_xlabel() == "v"
-    assert "dv/dt" in over_time.get_ylabel()
-    before, after = over_time.lines[:2]
-    assert np.array_equal(before.get_ydata(), report.residual_before[0][:, 1])
-    assert np.array_equal(after.get_ydata(), report.residual_after[0][:, 1])
-    from matplotlib import pyplot as plt
-
-    plt.close(figure)
-
-
-def test_picture_of_a_complete_model_shows_one_residual(complete):
-    pytest.importorskip("matplotlib")
-    from matplotlib import pyplot as plt
-
-    figure = complete.plot("q")
-    over_time, _ = figure.axes
-    assert "dq/dt" in over_time.get_ylabel()
-    assert len([line for line in over_time.lines if len(line.get_xdata()) > 2]) == 1
-    plt.close(figure)
-
-
-def test_picture_of_a_state_that_is_none_is_refused(report):
-    pytest.importorskip("matplotlib")
-    with pytest.raises(ValueError, match=r"plot\(state=\.\.\.\) must be a state of the model; got"):
-        report.plot("w")
 
 
 def test_model_of_nothing_at_all_predicts_zeros():

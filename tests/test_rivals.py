@@ -47,9 +47,9 @@ def test_the_cause_is_refuted_no_more_often_than_the_level_says():
     rng = np.random.default_rng(1)
     p_values = []
     for _ in range(200):
-        left = left_by(grams_of(noisy_rows(rng, (0.0, 0.4))), (0, 1))
-        gains = left.gains(np.ones((1, N_SEGMENTS)))[0]
-        p_values.append(chance(left, [int(np.argmax(gains))], rng))
+        grams = grams_of(noisy_rows(rng, (0.0, 0.4)))
+        gains = left_by(grams, (0, 1)).gains(np.ones((1, N_SEGMENTS)))[0]
+        p_values.append(chance(grams, (0, 1), [int(np.argmax(gains))], rng))
     # The best of the others is offered, as a search offers it. 200 draws of 5 % stay below 9 %.
     assert np.mean(np.array(p_values) <= 0.05) < 0.09
     assert np.mean(np.array(p_values) <= 0.5) == pytest.approx(0.5, abs=0.12)
@@ -57,8 +57,8 @@ def test_the_cause_is_refuted_no_more_often_than_the_level_says():
 
 def test_an_effect_beside_a_wrong_rival_is_missed():
     rng = np.random.default_rng(2)
-    left = left_by(grams_of(noisy_rows(rng, (0.0, 0.4))), (0, 2))
-    assert chance(left, [1], rng) <= 0.002
+    grams = grams_of(noisy_rows(rng, (0.0, 0.4)))
+    assert chance(grams, (0, 2), [1], rng) <= 0.002
 
 
 def rivals_in(hidden, name, **options):

@@ -3,9 +3,10 @@
 Two models that are not nested are compared by encompassing: a rival stands in the place of the
 effect, all coefficients are refitted, and the effect is offered beside it once more. If the rival
 were the cause, the effect would gain no more beside it than chance gives to the best of all
-candidates. Chance is measured by the restricted wild cluster bootstrap: what the rival's model
-leaves is multiplied by a random sign on each piece of the record, so that the color of the noise
-and its changes from piece to piece stay, and each time the largest gain of all candidates is noted.
+candidates. Chance is measured by the wild cluster bootstrap: what both together leave is multiplied
+by a random sign on each piece of the record, so that the color of the noise and its changes from
+piece to piece stay, and each time the largest gain of all candidates is noted. (What the rival
+alone leaves would hold the effect itself, and with it a few loud pieces could pass for chance.)
 
 A rival that is not refuted at the significance level is an alternative. The cause, if it is among
 the candidates, is lost from the set with no larger chance than that.
@@ -52,7 +53,7 @@ class Left:
         return (signs @ self.slopes) ** 2 / self.sizes
 
 
-def left_by(grams: np.ndarray, model: Sequence[int]) -> Left:
+def left_by(grams: np.ndarray, model: Sequence[int], beside: Sequence[int] = ()) -> Left:
     """Return what all columns could explain of what a model leaves.
 
     Parameters
@@ -61,6 +62,8 @@ def left_by(grams: np.ndarray, model: Sequence[int]) -> Left:
         Inner products of all columns, target last.
     model : sequence of int
         Columns of the model.
+    beside : sequence of int
+        Columns that the target, but not the other columns, are freed of as well.
 
     Returns
     -------
@@ -69,8 +72,10 @@ def left_by(grams: np.ndarray, model: Sequence[int]) -> Left:
     """
     base, total = np.asarray(model, dtype=int), grams.sum(axis=0)
     inner = np.broadcast_to(total[np.ix_(base, base)], (total.shape[1], len(base), len(base)))
-    maps = solve(inner, total[base].T).T  # of each column, and of the target, on the model
-    rest = grams[:, :, -1] - grams[:, :, base] @ maps[:, -1]
+    maps = solve(inner, total[base].T).T  # of each column on the model
+    whole = np.asarray((*model, *beside), dtype=int)
+    coef = solve(total[np.ix_(whole, whole)], total[whole, -1])
+    rest = grams[:, :, -1] - grams[:, :, whole] @ coef
     slopes = rest - rest[:, base] @ maps
     sizes = np.diagonal(total) - np.sum(total[base] * maps, axis=0)
     new = sizes > 1e-6 * np.diagonal(total)
@@ -79,13 +84,17 @@ def left_by(grams: np.ndarray, model: Sequence[int]) -> Left:
     return Left(slopes, np.where(new, sizes, 1.0)[:-1])
 
 
-def chance(left: Left, columns: Sequence[int], rng: np.random.Generator) -> float:
+def chance(
+    grams: np.ndarray, model: Sequence[int], columns: Sequence[int], rng: np.random.Generator
+) -> float:
     """Return the chance of gains as large as those of some columns, if the model were the cause.
 
     Parameters
     ----------
-    left : Left
-        What a rival's model leaves.
+    grams : ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
+        Inner products of all columns, target last.
+    model : sequence of int
+        Columns of the rival's model.
     columns : sequence of int
         Columns of the effect; the one that gains most counts.
     rng : numpy.random.Generator
@@ -95,8 +104,9 @@ def chance(left: Left, columns: Sequence[int], rng: np.random.Generator) -> floa
     -------
     float
     """
-    n_segments = len(left.slopes)
-    observed = left.gains(np.ones((1, n_segments)))[0, list(columns)].max()
+    n_segments = len(grams)
+    observed = left_by(grams, model).gains(np.ones((1, n_segments)))[0, list(columns)].max()
     signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, n_segments))
-    largest = left.gains(signs).max(axis=1)
+    signs *= np.sqrt(n_segments / max(n_segments - 1, 1))  # the fit took a part of the noise
+    largest = left_by(grams, model, columns).gains(signs).max(axis=1)
     return float((1 + np.sum(largest >= observed)) / (1 + N_SIGNS))

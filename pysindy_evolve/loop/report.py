@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..signals import Record
 from ..terms import Sum
 from .design import Design
 from .effect import Alternative, Effect, Errors, Step
+from .experiment import Plan, plan
 from .fit import derivative_fit_errors
 from .judge import judge
 from .model import as_sindy
@@ -55,6 +57,8 @@ class LoopReport:
         The best of what was tried last and did not pass; None if nothing was left to try.
     rules : Rules, optional
         The settings.
+    design : Design, optional
+        The corrected model with its coefficients free.
     """
 
     verdict: str
@@ -67,6 +71,7 @@ class LoopReport:
     finished: bool
     rejected: Rejected | None = None
     rules: Rules | None = None
+    design: Design | None = None
 
     @property
     def equations(self) -> Equations:
@@ -106,16 +111,52 @@ class LoopReport:
         return as_text(self)
 
     def to_markdown(self) -> str:
-        """Return the printed report as Markdown, with a table of the errors."""
+        """Return the report as Markdown: what is printed, the twins, and what to measure next."""
         return as_markdown(self)
 
-    def plot(self, state: str | None = None) -> Any:
-        """Draw the held-out residual before and after, over time and over what it was traced to.
+    def to_html(self, path: str | Path, units: Mapping[str, str] | None = None) -> None:
+        """Write the report with its pictures as one page of HTML that needs nothing else.
+
+        Parameters
+        ----------
+        path : str or Path
+            File to write; folders that are missing are made.
+        units : mapping of str to str, optional
+            Units of the variables and of t, for the labels: ``{"q": "m", "t": "s"}``.
+        """
+        from .html import as_html
+
+        page, file = as_html(self, units), Path(path)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(page, encoding="utf-8")
+
+    def suggest_experiment(self, units: Mapping[str, str] | None = None) -> Plan:
+        """Say what to measure next, so that effects and their alternatives come apart.
+
+        Parameters
+        ----------
+        units : mapping of str to str, optional
+            Units of the variables: ``{"q": "m", "v": "m/s"}``.
+
+        Returns
+        -------
+        Plan
+            One experiment for each pair: the recorded motion with another amplitude or at other
+            frequencies. Prints as sentences.
+        """
+        return plan(self, units)
+
+    def plot(self, state: str | None = None, units: Mapping[str, str] | None = None) -> Any:
+        """Draw where the held-out residual lives, before and after.
+
+        Over time, over frequency, over the variables that matter, and in the phase plane.
 
         Parameters
         ----------
         state : str, optional
             Equation to draw; by default the one that the first effect entered.
+        units : mapping of str to str, optional
+            Units of the variables and of t, for the labels: ``{"q": "m", "t": "s"}``.
 
         Returns
         -------
@@ -123,7 +164,7 @@ class LoopReport:
         """
         from .plot import plot_residuals
 
-        return plot_residuals(self, state)
+        return plot_residuals(self, state, units)
 
 
 def _residual(equations: Equations, record: Record) -> np.ndarray:
@@ -164,7 +205,8 @@ def make_report(
         if isinstance(finding, MemoryFinding):
             effects[k] = _with_memory(effects[k], finding, design, fitted.coef, train, rng)
     records = tuple(train), tuple(test)
-    return LoopReport(verdict, effects, before, errors, steps, *records, finished, rules=rules)
+    report = LoopReport(verdict, effects, before, errors, steps, *records, finished)
+    return replace(report, rules=rules, design=design)
 
 
 def _effect(

@@ -10,7 +10,7 @@ from ..operators import BUILTIN
 from ..terms import Call, Product, Sum, add, call, constant, mul, power
 from .design import Design
 from .effects import Candidate, candidates, standing
-from .encompassing import chance, left_by
+from .encompassing import chance
 from .scoring import columns_of
 from .segments import Segments, ranges
 from .spectral import spectral_grams
@@ -83,7 +83,7 @@ def rivals_of(
     for option in options:
         model = (*base, *_places(first, option))
         first = model[-1] + 1
-        p_value = chance(left_by(grams, model), own, rng)
+        p_value = chance(grams, model, own, rng)
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))

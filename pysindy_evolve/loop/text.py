@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
-from textwrap import wrap
+from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..export import format_equations, format_expression
+from .advice import sentences, title
+from .remains import remains
 
 if TYPE_CHECKING:
     from .report import Alternative, Effect, LoopReport
 
-__all__ = ["as_markdown", "as_text"]
+__all__ = ["VERDICTS", "as_markdown", "as_text", "table_cells"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -35,8 +37,7 @@ def as_text(report: LoopReport) -> str:
     parts.append(_table(report))
     symbols = report.equations.symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
-    if not report.finished:
-        parts.append("The search did not come to its end: it was interrupted or met max_effects.")
+    parts += [fill(line, 96) for line in remains(report)]
     return "\n\n".join(parts)
 
 
@@ -49,7 +50,7 @@ HEADLINE = "Errors on held-out data, % of the standard deviation (NRMSE)"
 
 def _table(report: LoopReport) -> str:
     """Return both errors before and after every step, one column for each state."""
-    head, rows = _cells(report)
+    head, rows = table_cells(report)
     width = max(len(name) for name, _ in rows) + 4
     lines = [HEADLINE, " " * (width + 4) + "".join(f"{title:>16}" for title in head)]
     for name, values in rows:
@@ -57,7 +58,7 @@ def _table(report: LoopReport) -> str:
     return "\n".join(lines)
 
 
-def _cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str]]]]:
+def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str]]]]:
     """Return the titles of the columns, and name and values of each row."""
     states = report.before.model.states  # hidden ones are not measured
     stages = [("declared", report.before)]
@@ -89,7 +90,7 @@ def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
     return "\n".join(lines)
 
 
-def evidence(effect: Effect, symbols: Sequence[Any]) -> list[str]:
+def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> list[str]:
     """Return coefficients, share, p-value and rivals of one effect, a line each."""
     parts = zip(effect.expressions, effect.coefficients, effect.confidence_intervals, strict=True)
     lines = []
@@ -106,7 +107,8 @@ def evidence(effect: Effect, symbols: Sequence[Any]) -> list[str]:
     )
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
-        lines += wrap(f"this data cannot tell it from: {rivals}", 92, subsequent_indent="  ")
+        said = f"this data cannot tell it from: {rivals}"
+        lines += [said] if wide else wrap(said, 92, subsequent_indent="  ")
     return lines
 
 
@@ -128,15 +130,32 @@ def as_markdown(report: LoopReport) -> str:
     if report.effects:
         corrected = format_equations(report.after.model)
         parts.append(f"Corrected model:\n\n{_code(corrected)}")
-    head, rows = _cells(report)
+    head, rows = table_cells(report)
     lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
     lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
     parts.append("\n".join(lines))
     for effect in report.effects:
-        facts = evidence(effect, report.equations.symbols)
-        title = f"### {effect.name} in the equation of {effect.state}"
-        parts.append("\n".join([title, "", *(f"- {fact.strip()}" for fact in facts)]))
+        facts = [*evidence(effect, report.equations.symbols, wide=True), _twins(effect)]
+        name = f"### {effect.name} in the equation of {effect.state}"
+        parts.append("\n".join([name, "", *(f"- {_shielded(fact)}" for fact in facts)]))
+    parts.append("\n\n".join(["### What remains", *map(_shielded, remains(report))]))
+    if plan := report.suggest_experiment().experiments:
+        advice = [f"- **{title(one)}** {' '.join(sentences(one))}" for one in plan]
+        parts.append("\n".join(["### What to measure next", "", *map(_shielded, advice)]))
     return "\n\n".join(parts) + "\n"
+
+
+def _twins(effect: Effect) -> str:
+    middle, high = np.quantile(effect.twin_scores, [0.5, 1.0])
+    return (
+        f"score {effect.score:.3g}; the best that the same search finds in twins, in which nothing "
+        f"is missing, has a median of {middle:.2g} and a largest value of {high:.2g}"
+    )
+
+
+def _shielded(text: str) -> str:
+    """Return text in which no sign is taken for one of Markdown."""
+    return text.replace("|", "\\|").replace("_", "\\_").replace("^", "\\^")
 
 
 def _code(text: str) -> str:

@@ -1,0 +1,137 @@
+"""Equations as MathML, which browsers show without a script and without a network."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy
+from sympy.printing.mathml import MathMLPresentationPrinter
+
+from ..terms import ONE
+from .printing import format_number
+from .symbolic import system_of
+
+__all__ = ["equations_mathml", "expression_mathml"]
+
+
+def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
+    """Return each equation in pieces, between which a line may break.
+
+    Parameters
+    ----------
+    model : pysindy.SINDy, Equations or LoopReport
+        Fitted model, or what holds one.
+    digits : int
+        Significant digits of all numbers.
+
+    Returns
+    -------
+    list of list of str
+        For each state the left-hand side with its equal sign, then each term with its sign; every
+        piece is a ``<math>`` element.
+    """
+    system = system_of(model, "equations_mathml", digits)
+    symbols, printer = system.equations.symbols, _Printer(digits)
+    lines = []
+    for left, side in zip(system.lefts, system.sides, strict=True):
+        dotted = f"<mover>{printer.doprint(sympy.Symbol(left))}<mo>˙</mo></mover>"
+        pieces = [_math(f"{dotted}<mo>=</mo>")]
+        parts = sorted(side.parts, key=lambda part: part[1] == ONE)
+        for place, (coefficient, product) in enumerate(parts):
+            sign = "−" if coefficient < 0 else "+" if place else ""
+            size = format_number(abs(coefficient), digits)
+            body = _number(size) if product == ONE or size != "1" else ""
+            if product != ONE:
+                expression = product.to_sympy(symbols)
+                term = printer.doprint(expression)
+                if isinstance(expression, sympy.Add):
+                    term = f"<mrow><mo>(</mo>{term}<mo>)</mo></mrow>"
+                body = f'{body}<mspace width="0.15em"/>{term}' if body else term
+            pieces.append(_math(f"<mo>{sign}</mo>{body}" if sign else body))
+        lines.append(pieces if parts else [*pieces, _math("<mn>0</mn>")])
+    return lines
+
+
+def expression_mathml(expression: Any, digits: int = 4) -> str:
+    """Return a sympy expression as a ``<math>`` element.
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        The expression.
+    digits : int
+        Significant digits of all numbers.
+
+    Returns
+    -------
+    str
+    """
+    return _math(_Printer(digits).doprint(expression))
+
+
+def _math(body: str) -> str:
+    return f"<math>{body}</math>"
+
+
+def _number(text: str) -> str:
+    """Return a printed number, with its power of ten raised."""
+    mantissa, _, exponent = text.partition("e")
+    if not exponent:
+        return f"<mn>{mantissa.replace('-', '−')}</mn>"
+    power = f"<msup><mn>10</mn><mn>{exponent.replace('-', '−')}</mn></msup>"
+    return power if mantissa == "1" else f"<mn>{mantissa}</mn><mo>·</mo>{power}"
+
+
+class _Printer(MathMLPresentationPrinter):
+    def __init__(self, digits: int) -> None:
+        super().__init__()
+        self.digits = digits
+
+    def doprint(self, expression: Any) -> str:
+        """Return the expression; the constant e and unseen signs written as characters."""
+        text = str(super().doprint(expression))
+        return text.replace("&ExponentialE;", "e").replace("&InvisibleTimes;", "\u2062")
+
+    def _print_Float(self, expression: Any) -> Any:
+        row = self.dom.createElement("mrow")
+        mantissa, _, exponent = format_number(float(expression), self.digits).partition("e")
+        row.appendChild(self._text("mn", mantissa))
+        if exponent:
+            power = self.dom.createElement("msup")
+            power.appendChild(self._text("mn", "10"))
+            power.appendChild(self._text("mn", exponent))
+            row.appendChild(self._text("mo", "·"))
+            row.appendChild(power)
+        return row
+
+    def _print_sign(self, expression: Any) -> Any:
+        row = self.dom.createElement("mrow")
+        row.appendChild(self._text("mi", "sgn"))
+        inside = self.dom.createElement("mrow")
+        for child in (self._text("mo", "("), self._print(expression.args[0])):
+            inside.appendChild(child)
+        inside.appendChild(self._text("mo", ")"))
+        row.appendChild(inside)
+        return row
+
+    def _print_Mul(self, expression: Any) -> Any:
+        """Keep an exponential beside its factors: sympy would divide by its inverse."""
+        if not any(isinstance(factor, sympy.exp) for factor in expression.args):
+            return super()._print_Mul(expression)
+        row = self.dom.createElement("mrow")
+        for factor in sorted(expression.args, key=lambda factor: isinstance(factor, sympy.exp)):
+            row.appendChild(self._print(factor))
+        return row
+
+    def _print_exp(self, expression: Any) -> Any:
+        row = self.dom.createElement("mrow")
+        for child in (self._text("mi", "exp"), self._text("mo", "(")):
+            row.appendChild(child)
+        row.appendChild(self._print(expression.args[0]))
+        row.appendChild(self._text("mo", ")"))
+        return row
+
+    def _text(self, tag: str, text: str) -> Any:
+        element = self.dom.createElement(tag)
+        element.appendChild(self.dom.createTextNode(text.replace("-", "−")))
+        return element
