@@ -47,7 +47,9 @@ def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
                 if isinstance(expression, sympy.Add):
                     term = f"<mrow><mo>(</mo>{term}<mo>)</mo></mrow>"
                 body = f'{body}<mspace width="0.15em"/>{term}' if body else term
-            pieces.append(_math(f"<mo>{sign}</mo>{body}" if sign else body))
+            # A sign between two terms has room on both sides, one before the first term none.
+            space = ' lspace="0.3em" rspace="0.3em"' if place else ' form="prefix"'
+            pieces.append(_math(f"<mo{space}>{sign}</mo>{body}" if sign else body))
         lines.append(pieces if parts else [*pieces, _math("<mn>0</mn>")])
     return lines
 

@@ -51,7 +51,7 @@ def sentences(one: Experiment, units: Mapping[str, str] | None = None) -> list[s
 def _what_to_do(one: Experiment) -> str:
     far, fast = one.motion.amplitude, one.motion.frequency
     if far == fast == 1.0:
-        return "Repeat the motion as it is"
+        return "Record the same motion once more"
     parts = []
     if far != 1.0:
         parts.append(f"with {_times(far)} the amplitude")

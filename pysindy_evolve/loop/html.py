@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from importlib.resources import files
 from io import StringIO
 from typing import TYPE_CHECKING, Any
@@ -46,7 +47,7 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
     """
     try:
         import jinja2
-        import matplotlib  # noqa: F401
+        import matplotlib.figure  # noqa: F401
     except ImportError as error:
         raise ImportError(
             'LoopReport.to_html() needs jinja2 and matplotlib: pip install "pysindy-evolve[report]"'
@@ -69,9 +70,9 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         ],
         remains=remains(report),
         last_look=_rejected_picture(report),
-        pictures=[(report.equations.states[i], _residuals(report, i, units)) for i in _shown(report)],
+        pictures=_pictures(report, units),
         facts=_facts(report),
-    )  # fmt: skip
+    )
 
 
 def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
@@ -109,11 +110,16 @@ def _shown(report: LoopReport) -> list[int]:
     return list(with_effects) or [int(np.argmax(report.before.derivative_error))]
 
 
-def _residuals(report: LoopReport, index: int, units: Mapping[str, str] | None) -> str:
+def _pictures(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple[str, str]]:
+    """Return the residual of each equation that matters, with the name of its state."""
     from .plot import draw_residuals
 
-    state = report.equations.states[index]
-    return _svg((11.0, 8.5), f"residual {state}", lambda f: draw_residuals(f, report, index, units))
+    pictures = []
+    for index in _shown(report):
+        state = report.equations.states[index]
+        draw = partial(draw_residuals, report=report, index=index, units=units)
+        pictures.append((state, _svg((11.0, 8.5), f"residual {state}", draw)))
+    return pictures
 
 
 def _rejected_picture(report: LoopReport) -> str:

@@ -29,25 +29,16 @@ def remains(report: LoopReport) -> list[str]:
 def _last_look(report: LoopReport) -> str:
     best = report.rejected
     if best is None:
-        if report.verdict == "complete":
-            return (
-                "No effect of the vocabulary betters the model on parts that it was not fitted on."
-            )
-        return "Nothing more was tried."
-    name = f"{best.name} in the equation of {_states(report)}"
-    if np.isnan(best.p_value):
-        least = (
-            "" if report.rules is None else f", less than min_share = {report.rules.min_share:g}"
-        )
-        return (
-            f"The best of what did not pass is {name}: it would remove {100 * best.share:.2g} % of "
-            f"the error that could be explained{least}."
-        )
-    better = int(np.sum(best.twin_scores >= best.score))
-    return (
-        f"The best of what did not pass is {name}: of {len(best.twin_scores)} twins, in which "
-        f"nothing is missing, {better} show an effect as good (p = {best.p_value:.2g})."
-    )
+        return "No other effect betters the model on parts of the record it was not fitted on."
+    said = f"The best of what did not pass is {best.name} in the equation of {_states(report)}: "
+    if not np.isnan(best.p_value):
+        better = int(np.sum(best.twin_scores >= best.score))
+        n_twins = len(best.twin_scores)
+        said += f"{better} of {n_twins} twins show an effect as good (p = {best.p_value:.2g}), and "
+    said += f"it would remove {100 * best.share:.2g} % of the error that could be explained"
+    if report.rules is not None and best.share < report.rules.min_share:
+        said += f", less than min_share asks for ({100 * report.rules.min_share:g} %)"
+    return f"{said}."
 
 
 def _states(report: LoopReport) -> str:

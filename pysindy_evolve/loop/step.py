@@ -108,16 +108,18 @@ def find(
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
     worthy = [s for s in scores if s.value > 0.0 and shares.of(s) >= rules.min_share]
-    if not worthy:
-        rejected += [Rejected(s, shares.of(s)) for s in scores[:1]]
+    gaining = [s for s in scores[:1] if s.value > 0.0]
+    # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
+    if not worthy and (design.columns != declared.columns or not gaining):
+        rejected += [Rejected(s, shares.of(s)) for s in gaining]
         return []
-    best = plainest(worthy)
+    best = plainest(worthy or gaining)
     maker = TwinMaker.of(equations, records)
     statistic = partial(_best_score, design=design, proposer=proposer)
     observed = min(best.value, searched[0].value)
     twins = twin_values(maker, part, statistic, observed, rules, rng)
     p_value = float((1.0 + np.sum(twins >= observed)) / (1.0 + len(twins)))
-    if p_value > rules.level:
+    if p_value > rules.level or not worthy:
         rejected.append(Rejected(best, shares.of(best), p_value, twins))
         return []
     group = [tuned(c, _beside(design, best.group, c), part) for c in best.group]
