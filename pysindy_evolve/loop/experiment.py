@@ -13,7 +13,7 @@ Atkinson and Fedorov, Biometrika 62 (1975), DOI 10.1093/biomet/62.1.57: T-optima
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,9 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal.windows import tukey
 
 from ..equations import Equations
+from ..hidden import MemoryEquations
+from ..memory import remembered
+from ..signals import Record
 from .design import Design, in_state
 from .effect import Alternative, Effect
 from .linear import solve
@@ -113,17 +116,26 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
     -------
     Plan
     """
-    check_units("suggest_experiment", units, report.equations.names)
+    check_units("suggest_experiment", units, report.before.model.names)
     if report.design is None or not any(effect.rivals for effect in report.effects):
         return Plan((), units)
-    part = segments(report.train, report.design.velocities, max_rows=MAX_ROWS)
-    judge = _Judge(report.equations, part)
+    equations, records = _acting(report)
+    part = segments(records, report.design.velocities, max_rows=MAX_ROWS)
+    judge = _Judge(equations, part)
     experiments = []
     for effect in report.effects:
         for rival in effect.rivals:
             other = _exchanged(report.design, effect, rival)
             experiments.append(_best(judge, other, effect, rival))
     return Plan(tuple(experiments), units)
+
+
+def _acting(report: LoopReport) -> tuple[Equations, Sequence[Record]]:
+    """Return equations and training records in which inputs are what acts, memories behind them."""
+    equations = report.equations
+    if not isinstance(equations, MemoryEquations):
+        return equations, report.train
+    return equations.inner, [remembered(record, equations.memories) for record in report.train]
 
 
 def _exchanged(design: Design, effect: Effect, rival: Alternative) -> Design:

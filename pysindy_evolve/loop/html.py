@@ -12,6 +12,7 @@ import numpy as np
 
 from ..export import format_number
 from ..export.mathml import equations_mathml, expression_mathml
+from ..terms import Sum
 from .advice import sentences, title
 from .remains import remains
 from .text import VERDICTS, table_cells
@@ -52,7 +53,7 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         raise ImportError(
             'LoopReport.to_html() needs jinja2 and matplotlib: pip install "pysindy-evolve[report]"'
         ) from error
-    check_units("to_html", units, report.equations.names)
+    check_units("to_html", units, report.before.model.names)
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     source = (files(__package__) / "report.html.j2").read_text(encoding="utf-8")
     head, rows = table_cells(report)
@@ -81,10 +82,7 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "name": effect.name,
         "state": effect.state,
         "coefficients": [
-            (
-                expression_mathml(expression.to_sympy(symbols)),
-                *(format_number(v) for v in (value, low, high)),
-            )
+            (_shown_term(effect, expression, symbols), *map(format_number, (value, low, high)))
             for expression, value, (low, high) in parts
         ],
         "share": f"{100 * effect.explained:.0f}",
@@ -103,9 +101,16 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
     }
 
 
+def _shown_term(effect: Effect, expression: Sum, symbols: Sequence[Any]) -> str:
+    """Return what a coefficient multiplies; of a memory, what its number is."""
+    if effect.memory is not None:
+        return f"{expression_mathml(effect.term)}, {effect.memory.quantity}"
+    return expression_mathml(expression.to_sympy(symbols))
+
+
 def _shown(report: LoopReport) -> list[int]:
     """Return the equations to draw: those with effects, or the one with the largest error."""
-    states = report.equations.states
+    states = report.before.model.states
     with_effects = dict.fromkeys(states.index(effect.state) for effect in report.effects)
     return list(with_effects) or [int(np.argmax(report.before.derivative_error))]
 
@@ -116,7 +121,7 @@ def _pictures(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple
 
     pictures = []
     for index in _shown(report):
-        state = report.equations.states[index]
+        state = report.before.model.states[index]
         draw = partial(draw_residuals, report=report, index=index, units=units)
         pictures.append((state, _svg((11.0, 8.5), f"residual {state}", draw)))
     return pictures

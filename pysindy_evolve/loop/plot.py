@@ -55,7 +55,7 @@ def plot_residuals(
             'LoopReport.plot() needs matplotlib: pip install "pysindy-evolve[plots]"'
         ) from error
     index = _state_index(report, state)
-    check_units("plot", units, report.equations.names)
+    check_units("plot", units, report.before.model.names)
     with plt.rc_context(STYLE):
         figure = plt.figure(figsize=(11, 8.5), layout="constrained")
         draw_residuals(figure, report, index, units)
@@ -78,7 +78,7 @@ def draw_residuals(
     units : mapping of str to str, optional
         Units of the variables and of t.
     """
-    names, rate = report.equations.names, rate_label(report.equations.states[index], units)
+    names, rate = report.before.model.names, rate_label(report.before.model.states[index], units)
     shown = _variables(report, index)
     lines = ["t" * 6, _row("abc"[: len(shown)]), "ffxxyy"]
     panels = figure.subplot_mosaic("\n".join(lines), height_ratios=(1.0, 1.1, 1.1))
@@ -149,7 +149,7 @@ def _draw_planes(
     units: Mapping[str, str] | None,
 ) -> None:
     """Color a plane of two variables by the mean residual, before and after."""
-    names, (x, y) = report.equations.names, _plane(report, index)
+    names, (x, y) = report.before.model.names, _plane(report, index)
     limit = float(np.quantile(np.abs(np.concatenate(stages[0][2])), 0.9)) or 1.0
     mesh = None
     for letter, (name, _, residuals) in zip("xy", stages, strict=False):
@@ -182,18 +182,19 @@ def _highest(record: Record) -> float:
 
 def _variables(report: LoopReport, index: int) -> list[int]:
     """Return what to draw the residual over: what effects depend on, the state, its position."""
-    time = len(report.equations.names) - 1
-    state = report.equations.states[index]
+    time = len(report.before.model.names) - 1
+    state = report.before.model.states[index]
     own = [effect for effect in report.effects if effect.state == state]
     wanted = [v for e in own for term in e.expressions for v in sorted(term.variables)]
     wanted += [index, *_position(report, index), *range(time)]
-    used = {v for side in report.equations.sums for v in side.variables} | {index}
+    used = {v for side in report.before.model.sums for v in side.variables} | {index}
+    used |= {v for effect in own for term in effect.expressions for v in term.variables}
     chosen = dict.fromkeys(v for v in wanted if v != time and v in used)
     return sorted(list(chosen)[:MAX_VARIABLES])
 
 
 def _position(report: LoopReport, index: int) -> list[int]:
-    known = positions(report.equations)
+    known = positions(report.before.model)
     return [known[index]] if index in known else []
 
 
@@ -202,11 +203,11 @@ def _plane(report: LoopReport, index: int) -> tuple[int, int]:
     if position := _position(report, index):
         return position[0], index
     others = [v for v in _variables(report, index) if v != index]
-    return (others[0] if others else len(report.equations.names) - 1), index
+    return (others[0] if others else len(report.before.model.names) - 1), index
 
 
 def _state_index(report: LoopReport, state: str | None) -> int:
-    states = report.equations.states
+    states = report.before.model.states
     if state is None:
         worst = int(np.argmax(report.before.derivative_error))
         return states.index(report.effects[0].state) if report.effects else worst

@@ -15,7 +15,7 @@ from ..substitution import substituted
 from ..terms import Sum, constant, mul, sub, variable
 from .design import Column, Design
 from .effects import Candidate
-from .encompassing import chance, left_by
+from .encompassing import chance
 from .fit import derivative_intervals
 from .probes import RATIO, Exchange, MemoryCandidate, Probes, exchanges, grid_of
 from .rejected import Rejected
@@ -209,8 +209,8 @@ def _chance_of(
     there = _swapped(wide, probes.swap(0))
     columns = [*there.columns, *_swapped(wide, probes.swap(1)).columns]
     n_own = len(wide.columns)
-    left = left_by(spectral_grams(pieces, there, columns), range(n_own))
-    return chance(left, range(n_own, 2 * n_own), rng)
+    grams = spectral_grams(pieces, there, columns)
+    return chance(grams, range(n_own), range(n_own, 2 * n_own), rng)
 
 
 def _swapped(design: Design, swap: dict[int, Sum]) -> Design:

@@ -43,4 +43,4 @@ def _last_look(report: LoopReport) -> str:
 
 def _states(report: LoopReport) -> str:
     group = () if report.rejected is None else report.rejected.tried.group
-    return ", ".join(dict.fromkeys(report.equations.states[one.state] for one in group))
+    return ", ".join(dict.fromkeys(report.before.model.states[one.state] for one in group))
