@@ -124,6 +124,8 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
     judge = _Judge(equations, part)
     experiments = []
     for effect in report.effects:
+        if effect.memory is not None:  # memories differ in time, not over the states
+            continue
         for rival in effect.rivals:
             other = _exchanged(report.design, effect, rival)
             experiments.append(_best(judge, other, effect, rival))

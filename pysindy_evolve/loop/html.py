@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from io import StringIO
 from typing import TYPE_CHECKING, Any
@@ -157,10 +158,15 @@ def _svg(size: tuple[float, float], name: str, draw: Callable[[Any], None]) -> s
     return out.getvalue().partition("<svg")[1] + out.getvalue().partition("<svg")[2]
 
 
-def _facts(report: LoopReport) -> list[tuple[str, str]]:
-    from .. import __version__
+def _version() -> str:
+    try:
+        return version("pysindy-evolve")
+    except PackageNotFoundError:
+        return "not installed, run from its source"
 
-    facts = [("pysindy_evolve", __version__)]
+
+def _facts(report: LoopReport) -> list[tuple[str, str]]:
+    facts = [("pysindy_evolve", _version())]
     for name, records in (("training", report.train), ("held-out", report.test)):
         spans = [f"{r.n_samples} samples over {r.t[-1] - r.t[0]:.4g}" for r in records]
         facts.append((f"{name} records", "; ".join(spans)))
