@@ -30,6 +30,7 @@ from .genetics import Genetics
 from .operators import Operator
 from .plateau import PERFECT, Plateau
 from .refit import refit
+from .relatives import relatives
 from .terms import ONE, Product, Variable
 
 __all__ = ["Evolution", "Generation", "Settings", "evolve"]
@@ -205,6 +206,7 @@ def generations(
             crossover_rate=settings.crossover_rate,
             mutation_rate=settings.mutation_rate,
         )
+        population += relatives([dictionary.terms[j] for j in front[0]], operators)
 
 
 def solve_elastic_net(

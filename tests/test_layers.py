@@ -15,7 +15,7 @@ LAYERS = (
     {"tracing", "library_terms"},
     {"gram", "elimination", "independence", "regression"},
     {"signals", "simulation", "memory", "hidden"},
-    {"genetics", "refit", "constants", "dictionary", "plateau", "blur", "denoise"},
+    {"genetics", "relatives", "refit", "constants", "dictionary", "plateau", "blur", "denoise"},
     {"evolution"},
     {"handover", "library", "optimizer"},
     {"export"},

@@ -1,0 +1,94 @@
+"""Products that a term with a sum inside may stand for.
+
+1/(q + sgn(v)) is sgn(v) - q + q^2 sgn(v) where q is small, so beside sgn(v) and q it fits as well
+as q^2 sgn(v), and leaves that term nothing to be bred from. Where an equation holds such a term,
+the products of what it is made of are offered beside it, and the cheaper one stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations_with_replacement
+
+from .operators import Operator
+from .terms import ONE, Atom, Call, Product, Sum, Variable, constant, mul
+
+__all__ = ["relatives"]
+
+DEGREE = 3  # as many atoms in one product as a friction law or a cubic spring has
+MOST_ATOMS = 6  # 83 products; an equation of more has not settled yet
+
+
+def relatives(equation: Sequence[Product], operators: Sequence[Operator]) -> list[Product]:
+    """Return the products of the atoms of an equation, if one of its terms has a sum inside.
+
+    Parameters
+    ----------
+    equation : sequence of Product
+        Terms of the best equation so far.
+    operators : sequence of Operator
+        Basis functions of the search; without ``mul`` there are no products.
+
+    Returns
+    -------
+    list of Product
+        Products of up to three variables and calls of one variable; empty for an equation of
+        plain products, so it costs nothing where it is of no use.
+    """
+    if not any(operator.name == "mul" for operator in operators):
+        return []
+    if not any(_has_sum(term) for term in equation):
+        return []
+    atoms = list(dict.fromkeys(atom for term in equation for atom in _simple(term)))
+    found: dict[Product, None] = {}
+    for degree in range(1, DEGREE + 1):
+        for chosen in combinations_with_replacement(atoms[:MOST_ATOMS], degree):
+            product = constant(1.0)
+            for atom in chosen:
+                product = mul(product, Sum(((1.0, Product(((atom, 1),))),)))
+            found.update((term, None) for _, term in product.parts if not _is_mask(term))
+    return list(found)
+
+
+def _has_sum(term: Product) -> bool:
+    return any(
+        isinstance(atom, Sum)
+        or (isinstance(atom, Call) and any(not _is_variable(a) for a in atom.args))
+        for atom, _ in term.factors
+    )
+
+
+def _simple(term: Product) -> Iterator[Atom]:
+    """Walk the variables and the calls of one variable; sgn(q + v) holds sgn(q) and sgn(v)."""
+    for atom, _ in term.factors:
+        if isinstance(atom, Variable) or (isinstance(atom, Call) and _of_variables(atom)):
+            yield atom
+            continue
+        sums = atom.args if isinstance(atom, Call) else (atom,)
+        inner = [a for one in sums for _, part in one.parts for a in _simple(part)]
+        yield from inner
+        if isinstance(atom, Call) and atom.operator.arity == 1:
+            yield from (
+                Call(atom.operator, (Sum(((1.0, Product(((a, 1),))),)),))
+                for a in inner
+                if isinstance(a, Variable)
+            )
+
+
+def _of_variables(call: Call) -> bool:
+    return all(_is_variable(argument) for argument in call.args)
+
+
+def _is_variable(argument: Sum) -> bool:
+    if len(argument.parts) != 1 or argument.parts[0][0] != 1.0:
+        return False
+    factors = argument.parts[0][1].factors
+    return len(factors) == 1 and factors[0][1] == 1 and isinstance(factors[0][0], Variable)
+
+
+def _is_mask(term: Product) -> bool:
+    """Tell whether it is one, or has a factor such as sgn(v)^2 that is one but at zero."""
+    return term == ONE or any(
+        isinstance(atom, Call) and atom.operator.name == "sgn" and n % 2 == 0
+        for atom, n in term.factors
+    )
