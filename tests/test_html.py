@@ -133,3 +133,10 @@ def test_signs_are_sgn_and_exponentials_stay_beside_them():
     shown = expression_mathml(sympy.sign(v) * sympy.exp(-(v**2) / 4))
     assert shown.index("<mi>sgn</mi>") < shown.index("<mi>exp</mi>")
     assert "mfrac" not in shown.split("exp")[0]
+
+
+def test_an_input_at_an_earlier_time_keeps_its_capital():
+    t = sympy.Symbol("t", real=True)
+    shown = expression_mathml(sympy.Function("F", real=True)(t - 0.04))
+    assert "<mi>F</mi>" in shown
+    assert "<mi>f</mi>" not in shown

@@ -1,13 +1,16 @@
 """LoopReport: what is printed, predicted, simulated and drawn is one model."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import sympy
-from loop_systems import oscillator
+from loop_systems import equations_of, oscillator
 
 import pysindy_evolve as pse
+from pysindy_evolve.hidden import with_memories
+from pysindy_evolve.memory import Memory
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
 
@@ -154,3 +157,17 @@ def test_each_term_of_an_effect_is_printed_with_its_own_coefficient():
     assert abs(sine) > abs(cosine)
     assert f"{sine:.4g} times sin(" in str(forced)
     assert f"{cosine:.4g} times cos(" in str(forced)
+
+
+def test_residual_of_a_delayed_input_is_taken_at_the_earlier_time(report):
+    t = 0.01 * np.arange(400)
+    inner = equations_of({"q": "-q + 2*F"}, ("F",))
+    x = np.cos(t)[:, None]
+    x_dot = inner.evaluate(x, np.sin(3.0 * (t - 0.05))[:, None], t)
+    record = pse.Record(t=t, x=x, x_dot=x_dot, u=np.sin(3.0 * t))
+    delayed = with_memories(inner, [Memory("input delay", 0, (0.05,))])
+    errors = replace(report.after, model=delayed)
+    before, after = replace(errors, model=inner), errors
+    held_out = replace(report, before=before, after=after, test=(record,), effects=[])
+    assert np.abs(held_out.residual_before[0]).max() > 0.2
+    assert held_out.residual_after[0][10:] == pytest.approx(0.0, abs=1e-5)

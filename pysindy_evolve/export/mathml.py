@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import sympy
+from sympy.core.function import AppliedUndef
 from sympy.printing.mathml import MathMLPresentationPrinter
 
 from ..terms import ONE
@@ -131,6 +132,13 @@ class _Printer(MathMLPresentationPrinter):
             row.appendChild(child)
         row.appendChild(self._print(expression.args[0]))
         row.appendChild(self._text("mo", ")"))
+        return row
+
+    def _print_Function(self, expression: Any) -> Any:
+        """Keep the case of a name: an input F at another time is no f."""
+        row = super()._print_Function(expression)
+        if isinstance(expression, AppliedUndef) and row.firstChild is not None:
+            row.replaceChild(self._text("mi", expression.func.__name__), row.firstChild)
         return row
 
     def _text(self, tag: str, text: str) -> Any:

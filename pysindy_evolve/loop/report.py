@@ -13,7 +13,7 @@ import numpy as np
 import pysindy as ps
 
 from ..equations import Equations
-from ..hidden import with_memories
+from ..hidden import MemoryEquations, with_memories
 from ..memory import Memory, remembered
 from ..signals import Record
 from ..terms import Sum
@@ -168,6 +168,8 @@ class LoopReport:
 
 
 def _residual(equations: Equations, record: Record) -> np.ndarray:
+    if isinstance(equations, MemoryEquations):
+        record, equations = remembered(record, equations.memories), equations.inner
     return record.x_dot - equations.evaluate(record.x, record.u, record.t)
 
 
