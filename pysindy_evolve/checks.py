@@ -28,6 +28,9 @@ def finite(array: Any, owner: str, name: str) -> None:
             f"{owner}({name}=...) must hold real numbers; got type {values.dtype}. "
             "Convert it to float."
         )
+    with np.errstate(all="ignore"):
+        if np.isfinite(values.sum(dtype=float)):
+            return  # one pass and no copy: a sum is finite only if its parts are
     bad = ~np.isfinite(values)
     if bad.any():
         row = int(np.argwhere(bad)[0][0])
@@ -38,7 +41,7 @@ def finite(array: Any, owner: str, name: str) -> None:
 
 
 def numbers(array: Any, owner: str, name: str) -> np.ndarray:
-    """Return an array-like as a dense array of finite floats."""
+    """Return an array-like as a dense array of finite floats: itself, if it is one."""
     if issparse(array):
         raise TypeError(
             f"{owner}({name}=...) must be dense; got a sparse matrix. Call its .toarray()."
@@ -52,7 +55,7 @@ def numbers(array: Any, owner: str, name: str) -> np.ndarray:
                 f"{owner}({name}=...) must hold real numbers; got {error}. Convert it to float."
             ) from error
     finite(values, owner, name)
-    return values.astype(float)
+    return values.astype(float, copy=False)
 
 
 def positive_integer(value: Any, owner: str, name: str) -> None:
@@ -110,12 +113,17 @@ def training_data(x: Sequence[Any], y: Any) -> tuple[np.ndarray, np.ndarray]:
             f"EvolvingLibrary.fit(y=...) must have as many samples as x; got {other} for "
             f"{lengths}. Pass x_dot at the samples of x, for each trajectory."
         )
-    columns = np.concatenate(trajectories)
-    joined = np.concatenate([yi[:, None] if yi.ndim == 1 else yi for yi in targets])
+    columns = _joined(trajectories)
+    joined = _joined([yi[:, None] if yi.ndim == 1 else yi for yi in targets])
     _informative(columns, joined)
     _computable(columns, "x")
     _computable(joined, "y")
     return columns, joined
+
+
+def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """Join trajectories; one alone is not copied, as it may be larger than the memory."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def _two_dimensional(x: np.ndarray) -> None:
@@ -133,11 +141,11 @@ def _two_dimensional(x: np.ndarray) -> None:
 
 def _computable(values: np.ndarray, name: str) -> None:
     """Raise where powers of the values would leave the range of floating-point numbers."""
-    sizes = np.abs(values[values != 0.0])
-    if len(sizes) and (sizes.max() > HUGE or sizes.max() < 1.0 / HUGE):
+    size = max(values.max(initial=0.0), -values.min(initial=0.0))
+    if size > 0.0 and not 1.0 / HUGE <= size <= HUGE:
         raise ValueError(
             f"EvolvingLibrary.fit({name}=...) must have sizes between {1 / HUGE:.0e} and "
-            f"{HUGE:.0e}; got {sizes.max():.3g}. Change its unit."
+            f"{HUGE:.0e}; got {size:.3g}. Change its unit."
         )
 
 

@@ -174,7 +174,8 @@ def evolve(
     finally:
         bar.close()
     n_best = history[-1].n_terms if history else 0
-    terms, coef = refit(problem, finalists, n_best, settings.max_terms)
+    perfect = bool(history) and history[-1].fitness <= PERFECT
+    terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
     return Evolution(terms, coef, tuple(history))
 
 

@@ -23,8 +23,8 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri
 
 __all__ = [
-    "LEAST", "Gram", "block_grams", "gram", "inverse", "least_squares", "refined", "residual",
-    "rss", "target_grams", "total",
+    "LEAST", "Gram", "block_grams", "chunks", "gram", "inverse", "least_squares", "refined",
+    "residual", "rss", "target_grams", "total",
 ]  # fmt: skip
 
 CHUNK = 1 << 13  # rows a chunk: a chunk of 20 columns takes 1.3 MB, about a processor's cache

@@ -18,6 +18,7 @@ import threading
 import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -107,8 +108,11 @@ def _is_fit(x: Sequence[np.ndarray], groups: list[list[np.ndarray]]) -> bool:
         columns = [state, *inputs]
         if state.shape[1:] != derivative.shape[1:] or any(len(c) != len(xi) for c in columns):
             return False
-        whole = np.hstack(columns)
-        if whole.shape != xi.shape or not np.array_equal(whole, xi):
+        edges = np.cumsum([0, *(column.shape[1] for column in columns)])
+        if xi.shape != (len(xi), edges[-1]):
+            return False
+        parts = zip(columns, pairwise(edges), strict=True)
+        if not all(np.array_equal(column, xi[:, a:b]) for column, (a, b) in parts):
             return False
     return True
 

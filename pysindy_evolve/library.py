@@ -17,8 +17,9 @@ from . import checks, handover
 from .denoise import Rows, denoise
 from .dictionary import Problem, build_dictionary
 from .evolution import Evolution, Settings, evolve
+from .gram import chunks
 from .operators import Operator, resolve
-from .terms import ONE, Product
+from .terms import ONE, Cache, Product
 
 __all__ = ["EvolvingLibrary", "TermLibrary"]
 
@@ -77,13 +78,16 @@ class _TermColumns(BaseFeatureLibrary):
                 "x.reshape(-1, 1) if it has one column."
             )
         flat = checks.numbers(x, f"{type(self).__name__}.transform", "x").reshape(-1, x.shape[-1])
-        theta = np.empty((*x.shape[:-1], self.n_output_features_))
         n_base = self.n_output_features_ - len(self.terms_)
+        theta = np.empty((len(flat), self.n_output_features_))
         if self.base_library_ is not None:
-            theta[..., :n_base] = np.asarray(self.base_library_.transform(x))
-        cache: dict[Any, np.ndarray] = {}
-        for j, term in enumerate(self.terms_):
-            theta[..., n_base + j] = term.evaluate(flat, cache).reshape(x.shape[:-1])
+            theta[:, :n_base] = np.asarray(self.base_library_.transform(x)).reshape(-1, n_base)
+        for rows in chunks(0, len(flat)):  # so that intermediate values are never all there
+            cache: Cache = {}
+            piece = np.asfortranarray(flat[rows])
+            for j, term in enumerate(self.terms_, n_base):
+                theta[rows, j] = term.evaluate(piece, cache)
+        theta = theta.reshape(*x.shape[:-1], -1)
         return AxesArray(theta, comprehend_axes(theta))
 
 

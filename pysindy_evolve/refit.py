@@ -13,7 +13,8 @@ from . import regression
 from .blur import blurred_power
 from .constants import tune
 from .dictionary import Problem, price
-from .gram import Gram, least_squares, residual
+from .gram import Gram, residual
+from .plateau import PERFECT
 from .terms import Product
 
 __all__ = ["refit"]
@@ -24,7 +25,11 @@ TUNING_ROWS = 10_000  # for all inner constants together
 
 
 def refit(
-    problem: Problem, finalists: Sequence[Product], n_best: int, max_terms: int
+    problem: Problem,
+    finalists: Sequence[Product],
+    n_best: int,
+    max_terms: int,
+    perfect: bool = False,
 ) -> tuple[tuple[Product, ...], tuple[float, ...]]:
     """Weigh the finalists against each other on all rows.
 
@@ -38,6 +43,9 @@ def refit(
         Terms whose inner constants are tuned together first.
     max_terms : int
         Most terms to keep.
+    perfect : bool
+        The equation left nothing on a sample: if it leaves nothing on all rows either, no other
+        term is weighed.
 
     Returns
     -------
@@ -47,7 +55,9 @@ def refit(
     coef : tuple of float
         Their coefficients by least squares, in units of the target per unit of the term.
     """
-    terms = [*_tuned_together(problem, finalists[:n_best]), *finalists[n_best:]]
+    best = _tuned_together(problem, finalists[:n_best])
+    is_all = perfect and _leaves_nothing(problem, best)
+    terms = [*best, *([] if is_all else finalists[n_best:])]
     terms, whole, folds, scale = _grams(problem, terms)
     if not terms:
         return (), ()
@@ -59,8 +69,8 @@ def refit(
         cost = price(terms, n_effective)
         front = regression.front(whole, proposals, cost, n_effective, max_terms)
         support = regression.frugal(whole, front)[0]
-        n_before, left = n_effective, _residual(problem, [terms[j] for j in support])
-        n_effective = regression.effective_size(left)
+        left = _residual(problem, *_equation(terms, whole, support, scale))
+        n_before, n_effective = n_effective, regression.effective_size(left)
     if folds:
         support = regression.stable(whole, folds, support)
     least = blurred_power(problem, *_equation(terms, whole, support, scale))
@@ -97,14 +107,24 @@ def _grams(
     return kept, whole.scaled(scale).without(n_fixed), folds, scale[n_fixed:]
 
 
-def _residual(problem: Problem, terms: Sequence[Product]) -> np.ndarray:
+def _leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
+    (whole,) = problem.blocks(terms, 1)
+    left = whole.without(problem.fixed.shape[1])
+    coef = regression.least_squares(left, np.arange(len(left.xy)))
+    return regression.rss(left, coef) <= PERFECT * whole.yy
+
+
+def _residual(problem: Problem, terms: Sequence[Product], coef: Sequence[float]) -> np.ndarray:
+    """Return what the terms with their coefficients, and the fixed columns, leave of the target."""
     if problem.project is not None:
         theta, y = problem.regression(terms)
         basis = np.linalg.qr(theta)[0]
         return y - basis @ (basis.T @ y)
-    (whole,) = problem.blocks(terms, 1)
-    coef = least_squares(whole, np.arange(len(whole.xy)))
-    return residual(lambda rows: problem.theta(terms, rows), problem.target, coef)
+    weights = np.asarray(coef)
+    if problem.fixed.shape[1]:  # their coefficients were projected out
+        (whole,) = problem.blocks(terms, 1)
+        weights = regression.least_squares(whole, np.arange(len(whole.xy)))
+    return residual(lambda rows: problem.theta(terms, rows), problem.target, weights)
 
 
 def _tuned_together(problem: Problem, terms: Sequence[Product]) -> Sequence[Product]:

@@ -1,6 +1,7 @@
 """EvolvingLibrary and TermLibrary by themselves; bad input."""
 
 import random
+import tracemalloc
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from joblib import parallel_config
 
+from pysindy_evolve import checks
 from pysindy_evolve.library import EvolvingLibrary, TermLibrary
 from pysindy_evolve.operators import Operator
 from pysindy_evolve.optimizer import ElasticNet
@@ -270,3 +272,25 @@ def test_random_input_ends_in_a_result_or_an_error_that_says_what_to_do(shape, d
         said = "" if theta.shape == (n, fitted.n_output_features_) else f"shape {theta.shape}"
         said += "" if np.isfinite(theta).all() else "not finite"
     assert said == "" or said.startswith("EvolvingLibrary.fit(")
+
+
+def test_a_single_record_of_floats_is_not_copied(data):
+    x, y = data
+    columns, targets = checks.training_data([x], [y])
+    assert np.shares_memory(columns, x)
+    assert np.shares_memory(targets, y)
+
+
+@pytest.mark.slow
+def test_memory_does_not_grow_with_rows_times_population():
+    t = np.arange(1_000_000) * 1e-3
+    x = np.column_stack([np.sin(t) * (1 + 0.3 * np.sin(0.1 * t)), np.cos(1.3 * t)])
+    y = x[:, 0] * x[:, 1] - np.sign(x[:, 1]) + 0.1 * np.random.default_rng(0).normal(size=len(t))
+    tracemalloc.start()
+    try:
+        fitted = library(population_size=80).fit(x, y)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert set(fitted.get_feature_names(["q", "v"])) == {"q v", "sgn(v)"}
+    assert peak < 1.5 * (x.nbytes + y.nbytes)
