@@ -22,7 +22,7 @@ import sympy
 
 from .terms import Cache, Product, Sum
 
-__all__ = ["Equations"]
+__all__ = ["AlgebraicEquations", "Equations"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +105,11 @@ class Equations:
     def to_sympy(self) -> list[Any]:
         """Return the right-hand sides as sympy expressions, one for each state."""
         return [expression.to_sympy(self.symbols) for expression in self.sums]
+
+
+@dataclass(frozen=True, eq=False)
+class AlgebraicEquations(Equations):
+    """Right-hand sides that are the target itself, such as a force, and no rate of change."""
 
 
 def stack(x: np.ndarray, u: np.ndarray | None = None, t: np.ndarray | None = None) -> np.ndarray:

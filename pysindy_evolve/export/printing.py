@@ -9,6 +9,7 @@ from typing import Any
 import sympy
 from sympy.printing.str import StrPrinter
 
+from ..equations import AlgebraicEquations
 from ..terms import ONE, Sum
 from .symbolic import System, system_of
 
@@ -40,7 +41,10 @@ def format_equations(model: Any, digits: int | None = 4) -> str:
     """
     system = system_of(model, "format_equations", digits)
     lines = zip(system.lefts, system.sides, strict=True)
-    return "\n".join(f"{_plain(left)}' = {_side(system, side, digits)}" for left, side in lines)
+    prime = "" if isinstance(system.equations, AlgebraicEquations) else "'"
+    return "\n".join(
+        f"{_plain(left)}{prime} = {_side(system, side, digits)}" for left, side in lines
+    )
 
 
 def format_expression(expression: Any, digits: int | None = 4) -> str:

@@ -11,6 +11,7 @@ import pysindy as ps
 from ..memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
+from .algebraic import as_algebraic
 from .declared import DeclaredModel, design_of
 from .design import Design
 from .grow import OPERATORS, Garden
@@ -111,7 +112,12 @@ def close_loop(
     check_records(declared_design, [*fit_on, *judge_on])
     fit_on, judge_on = alike(fit_on, judge_on)
     rng = generator(random_state)
+    if declared_design.algebraic:
+        rules = replace(rules, refine="derivative")  # nothing is simulated
+        fit_on, judge_on = ([as_algebraic(r) for r in rs] for rs in (fit_on, judge_on))
     wide = widened(fit_on)
+    if declared_design.algebraic:
+        wide = [replace(r, x=np.zeros_like(r.x)) for r in wide]  # a target explains nothing
     part = segments(wide, declared_design.velocities)
     basis = resolve(operators, "close_loop") if operators else ()
     findings: list[Finding] = []

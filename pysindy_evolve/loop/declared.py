@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..operators import Operator
 from ..signals import Record
 from ..terms import Sum, variable
 from ..text import RightHandSide, parse
+from .algebraic import motions_of
 from .design import Column, Design
 
 __all__ = ["DeclaredModel", "design_of"]
@@ -40,6 +42,10 @@ class DeclaredModel:
         Constants with a value.
     operators : sequence of Operator
         Functions of your own that the text may call.
+    algebraic : bool
+        Whether the right-hand sides are the targets themselves, such as a force F = c v + k x, and
+        not their rates. Targets are the columns of x in the records; `signals.as_target`
+        makes such records.
 
     Attributes
     ----------
@@ -71,6 +77,7 @@ class DeclaredModel:
         inputs: Sequence[str] = (),
         known: Mapping[str, float] | None = None,
         operators: Sequence[Operator] = (),
+        algebraic: bool = False,
     ) -> None:
         if not isinstance(equations, Mapping):
             raise TypeError(
@@ -88,6 +95,7 @@ class DeclaredModel:
         self.known = dict(known or {})
         _check_names((*self.states, *self.inputs, *self.known))
         self.operators = tuple(operators)
+        self.algebraic = bool(algebraic)
         variables = (*self.states, *self.inputs, "t")
         self.sides: tuple[RightHandSide, ...] = tuple(
             parse(
@@ -116,7 +124,8 @@ class DeclaredModel:
             Column(name, tuple(parts.get(name, Sum(())) for parts in free))
             for name in self.parameters
         )
-        return Design(self.states, self.inputs, tuple(s.known for s in self.sides), columns)
+        known = tuple(s.known for s in self.sides)
+        return Design(self.states, self.inputs, known, columns, self.algebraic)
 
     def _named_sides(self) -> Iterable[tuple[str, RightHandSide]]:
         return zip(self.states, self.sides, strict=True)
@@ -144,7 +153,11 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
     Design
     """
     if isinstance(declared, DeclaredModel):
-        return declared.design()
+        design = declared.design()
+        if not design.algebraic:
+            return design
+        _check_algebraic(design)
+        return replace(design, motions=motions_of(records, len(design.states)))
     if not isinstance(declared, ps.SINDy):
         raise TypeError(
             f"{OWNER} must be a DeclaredModel or a pysindy.SINDy model; "
@@ -155,6 +168,16 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
     except NotFittedError:
         equations = from_model(_fitted(declared, records), OWNER)
     return _design_of_equations(equations)
+
+
+def _check_algebraic(design: Design) -> None:
+    targets = set(range(len(design.states)))
+    for part in (*design.fixed, *(p for c in design.columns for p in c.parts)):
+        if targets & part.variables:
+            raise ValueError(
+                f"{OWNER} must give algebraic targets from inputs and time alone; got one from "
+                f"{', '.join(design.states)}. Write what it depends on as inputs."
+            )
 
 
 def _fitted(model: ps.SINDy, records: Sequence[Record]) -> ps.SINDy:

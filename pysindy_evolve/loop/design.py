@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..equations import Equations
+from ..equations import AlgebraicEquations, Equations
 from ..terms import Cache, Product, Sum, Variable
 
 __all__ = ["Column", "Design", "in_state"]
@@ -53,12 +53,18 @@ def in_state(name: str, expression: Sum, state: int, n_states: int) -> Column:
 
 @dataclass(frozen=True)
 class Design:
-    """A model whose right-hand sides are known parts plus columns times coefficients."""
+    """A model whose right-hand sides are known parts plus columns times coefficients.
+
+    An algebraic one gives the states themselves, not their rates; its motions are the variables
+    that are position and velocity to each other.
+    """
 
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     fixed: tuple[Sum, ...]
     columns: tuple[Column, ...]
+    algebraic: bool = False
+    motions: tuple[tuple[int, int], ...] = ()
 
     def adding(self, columns: Iterable[Column]) -> Design:
         """Return the design with more columns at its end."""
@@ -116,4 +122,5 @@ class Design:
             rows.append(row)
         terms = tuple(dict.fromkeys(term for row in rows for term in row))
         matrix = np.array([[row.get(term, 0.0) for term in terms] for row in rows])
-        return Equations(terms, matrix.reshape(len(rows), len(terms)), self.states, self.inputs)
+        kind = AlgebraicEquations if self.algebraic else Equations
+        return kind(terms, matrix.reshape(len(rows), len(terms)), self.states, self.inputs)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..operators import BUILTIN
 from ..terms import ONE, Sum, add, call, constant, mul, power, sub, variable
+from .algebraic import rounded, yields
 from .design import Design
 
 __all__ = ["VOCABULARY", "Candidate", "candidates", "periodic_candidates", "standing"]
@@ -261,6 +262,9 @@ def _of_equation(design: Design, state: int, scales: np.ndarray) -> Iterator[Can
         return Candidate(name, state, columns, parents, shape)
 
     n_states, n_inputs = len(design.states), len(design.inputs)
+    if design.algebraic:
+        yield from _of_target(effect, design, scales)
+        return
     v, position = variable(state), design.position_of(state)
     yield effect("constant offset", OFFSET)
     yield from _frictions(effect, v, float(scales[state]))
@@ -273,6 +277,27 @@ def _of_equation(design: Design, state: int, scales: np.ndarray) -> Iterator[Can
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
     yield effect("drift", variable(n_states + n_inputs), parents=(OFFSET,))
+
+
+def _of_target(effect, design: Design, scales: np.ndarray) -> Iterator[Candidate]:  # type: ignore[no-untyped-def]
+    """Go through the effects of a target that is a function of inputs."""
+    yield effect("constant offset", OFFSET)
+    first = len(design.states)
+    velocities = {v for _, v in design.motions}
+    moving: set[int] = set()
+    for x, v in design.motions:
+        if x in velocities:  # velocity and acceleration
+            yield from yields(effect, Shape, v, x, scales)
+            continue
+        yield from _frictions(effect, variable(v), float(scales[v]))
+        yield from _springs(effect, variable(x), variable(v), float(scales[x]))
+        yield from rounded(effect, Shape, v, scales)
+        yield from yields(effect, Shape, x, v, scales)
+        moving |= {x, v}
+    for column in range(first, first + len(design.inputs)):
+        if column not in moving:
+            own = [variable(other) for other in sorted(moving)]
+            yield from _inputs(effect, variable(column), own, float(scales[column]))
 
 
 def _frictions(effect, v: Sum, speed: float) -> Iterator[Candidate]:  # type: ignore[no-untyped-def]

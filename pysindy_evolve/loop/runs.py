@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..equations import Equations
+from ..equations import AlgebraicEquations, Equations
 from ..hidden import MemoryEquations
 from ..signals import Record
 from ..simulation import simulate
@@ -24,6 +24,8 @@ def free_run(equations: Equations, record: Record, **options: Any) -> np.ndarray
     Prepared inputs are smooth between the samples, so they are refined by splines: straight lines
     would take five percent off a sine with nine samples a period.
     """
+    if isinstance(equations, AlgebraicEquations):
+        return equations.evaluate(record.x, record.u, record.t)
     if isinstance(equations, MemoryEquations):
         return _run_with_memory(equations, record, **options)
     if record.u is None:

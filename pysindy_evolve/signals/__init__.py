@@ -11,6 +11,7 @@ from .prepare import Preparation, prepare
 from .record import Record
 from .sampling import resample
 from .slopes import fuse
+from .target import as_target
 from .windows import Windows, choose_windows, project, project_derivative
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "Preparation",
     "Record",
     "Windows",
+    "as_target",
     "choose_windows",
     "differentiate",
     "fuse",

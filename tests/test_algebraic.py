@@ -1,0 +1,79 @@
+"""Algebraic targets: forces explained by a motion, in the same loop, nothing differentiated."""
+
+import numpy as np
+import pytest
+
+import pysindy_evolve as pse
+from pysindy_evolve.signals import as_target
+
+DECLARED = pse.DeclaredModel({"F": "c*v + k*x + F0"}, inputs=["x", "v"], algebraic=True)
+
+
+def measured_force(extra, seed=0, noise=0.02):
+    """Measure a force on a rig whose position is prescribed: a sum of a few sines."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 30.0, 0.01)
+    phases = rng.uniform(0, 2 * np.pi, 5)
+    frequencies = 2 * np.pi * np.array([0.3, 0.55, 0.8, 1.1, 1.45])
+    arguments = np.outer(t, frequencies) + phases
+    x, v = np.sin(arguments).sum(axis=1), (np.cos(arguments) * frequencies).sum(axis=1)
+    force = 2.0 * v + 3.0 * x + 1.0 + extra(x, v)
+    force = force + noise * force.std() * rng.standard_normal(len(t))
+    return pse.Record(t=t, x=force, x_dot=force, u=np.column_stack([x, v]))
+
+
+def close(record, **options):
+    settings = {"operators": (), "random_state": 0, "n_twins": 59} | options
+    return pse.close_loop(DECLARED, record, **settings)
+
+
+def test_nothing_is_named_where_the_force_is_as_declared():
+    report = close(measured_force(lambda x, v: 0.0 * x))
+    assert report.effects == []
+    assert report.verdict == "complete"
+
+
+def test_coulomb_friction_in_a_force_is_found_with_its_size():
+    (effect,) = close(measured_force(lambda x, v: 5.0 * np.sign(v))).effects
+    assert effect.name == "Coulomb friction"
+    assert effect.state == "F"
+    assert effect.coefficients == pytest.approx([5.0], rel=0.05)
+
+
+def test_hysteresis_in_a_force_is_found_and_betters_what_was_held_out():
+    report = close(measured_force(lambda x, v: 8.0 * np.tanh((v + 2.0 * x) / 2.0)))
+    assert report.effects[0].name == "hysteresis"
+    assert report.after.simulation_error[0] < 0.4 * report.before.simulation_error[0]
+
+
+def test_run_of_an_algebraic_model_is_its_right_hand_side():
+    report = close(measured_force(lambda x, v: 5.0 * np.sign(v)), max_effects=1)
+    record = report.test[0]
+    expected = report.equations.evaluate(record.x, record.u, record.t)
+    assert report.simulate(record) == pytest.approx(expected)
+
+
+def test_algebraic_equation_is_printed_without_a_prime():
+    text = str(close(measured_force(lambda x, v: 5.0 * np.sign(v))))
+    assert "    F = " in text
+    assert "F'" not in text
+
+
+def test_declared_target_that_depends_on_itself_is_refused():
+    model = pse.DeclaredModel({"F": "-a*F + k*x"}, inputs=["x", "v"], algebraic=True)
+    with pytest.raises(ValueError, match=r"must give algebraic targets from inputs"):
+        pse.close_loop(model, measured_force(lambda x, v: 0.0 * x))
+
+
+def test_motion_becomes_the_input_and_the_force_the_target():
+    t = np.arange(0.0, 20.0, 0.01)
+    prepared = pse.prepare(t, np.sin(t), np.cos(3 * t), order=2)
+    record = as_target(prepared)
+    assert record.x == pytest.approx(prepared.u)
+    assert record.u == pytest.approx(np.column_stack([prepared.x, prepared.x_dot[:, 1]]))
+
+
+def test_motion_without_a_force_is_no_target():
+    t = np.arange(0.0, 20.0, 0.01)
+    with pytest.raises(ValueError, match=r"must be a record with inputs"):
+        as_target(pse.prepare(t, np.sin(t)))
