@@ -35,6 +35,7 @@ def test_drag_and_cubic_damping_at_low_speed_need_a_higher_speed(slow, cubic):
     assert abs(most) == pytest.approx(there, rel=0.2)
 
 
+@pytest.mark.slow
 def test_a_record_of_the_proposed_motion_tells_them_apart(slow, cubic):
     # The position is measured by the same sensor, so its noise stays what it was.
     far = cubic.motion.amplitude

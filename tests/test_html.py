@@ -102,6 +102,7 @@ def test_same_report_gives_the_same_page(complete, tmp_path):
     assert page_of(complete, tmp_path) == page_of(complete, tmp_path)
 
 
+@pytest.mark.slow
 def test_page_says_what_to_measure_next_where_effects_cannot_be_told_apart(tmp_path):
     rubbed = oscillator("Coulomb friction", "- 2*sgn(v)")
     record = rubbed.record(noise=0.02)
