@@ -24,6 +24,7 @@ import numpy as np
 from tqdm.auto import tqdm
 
 from . import regression
+from .beam import best_subsets, with_exchanges
 from .constants import tune
 from .dictionary import Dictionary, Problem, Project, build_dictionary, price, skeleton
 from .genetics import Genetics
@@ -193,12 +194,15 @@ def generations(
     for number in range(1, settings.n_generations + 1):
         sample = problem.sample(ROWS, rng)
         dictionary = build_dictionary(sample, [*survivors, *population])
-        front, n_effective = solve_elastic_net(dictionary, survivors, settings.max_terms)
-        fitness, partners = rate(dictionary, front, n_effective)
+        front, n_effective = solve_elastic_net(
+            dictionary, survivors, settings.max_terms, alike=genetics.smooth
+        )
+        around = with_exchanges(front) if genetics.smooth else front
+        fitness, partners = rate(dictionary, around, n_effective)
 
         ranking = _ranking(dictionary, front[0], fitness)
         yield _record(dictionary, front[0], number, start), ranking[:FINALISTS]
-        tuned = tune_constants(dictionary, front, fitness, partners, known)
+        tuned = tune_constants(dictionary, around, fitness, partners, known, alike=genetics.smooth)
         survivors = _unique([*tuned, *ranking[:FINALISTS], *leaves])
         population = genetics.offspring(
             dictionary.terms,
@@ -211,20 +215,24 @@ def generations(
 
 
 def solve_elastic_net(
-    dictionary: Dictionary, survivors: Sequence[Product], max_terms: int
+    dictionary: Dictionary, survivors: Sequence[Product], max_terms: int, alike: bool = False
 ) -> tuple[list[np.ndarray], float]:
     """Find the best equations that the dictionary holds: the best first, then smaller ones.
 
     The elastic net proposes supports, along with what survived; each is pruned by the information
     criterion, first as if rows were independent, then for as many rows as the residual shows.
+    Smooth terms are `alike` over a record, and small equations of them are searched as well.
     """
     gram, terms = dictionary.gram, dictionary.terms
     known = {term: j for j, term in enumerate(terms)}
     old = np.array([known[t] for t in survivors if t in known], dtype=int)
     proposals = [*regression.supports(gram, 2 * max_terms), old]
+    scaled = gram.scaled(gram.scale)
     n_effective = float(gram.n)
     for _ in range(2):
         cost = price(terms, n_effective)
+        if alike:
+            proposals += best_subsets(scaled, cost, n_effective, max_terms)
         front = regression.front(gram, proposals, cost, n_effective, max_terms)
         front = regression.frugal(gram, front)
         residual = dictionary.residual(front[0])
@@ -261,21 +269,29 @@ def tune_constants(
     fitness: np.ndarray,
     partners: np.ndarray,
     known: set[Hashable],
+    alike: bool = False,
 ) -> list[Product]:
     """Tune the inner constants of the best terms that have some, each beside its equation.
 
-    A term that has been tuned beside the same equation before is `known` and left as it is.
+    What has been tuned beside an equation of the same form is `known`; where terms are `alike`,
+    it makes way for another, and the best equation is tuned again.
     """
     problem, n_fixed = dictionary.problem, dictionary.n_fixed
     tuned: list[Product] = []
     step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
     order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
-    for j in order[:N_TUNED]:
+    forms = [skeleton(term) for term in dictionary.terms]
+    cases: dict[Hashable, tuple[int, list[int]]] = {}
+    for j in order if alike else order[:N_TUNED]:
         beside = [i for i in front[partners[j]] if i != j]
-        case = skeleton(dictionary.terms[j]), frozenset(dictionary.terms[i] for i in beside)
-        if case in known:
-            continue
-        known.add(case)
+        case = forms[j], frozenset(forms[i] for i in beside)
+        fresh = case not in known or (alike and j in front[0])
+        if fresh and case not in cases:
+            cases[case] = j, beside
+        if len(cases) == N_TUNED:
+            break
+    known.update(cases)
+    for j, beside in cases.values():
         others = dictionary.theta[:, [*range(n_fixed), *(n_fixed + i for i in beside)]]
         tuned += tune(
             [dictionary.terms[j]],

@@ -24,6 +24,7 @@ __all__ = ["Genetics"]
 MAX_SPLIT = 6  # a tree that falls into more terms than this is taken for noise
 NODES_PER_LEVEL = 4  # a term of full depth may have four times as many nodes: thin, not bushy
 TOURNAMENT = 3  # as usual in genetic programming: mild pressure
+CURVED = ("sin", "cos", "tan", "exp", "log", "tanh")
 LINEAR = ("add", "sub", "mul", "neg", "square", "cube", "abs", "sgn")  # numbers mean little here
 
 
@@ -56,7 +57,7 @@ class Genetics:
         self._operators = {operator.name: operator for operator in operators}
         self._arities = {0, *(operator.arity for operator in operators)}
         self._scale = [float(size) for size in scale]
-        self._smooth = any(name not in LINEAR for name in self._operators)
+        self.smooth = any(name not in LINEAR for name in self._operators)
         self._deap = _deap_drawing_from(self.random)
         self._pset = self._primitive_set()
         self._memo: dict[tuple[Any, ...], Sum] = {}
@@ -141,7 +142,7 @@ class Genetics:
         moves = ["mutUniform", "mutInsert", "mutShrink"]
         if {node.arity for node in tree} <= self._arities:  # else there is nothing to replace by
             moves.append("mutNodeReplacement")
-        if self._smooth:
+        if self.smooth:
             moves += ["number"] * 2
         move = self.random.choice(moves)
         if move == "number":
@@ -174,7 +175,9 @@ class Genetics:
 
     def _fits(self, term: Product) -> bool:
         small = term.size <= NODES_PER_LEVEL * self.max_depth and term.depth <= self.max_depth
-        return small and bool(term.variables) and not any(map(_is_mask, term.factors))
+        if not small or not term.variables or _is_nested(term):
+            return False
+        return not any(map(_is_mask, term.factors))
 
     def _expression(self, tree: gp.PrimitiveTree) -> Sum:
         stack: list[Sum] = []
@@ -196,7 +199,7 @@ class Genetics:
         self._binary = [_primitive(o) for n, o in self._operators.items() if n in ("mul", "div")]
         n_variables = len(self._scale)
         leaves = [variable(i) for i in range(n_variables) for _ in range(2)]
-        n_numbers = n_variables if self._smooth else 1
+        n_numbers = n_variables if self.smooth else 1
         leaves += [constant(self._number()) for _ in range(n_numbers)]
         pset.terminals[gp.__type__].extend(_terminal(leaf) for leaf in leaves)
         return pset
@@ -224,6 +227,21 @@ def _is_mask(factor: tuple[Atom, int]) -> bool:
     """Tell whether a factor is sgn(v)^2: one everywhere but at zero, it hides single samples."""
     atom, n = factor
     return _is_sign(atom) and n % 2 == 0
+
+
+def _is_nested(node: Product | Atom, inside: bool = False) -> bool:
+    """Tell whether a wave or an exponential is in the argument of another.
+
+    Such terms bend to any record without saying anything: sin(sin(q)) is no law of nature.
+    """
+    if isinstance(node, Variable):
+        return False
+    if isinstance(node, Product):
+        return any(_is_nested(atom, inside) for atom, _ in node.factors)
+    if isinstance(node, Sum):
+        return any(_is_nested(term, inside) for _, term in node.parts)
+    bends = node.operator.name in CURVED
+    return (inside and bends) or any(_is_nested(one, inside or bends) for one in node.args)
 
 
 def _deap_drawing_from(source: random.Random) -> dict[str, Any]:

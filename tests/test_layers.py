@@ -13,7 +13,7 @@ LAYERS = (
     {"checks", "lazily", "operators", "terms"},
     {"equations", "text", "grammar", "substitution"},
     {"tracing", "library_terms"},
-    {"gram", "elimination", "independence", "regression"},
+    {"gram", "elimination", "beam", "independence", "regression"},
     {"signals", "simulation", "memory", "hidden"},
     {"genetics", "relatives", "refit", "constants", "dictionary", "plateau", "blur", "denoise"},
     {"evolution"},
