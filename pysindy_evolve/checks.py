@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import issparse
 
-__all__ = ["finite", "numbers", "positive_integer", "rate", "training_data"]
+__all__ = ["feature_names", "finite", "numbers", "positive_integer", "rate", "training_data"]
 
 HUGE = 1e30  # its tenth power can still be computed
 MIN_SAMPLES = 10  # fewer rows cannot tell two terms from one
@@ -37,6 +37,16 @@ def finite(array: Any, owner: str, name: str) -> None:
         raise ValueError(
             f"{owner}({name}=...) must be finite, neither NaN nor inf; got {values[bad].flat[0]} "
             f"at sample {row}. Drop or interpolate such samples."
+        )
+
+
+def feature_names(names: Sequence[str], n_columns: int) -> None:
+    """Raise unless there is a name for each column; PySINDy itself takes any number of them."""
+    if len(names) != n_columns:
+        raise ValueError(
+            "SINDy.fit(feature_names=...) must name each state and each input; got "
+            f"{len(names)} for {n_columns} columns. Fit with the names of all states, then of all "
+            "inputs."
         )
 
 

@@ -63,6 +63,7 @@ class _TermColumns(BaseFeatureLibrary):
         """
         check_is_fitted(self, "terms_")
         names = input_features or [f"x{i}" for i in range(self.n_features_in_)]
+        checks.feature_names(names, self.n_features_in_)
         base = self.base_library_
         first = [] if base is None else list(base.get_feature_names(names))
         return first + [term.name(names) for term in self.terms_]

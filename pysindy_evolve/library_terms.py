@@ -19,7 +19,7 @@ from pysindy.feature_library.base import BaseFeatureLibrary
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.validation import check_is_fitted
 
-from . import terms
+from . import checks, terms
 from .equations import Equations
 from .operators import BUILTIN, Operator
 from .terms import Call, Product, Sum, Variable
@@ -49,6 +49,8 @@ def from_model(model: Any, owner: str = "from_model(model=...)") -> Equations:
         If it is no model, or its library has no form as ordinary terms (PDE and weak libraries).
     sklearn.exceptions.NotFittedError
         If it has not been fitted.
+    ValueError
+        If it was fitted with more or fewer names than columns.
     """
     if isinstance(model, Equations):
         return model
@@ -131,6 +133,7 @@ def _from_sindy(model: ps.SINDy, owner: str) -> Equations:
         products.append(terms.ONE)
         coef = np.column_stack([coef, intercept])
     names = tuple(str(name) for name in model.feature_names)
+    checks.feature_names(names, model.feature_library.n_features_in_)
     n_states = len(names) - model.n_control_features_
     return Equations(tuple(products), coef, names[:n_states], names[n_states:])
 

@@ -55,6 +55,12 @@ def test_another_delimiter_can_be_named(write):
         ("t,q\n0,1\n1\n", None, "nothing in column 'q', line 3"),
         ("t,q\n0,\n", None, "nothing in column 'q', line 2"),
         ("t,q\n0,1_000\n", None, "'1_000' in column 'q', line 2"),
+        ("t,q,F\n0,00,0,0000,1,000\n", None, "line 2 has 6 fields, the header 3. A decimal comma"),
+        ("t,q,F\n0,1,2\n1,2,3,4\n", ["t"], "line 3 has 4 fields, the header 3"),
+        ("t;q\n0;1\n", ["t"], r"one field, 't;q'. Is the delimiter ';'\? \(--delimiter ';'\)"),
+        ("t;q\n0;1\n", None, r"Is the delimiter ';'"),
+        ("t\tq\n0\t1\n", ["t"], r"Is the delimiter '\\t'"),
+        ('t,q\n0,"0,004"\n', None, "'0,004' in column 'q', line 2. Decimal commas: export with"),
     ],
 )
 def test_an_unreadable_file_is_refused_and_the_place_named(write, text, columns, message):
@@ -67,6 +73,15 @@ def test_a_binary_file_is_refused(tmp_path):
     path.write_bytes(b"PK\x03\x04\xff\xfe\x00\x9d\n\xff")
     with pytest.raises(ValueError, match=r"must be a text file in UTF-8"):
         read_csv(path)
+
+
+def test_another_encoding_is_refused_and_the_right_one_named(write):
+    with pytest.raises(ValueError, match=r"Export the record as CSV in UTF-8\.$"):
+        read_csv(write("t,q\n0,1\n", encoding="utf-16"))
+
+
+def test_an_empty_field_at_the_end_of_a_row_does_no_harm(write):
+    np.testing.assert_array_equal(read_csv(write("t,q\n0,1,\n1,2,\n"))["q"], [1.0, 2.0])
 
 
 def test_a_name_alone_is_no_list_of_columns(write):

@@ -60,6 +60,24 @@ def test_python_code_computes_what_the_model_does(equations, points):
     np.testing.assert_allclose(namespace["f"](0.7, x[1], u[1]), expected[1], rtol=1e-12, atol=1e-6)
 
 
+@pytest.mark.parametrize("inputs", [("F",), ("F", "G")])
+def test_python_code_takes_the_inputs_that_a_callable_takes(inputs):
+    equations = equations_of(["v", " + ".join(f"{k + 2}*{i}" for k, i in enumerate(inputs))],
+                             ("q", "v"), inputs)  # fmt: skip
+    namespace = {}
+    exec(export.to_code(equations), namespace)  # noqa: S102
+    x, u = np.arange(6.0).reshape(3, 2), np.arange(3.0 * len(inputs)).reshape(3, -1)
+    expected = export.to_callable(equations)
+    for given in [u, u[0]] + ([u[:, 0]] if len(inputs) == 1 else []):
+        np.testing.assert_allclose(namespace["rhs"](0.0, x, given), expected(0.0, x, given))
+    single = u[1] if len(inputs) > 1 else u[1, 0]
+    np.testing.assert_allclose(namespace["rhs"](0.0, x[1], single), expected(0.0, x[1], single))
+    with pytest.raises(ValueError, match=f"last axis of input must hold {', '.join(inputs)}"):
+        namespace["rhs"](0.0, x, np.ones(7))
+    with pytest.raises(ValueError, match="last axis of state must hold q, v"):
+        namespace["rhs"](0.0, x.T, u)
+
+
 def test_python_code_without_inputs_or_terms_runs():
     namespace = {}
     exec(export.to_code(equations_of(["0", "2"], ("q", "v"))), namespace)  # noqa: S102

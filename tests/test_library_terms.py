@@ -290,3 +290,20 @@ def test_library_that_does_something_else_than_its_class_is_an_error(record):
     model = ps.SINDy(feature_library=Doubled()).fit(record[0], t=0.1)
     with pytest.raises(TypeError, match="computes what its class does; got a Doubled"):
         from_model(model)
+
+
+@pytest.mark.parametrize("names", [["q", "v"], ["q", "v", "F", "G"]])
+@pytest.mark.parametrize("library", [ps.PolynomialLibrary(), Grown()])
+def test_names_that_are_not_one_for_each_column_are_an_error(library, names, record):
+    x, x_dot = record
+    model = ps.SINDy(feature_library=library, optimizer=ps.STLSQ(threshold=0.0, alpha=1e-6))
+    model.fit(x[:, :2], t=0.1, x_dot=x_dot[:, :2], u=x[:, 2:], feature_names=names)
+    message = rf"must name each state and each input; got {len(names)} for 3 columns\. Fit"
+    with pytest.raises(ValueError, match=message):
+        from_model(model)
+
+
+def test_our_libraries_print_no_other_names_than_those_of_their_columns():
+    library = TermLibrary([terms.variable(1).parts[0][1]]).fit(np.ones((2, 2)))
+    with pytest.raises(ValueError, match="must name each state and each input; got 1 for 2 col"):
+        library.get_feature_names(["q"])

@@ -150,10 +150,24 @@ def _python(source: _Source, name: str) -> str:
 
 
 def _unpacked_python(source: _Source) -> list[str]:
-    lines = ["    state = numpy.asarray(state, dtype=float)"]
+    """Return the lines that make arrays of the arguments; a wrong shape must not broadcast."""
+    lines = ["    state = numpy.asarray(state, dtype=float)", *_checked("state", source.states)]
     if source.used & set(source.inputs):
         lines.append("    input = numpy.asarray(input, dtype=float)")
+        if len(source.inputs) == 1:
+            lines += [
+                "    if input.shape == state.shape[:-1]:  # one number for each sample",
+                "        input = input[..., None]",
+            ]
+        lines += _checked("input", source.inputs)
     return lines
+
+
+def _checked(array: str, names: Sequence[str]) -> list[str]:
+    return [
+        f"    if {array}.shape[-1:] != ({len(names)},):",
+        f'        raise ValueError("the last axis of {array} must hold {", ".join(names)}")',
+    ]
 
 
 def _c(source: _Source, name: str) -> str:

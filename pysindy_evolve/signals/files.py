@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Sequence
 from os import PathLike, fspath
 from pathlib import Path
@@ -33,8 +34,8 @@ def read_csv(
     Raises
     ------
     ValueError
-        If the file is empty, a name is missing or occurs twice, a row is short, or a value
-        is not a finite number; the message says which line of the file.
+        If the file is empty, a name is missing or occurs twice, a row is short or long, or a
+        value is not a finite number; the message says which line of the file.
     TypeError
         If `columns` is not a sequence of names.
     FileNotFoundError
@@ -60,6 +61,7 @@ def read_csv(
             'Give a list, such as ["t", "q"].'
         )
     header, rows = _read(Path(fspath(path)), delimiter)
+    _check_fields(header, rows)
     wanted = list(header) if columns is None else list(columns)
     places = [_place(header, name, path) for name in wanted]
     return {
@@ -77,7 +79,7 @@ def _read(path: Path, delimiter: str) -> tuple[list[str], list[tuple[int, list[s
     except (UnicodeDecodeError, csv.Error) as error:
         raise ValueError(
             f"read_csv(path=...) must be a text file in UTF-8; got {str(path)!r} ({error}). "
-            "Export the record as CSV."
+            "Export the record as CSV in UTF-8."
         ) from error
     if len(rows) < 2:
         got = "an empty file" if not rows else "a header alone"
@@ -86,6 +88,24 @@ def _read(path: Path, delimiter: str) -> tuple[list[str], list[tuple[int, list[s
             f"{str(path)!r}. Export the record again."
         )
     return [name.strip() for name in rows[0][1]], rows[1:]
+
+
+def _check_fields(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
+    """Raise where fields and names cannot belong together; an empty field at the end may."""
+    first = "".join(rows[0][1])
+    for sign in (";", "\t", "|", ","):
+        if len(header) == 1 and len(rows[0][1]) == 1 and sign in header[0] and sign in first:
+            raise ValueError(
+                f"read_csv(delimiter=...) must be the sign between the names; got one field, "
+                f"{header[0]!r}. Is the delimiter {sign!r}? (--delimiter {sign!r})"
+            )
+    for line, row in rows:
+        if any(field.strip() for field in row[len(header) :]):
+            raise ValueError(
+                f"read_csv(path=...) must have a name for each field; got a file whose line {line} "
+                f"has {len(row)} fields, the header {len(header)}. A decimal comma? Export with "
+                "points."
+            )
 
 
 def _place(header: list[str], name: str, path: str | PathLike[str]) -> int:
@@ -109,8 +129,10 @@ def _value(row: list[str], place: int, name: str, line: int) -> float:
         value = np.nan
     if not np.isfinite(value):
         got = repr(text) if text else "nothing"
+        is_comma = re.fullmatch(r"[-+]?\d*,\d+([eE][-+]?\d+)?", text) is not None
+        advice = "Decimal commas: export with points." if is_comma else "Correct or drop this row."
         raise ValueError(
             f"read_csv(path=...) must hold finite numbers; got {got} in column {name!r}, "
-            f"line {line}. Correct or drop this row."
+            f"line {line}. {advice}"
         )
     return value
