@@ -28,7 +28,7 @@ from .spectral import Array
 
 Bins = NDArray[np.intp]
 
-__all__ = ["QUIET", "estimate", "spectrum"]
+__all__ = ["QUIET", "estimate", "floor"]
 
 QUIET = 1e-4  # share of a column's RMS: less noise than this (80 dB) does no harm
 BINS, WIDER = 20, 0.07  # of a band: fewest bins, and least width as a share of its frequency
@@ -47,7 +47,7 @@ def estimate(levels: Array) -> tuple[Array, Array, int]:
     n, n_levels = levels.shape
     omega = np.pi * np.arange(1, n) / n
     known, ends = _trend_and_ends(levels[:, 0], n_levels)
-    spectra = np.stack([spectrum(y, m) for m, y in enumerate((levels - known).T)])
+    spectra = np.stack([_spectrum(y, m) for m, y in enumerate((levels - known).T)])
     edges = _edges(len(omega))
     noise, carrier = _noise_powers(spectra, omega, edges)
     weights = omega ** (2 * np.arange(n_levels)[:, None]) / np.repeat(noise, np.diff(edges), axis=1)
@@ -78,7 +78,7 @@ def _trend_and_ends(y: Array, n_levels: int) -> tuple[Array, int]:
     s = np.arange(n)
     slope, offset = np.polyfit(s, y, 1)
     rest = y - offset - slope * s
-    power = np.cumsum(spectrum(rest, 0) ** 2)
+    power = np.cumsum(_spectrum(rest, 0) ** 2)
     middle = np.pi * (1 + int(np.searchsorted(power, 0.5 * power[-1]))) / n
     width = min(1.0 / middle, END * n)
     known = np.zeros((n, n_levels))
@@ -91,7 +91,7 @@ def _trend_and_ends(y: Array, n_levels: int) -> tuple[Array, int]:
     return known, int(np.ceil(WIDTHS * width))
 
 
-def spectrum(level: Array, m: int) -> Array:
+def _spectrum(level: Array, m: int) -> Array:
     """Return the n - 1 coefficients of a level's sine series (m even) or cosine series (m odd).
 
     They are those of the signal: divided by omega^m, as derivatives of a sine series are series of
@@ -134,7 +134,7 @@ def _noise_powers(spectra: Array, omega: Array, edges: Bins) -> tuple[Array, Bin
     """
     steps = omega ** np.arange(len(spectra))[:, None]
     power, size = _average((spectra * steps) ** 2, edges), np.diff(edges)
-    floors = np.array([_floor(row, size) for row in power])
+    floors = np.array([floor(row, size) for row in power])
     total = (power * size).sum(axis=1)
     share = size.sum() * floors / np.where(total > 0.0, total, 1.0)
     noise = np.repeat(floors[:, None], len(size), axis=1)
@@ -162,7 +162,7 @@ def _flatness(power: Array, floor: float, size: Bins, share: float) -> float:
     return float(size[power < NEAR * floor].sum()) if share > QUIET**2 else 0.0
 
 
-def _floor(power: Array, size: Bins) -> float:
+def floor(power: Array, size: Bins) -> float:
     """Return the floor under the averaged powers of bands of so many bins.
 
     The lowest quarter of the bins that were not filtered away, as a signal can only lift a band.

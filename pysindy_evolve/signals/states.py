@@ -14,8 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy import fft, optimize
 
-from .fusion import QUIET, estimate, spectrum
+from .fusion import QUIET, estimate, floor
 from .spectral import Array
 
 __all__ = ["Smoothed", "is_noisy", "smooth_states", "time_step"]
@@ -23,7 +25,7 @@ __all__ = ["Smoothed", "is_noisy", "smooth_states", "time_step"]
 PROBES, PROBE = 8, 512  # stretches of so many rows tell whether there is noise at all
 LEAST_ROWS = 256  # fewer rows have no spectrum to speak of
 COHERENT = 0.9  # of x and x_dot, from which on rows are taken for an even time series
-LOUD = 0.9  # share of the power of x_dot in the frequencies that the coherence is judged by
+LOUD = 0.5  # share of the power of x_dot in the frequencies that the sampling time is found from
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,23 +82,75 @@ def time_step(x: Array, x_dot: Array) -> float | None:
         Units of t; None where x_dot is not the slope of x from row to row: rows out of order, or
         sampled unevenly.
     """
-    omega = np.pi * np.arange(1, len(x)) / len(x)
-    slopes, rates, products = 0.0, 0.0, 0.0
-    for state, rate in zip(x.T, x_dot.T, strict=True):
-        if np.ptp(rate) == 0.0 or np.ptp(state) == 0.0:
-            continue
-        line = np.linspace(state[0], state[-1], len(state))
-        size = np.std(rate)
-        slope, rate = omega * spectrum((state - line) / size, 0), omega * spectrum(rate / size, 1)
-        order = np.argsort(np.abs(rate))[::-1]
-        power = np.cumsum(rate[order] ** 2)
-        loud = order[: int(np.searchsorted(power, LOUD * power[-1])) + 1]
-        slopes += float(slope[loud] @ slope[loud])
-        rates += float(rate[loud] @ rate[loud])
-        products += float(slope[loud] @ rate[loud])
-    if products <= 0.0 or products**2 < COHERENT * slopes * rates:
-        return None
-    return float(np.sqrt(slopes / rates))
+    pairs = [
+        (_faded_slope(state), _faded(rate), _faded(state))
+        for state, rate in zip(x.T, x_dot.T, strict=True)
+        if np.ptp(rate) > 0.0 and np.ptp(state) > 0.0
+    ]
+    loud = [_loud(rate) for _, rate, _ in pairs]
+    sizes = [
+        np.linalg.norm([slope[at], rate[at]], axis=1)
+        for (slope, rate, _), at in zip(pairs, loud, strict=True)
+    ]
+    first = float(np.exp(np.mean([np.log(slope / rate) for slope, rate in sizes])))
+    for (slope, rate, _), at in zip(pairs, loud, strict=True):
+        product = float(np.sum((slope[at] * np.conj(rate[at])).real))
+        if product < COHERENT * np.linalg.norm(slope[at]) * np.linalg.norm(rate[at]):
+            return None
+    powers = [(_white(rate), _white(state)) for _, rate, state in pairs]
+    top = 2 + max(int(at.max()) for at in loud)  # there is nothing to learn from noise
+
+    def misfit(share: float) -> float:
+        """Sum of squared differences in units of their noise, which is least at the truth."""
+        total = 0.0
+        for (slope, rate, _), (of_rate, of_state) in zip(pairs, powers, strict=True):
+            noise = _omega(len(x))[1:top] ** 2 * of_state + (share * first) ** 2 * of_rate
+            total += float(np.sum(np.abs(slope[1:top] - share * first * rate[1:top]) ** 2 / noise))
+        return total
+
+    found = optimize.minimize_scalar(misfit, bounds=(0.9, 1.1), method="bounded")
+    return float(found.x) * first
+
+
+def _white(spectrum: NDArray[np.complex128]) -> float:
+    power = np.abs(spectrum) ** 2
+    return floor(power, np.ones(len(power), dtype=int))
+
+
+def _loud(spectrum: NDArray[np.complex128]) -> NDArray[np.intp]:
+    """Return the frequencies that hold half of the power."""
+    power = np.abs(spectrum) ** 2
+    order = np.argsort(power)[::-1]
+    share = np.cumsum(power[order])
+    return order[: int(np.searchsorted(share, LOUD * share[-1])) + 1]
+
+
+def _faded(y: Array) -> NDArray[np.complex128]:
+    """Return the spectrum of a column that is faded in and out (Hann)."""
+    return _spectrum(y * np.sin(_half_turn(len(y))) ** 2)
+
+
+def _faded_slope(y: Array) -> NDArray[np.complex128]:
+    """Return the faded spectrum of the slope per sample, without taking a difference.
+
+    (w y)' = w' y + w y', so what the fading itself does is taken off.
+    """
+    n = len(y)
+    rest = y - y.mean()
+    fading = rest * np.sin(2.0 * _half_turn(n)) * np.pi / n
+    return 1j * _omega(n) * _faded(rest) - _spectrum(fading)
+
+
+def _spectrum(y: Array) -> NDArray[np.complex128]:
+    return np.asarray(fft.rfft(y, fft.next_fast_len(len(y), real=True)))
+
+
+def _omega(n: int) -> Array:
+    return np.asarray(2.0 * np.pi * fft.rfftfreq(fft.next_fast_len(n, real=True)))
+
+
+def _half_turn(n: int) -> Array:
+    return np.asarray(np.pi * (np.arange(n) + 0.5) / n)
 
 
 def smooth_states(x: Array, x_dot: Array) -> Smoothed | None:
