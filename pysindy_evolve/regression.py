@@ -37,6 +37,7 @@ __all__ = [
 ]  # fmt: skip
 
 MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
+DOMINANT = 1e-2  # share of the target's power that no chance correlation explains
 REMAINDER = 1e-2  # share of the error that a smaller term may leave, if it is to count
 FORWARD = 6  # steps of forward selection beside the elastic net
 LAMBDA2 = (1e-3, 1e-1)  # relative to columns of unit RMS; orders of magnitude are enough
@@ -249,15 +250,26 @@ def stable(
     -----
     The standard error is the jackknife's over blocks, which holds for autocorrelated residuals as
     long as blocks are longer than their memory. The weakest term goes first.
+    A term that shows in one part of the record only, as a stiffness does in a resonance, has no
+    small scatter; it stays if it alone explains a hundredth of the target's power.
     """
     support = np.asarray(support, dtype=int)
     while len(support):
         ratio = _jackknife_ratio(whole, folds, support)
+        ratio[_dominant(whole, support)] = np.inf
         worst = int(np.argmin(ratio))
         if ratio[worst] >= min_ratio:
             break
         support = np.delete(support, worst)
     return support
+
+
+def _dominant(whole: Gram, support: np.ndarray) -> np.ndarray:
+    """Tell which terms the equation cannot be without, wherever in the record they show."""
+    scaled = whole.scaled(whole.scale)
+    error = rss(scaled, least_squares(scaled, support))
+    rise = gains(scaled, support)[1][support] - error
+    return np.asarray(rise >= max(DOMINANT * whole.yy, 0.1 * error))
 
 
 def _jackknife_ratio(whole: Gram, folds: Sequence[Gram], support: np.ndarray) -> np.ndarray:
