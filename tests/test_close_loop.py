@@ -248,6 +248,24 @@ def test_pendulum_without_its_gravity_is_given_it():
     assert report.effects[0].coefficients == pytest.approx([-30.0], rel=0.02)
 
 
+def test_weight_of_an_arm_is_not_split_into_an_offset_and_a_spring():
+    truth = {"q": "w", "w": "-30*q - 1.7*w + F - 20*cos(q)"}
+    declared = {"q": "w", "w": "-k*q - c*w + b*F"}
+    report = close_by_name(pse.DeclaredModel(declared, inputs=["F"]), measured(truth, size=12.0))
+    assert names(report) == ["gravity"]
+    assert report.effects[0].coefficients == pytest.approx([-20.0], rel=0.01)
+
+
+def test_interrupt_after_a_name_keeps_it(monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(close.Garden, "better", interrupted)
+    report = close_by_name(FRICTION.model, FRICTION.record())
+    assert names(report) == ["Coulomb friction"]
+    assert not report.finished
+
+
 def test_first_order_system_lacks_its_drain():
     truth = pse.DeclaredModel({"h": "0.5*p - 0.3*h - 0.2"}, inputs=["p"]).design().equations([])
     t = np.arange(0.0, 200.0, 0.1)

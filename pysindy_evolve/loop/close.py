@@ -19,7 +19,7 @@ from .recall import find_or_recall, memories_of, resettled
 from .records import alike, check_records, split_records, widened
 from .rejected import Rejected
 from .report import LoopReport, make_report
-from .revise import contested, exchange, prune
+from .revise import contested, exchange, merged, prune
 from .rules import Rules, generator
 from .segments import Segments, segments
 from .step import Finding
@@ -64,8 +64,8 @@ def close_loop(
         Twins of each step. The smallest possible p-value is 1 / (n_twins + 1).
     min_share : float
         An effect must remove at least this share of the error variance that all candidates
-        together could remove, in the derivative or in the simulation. Real records always hold
-        traces of something; this says how small a trace matters to you.
+        together could remove, in the derivative or in the simulation, or halve the error that is
+        left. Real records always hold traces of something; this says how small a trace matters.
     max_effects : int
         Stop after so many effects; 0 only fits the declared model and asks whether it is all.
     refine : {"auto", "derivative", "simulation"}
@@ -93,7 +93,8 @@ def close_loop(
 
     Notes
     -----
-    An interrupt (Ctrl-C) ends the search; what was found until then is reported.
+    An interrupt (Ctrl-C) ends the search. What was found until then is reported; if that is nothing
+    yet, KeyboardInterrupt is raised.
 
     Examples
     --------
@@ -126,14 +127,14 @@ def close_loop(
     try:
         for found in _search(declared_design, wide, part, rules, basis, rng, rejected):
             findings = found
+        verdict = "traced" if findings else "complete"
+        if not findings and has_structure(declared_design, wide, part, rules, rng):
+            verdict = "untraced"
     except KeyboardInterrupt:
         if not findings:
             raise
-        finished = False
+        verdict, finished = "traced", False
     finished = finished and len(findings) < rules.max_effects
-    verdict = "traced" if findings else "complete"
-    if not findings and has_structure(declared_design, wide, part, rules, rng):
-        verdict = "untraced"
     acted = part.of([remembered(record, memories_of(findings)) for record in wide])
     findings = contested(declared_design, findings, acted, rules.significance, rng.spawn(1)[0])
     report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rules, rng)
@@ -164,10 +165,11 @@ def _search(
             part = part.of(records)
             garden = Garden(declared, records, part, rules, operators, rng)
         else:
+            yield [*findings, *_numbered(found, findings)]  # growing takes long, and may be ended
             found = garden.better(design, found) or found
         findings = exchange(declared, [*findings, *_numbered(found, findings)], part)
         yield findings
-    findings = prune(declared, findings, part)
+    findings = merged(declared, prune(declared, findings, part), part)
     if memories_of(findings):
         findings = resettled(findings, _with(declared, findings), source, whole)
         records = [remembered(record, memories_of(findings)) for record in source]

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
 __all__ = ["remains"]
 
+RUNAWAY = 100.0  # percent of the standard deviation
+
 
 def remains(report: LoopReport) -> list[str]:
     """Return what is to be said of what was not found, in sentences."""
@@ -20,6 +22,11 @@ def remains(report: LoopReport) -> list[str]:
             "A general model, polynomials of all variables and the recent past of the inputs, "
             "predicts the residual better than it does in twins: something is there that depends "
             "on what was measured. A delay, a memory or a variable that was not measured may be it."
+        )
+    if not np.max(report.after.simulation_error) < RUNAWAY:
+        said.append(
+            "The free run leaves the record by more than the record varies. Such a run amplifies "
+            "the smallest difference, or something is still missing: judge by the derivative."
         )
     if not report.finished:
         said.append("The search did not come to its end: it was interrupted or met max_effects.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from .scoring import MARGIN, columns_of, score
 from .segments import Segments, ranges
 from .step import Finding
 
-__all__ = ["contested", "exchange", "prune"]
+__all__ = ["contested", "exchange", "merged", "prune"]
 
 
 def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
@@ -44,6 +45,54 @@ def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[
                 score=scores[0].value,
             )
     return findings
+
+
+def merged(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
+    """Put one effect in the place of two that do no better together.
+
+    Gravity on an arm about the horizontal is first seen as an offset, for most of its cosine is
+    one, and then as a quadratic stiffness, which is the rest.
+    """
+    for first, second in combinations(findings, 2):
+        one = _in_place_of(first, second, declared, findings, part)
+        if one is not None:
+            rest = [f for f in findings if f is not first and f is not second]
+            return merged(declared, [*rest, one], part)
+    return findings
+
+
+def _in_place_of(
+    first: Finding, second: Finding, declared: Design, findings: list[Finding], part: Segments
+) -> Finding | None:
+    pair = (first.candidate, second.candidate)
+    rest = [f for f in findings if f is not first and f is not second]
+    needed = {parent for f in rest for parent in f.candidate.parents}
+    if (
+        isinstance(first, MemoryFinding)
+        or isinstance(second, MemoryFinding)
+        or pair[0].state != pair[1].state
+        or needed & {term for c in pair for term in c.terms}
+    ):
+        return None
+    design = declared.adding(column for f in rest for column in f.columns)
+    variables = part.z.reshape(-1, part.z.shape[-1])
+    options = [c for c in candidates(design, *ranges(variables)) if c.state == pair[0].state]
+    # A weight brings a mean of its own, and needs no offset beside it.
+    own = [c for c in pair if c.name != "gravity"]
+    alone = [replace(c, parents=()) for c in options if len(c.terms) == 1 and c not in own]
+    together = score(design, part, [replace(c, parents=()) for c in pair])
+    both = max((2.0 * s.value for s in together if len(s.group) == 2), default=np.inf)
+    best = max(score(design, part, alone, pairs=False), key=lambda s: s.value, default=None)
+    if best is None or best.value < both - MARGIN:
+        return None
+    (candidate,) = best.group
+    return replace(
+        max(first, second, key=lambda f: f.p_value),
+        candidate=candidate,
+        columns=columns_of(candidate, design),
+        score=best.value,
+        step=min(first.step, second.step),
+    )
 
 
 def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:

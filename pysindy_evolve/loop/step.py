@@ -20,12 +20,16 @@ from .rules import Rules
 from .scoring import columns_of, plainest, propose, quick_fit, score, sharpened, tuned
 from .segments import Segments
 from .shares import Shares, is_exact
+from .trace import Score
 from .twins import TwinMaker
 
 __all__ = ["Finding", "find", "twin_values"]
 
 BATCH = 4  # twins between two looks at whether the rest can be spared
 CLEAR = 2.0  # times the best of all twins so far: more of them would not change the verdict
+HALVED = float(
+    np.log(4.0)
+)  # score of an effect that halves the error: no trace, whatever its share
 
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 Statistic = Callable[[Segments, list[Record]], float]
@@ -107,7 +111,7 @@ def find(
     proposed = sharpened(design, part, proposed)
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
-    worthy = [s for s in scores if s.value > 0.0 and shares.of(s) >= rules.min_share]
+    worthy = [s for s in scores if s.value > 0.0 and _matters(s, shares, rules)]
     gaining = [s for s in scores[:1] if s.value > 0.0]
     # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
     if not worthy and (design.columns != declared.columns or not gaining):
@@ -124,6 +128,11 @@ def find(
         return []
     group = [tuned(c, _beside(design, best.group, c), part) for c in best.group]
     return [Finding(c, columns_of(c, design), best.value, p_value, twins) for c in group]
+
+
+def _matters(score: Score, shares: Shares, rules: Rules) -> bool:
+    """Tell whether a group is more than a trace of something."""
+    return score.value >= HALVED or shares.of(score) >= rules.min_share
 
 
 def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Design:
