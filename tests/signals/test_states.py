@@ -1,0 +1,83 @@
+"""States freed from noise: what is estimated, what noise is left, and when nothing is done."""
+
+import numpy as np
+import pytest
+
+from pysindy_evolve.signals import integrate
+from pysindy_evolve.signals.states import is_noisy, smooth_states, time_step
+
+DT = 0.01
+
+
+@pytest.fixture
+def motion():
+    """Position, velocity, acceleration and input of a driven swing, clean: (n, 4)."""
+    t = np.arange(8000) * DT
+    phase = 2 * np.pi * (0.3 * t + 0.01 * t**2)
+    q = np.sin(phase) + 0.3 * np.sin(2.1 * t) + 0.02 * t
+    v = np.gradient(q, DT, edge_order=2)
+    a = np.gradient(v, DT, edge_order=2)
+    return np.column_stack([q, v, a, np.cos(phase)])
+
+
+def measured(motion, ratio, seed=0):
+    """Add white noise to all columns; return x (q, v, u) and x_dot (v, a)."""
+    rng = np.random.default_rng(seed)
+    q, v, a, u = (motion + ratio * motion.std(axis=0) * rng.standard_normal(motion.shape)).T
+    return np.column_stack([q, v, u]), np.column_stack([v, a])
+
+
+def errors(estimate, motion, rows):
+    return np.std((estimate - motion[:, [0, 1, 3]])[rows], axis=0)
+
+
+def test_a_third_of_the_noise_is_left_at_most_and_its_size_is_known(motion):
+    x, x_dot = measured(motion, 0.03)
+    smoothed = smooth_states(x, x_dot)
+    rows = slice(smoothed.ends, -smoothed.ends)
+    left = errors(smoothed.x, motion, rows)
+    assert np.all(left < 0.3 * errors(x, motion, rows))
+    np.testing.assert_allclose(smoothed.noise, left, rtol=0.6)
+
+
+def test_integrated_accelerations_are_seen_to_share_one_noise(motion):
+    rng = np.random.default_rng(1)
+    noise = 0.03 * motion[:, 2].std() * rng.standard_normal(len(motion))
+    q, v, a = integrate(motion[:, 2] + noise, DT, (0.1, 45.0))
+    clean = integrate(motion[:, 2], DT, (0.1, 45.0))
+    smoothed = smooth_states(np.column_stack([q, v]), np.column_stack([v, a]))
+    left = (smoothed.x - np.column_stack(clean[:2]))[1000:-1000].std(axis=0)
+    as_measured = np.std((np.column_stack([q, v]) - np.column_stack(clean[:2]))[1000:-1000], axis=0)
+    assert np.all(left < as_measured)
+    assert np.all(smoothed.noise > 0.3 * left)
+
+
+def test_clean_states_and_rows_in_no_order_are_left_as_they_are(motion):
+    x, x_dot = measured(motion, 0.0)
+    x_dot[:, 1] += 0.1 * np.random.default_rng(0).standard_normal(len(x))
+    assert not is_noisy(x)
+    assert smooth_states(x, x_dot) is None
+    x, x_dot = measured(motion, 0.03)
+    shuffled = np.random.default_rng(0).permutation(len(x))
+    assert is_noisy(x[shuffled])
+    assert smooth_states(x[shuffled], x_dot[shuffled]) is None
+
+
+def test_short_records_are_left_as_they_are(motion):
+    x, x_dot = measured(motion, 0.03)
+    assert smooth_states(x[:200], x_dot[:200]) is None
+
+
+def test_sampling_time_is_found_from_states_and_derivatives(motion):
+    x, x_dot = measured(motion, 0.03)
+    assert time_step(x[:, :2], x_dot) == pytest.approx(DT, rel=2e-3)
+    assert time_step(x[:, :2], x_dot[:, ::-1]) is None
+    assert time_step(x[:, :2], -x_dot) is None
+
+
+def test_estimate_does_not_depend_on_units(motion):
+    x, x_dot = measured(motion, 0.03)
+    plain = smooth_states(x, x_dot)
+    scaled = smooth_states(1e3 * x, 1e3 * x_dot)
+    np.testing.assert_allclose(scaled.x, 1e3 * plain.x, rtol=1e-6, atol=1e-3)
+    np.testing.assert_allclose(scaled.noise, 1e3 * plain.noise, rtol=1e-5)

@@ -1,0 +1,146 @@
+"""Noise on all channels: what terms are grown on, and that the ordinary fit is cured by it."""
+
+import numpy as np
+import pysindy as ps
+import pytest
+
+import pysindy_evolve as pse
+from pysindy_evolve.blur import blurred_power
+from pysindy_evolve.datasets.rigs import noisy
+from pysindy_evolve.denoise import denoise
+from pysindy_evolve.dictionary import Problem
+from pysindy_evolve.equations import Equations
+from pysindy_evolve.operators import BUILTIN, resolve
+from pysindy_evolve.regression import block_grams, material, stable, total
+from pysindy_evolve.simulation import simulate
+from pysindy_evolve.terms import call, mul, variable
+
+PIECEWISE = ("add", "sub", "mul", "abs", "sgn")
+DT = 0.004
+
+
+def term(column):
+    ((_, product),) = column.parts
+    return product
+
+
+@pytest.fixture(scope="module")
+def slider():
+    """A driven mass on a spring with dry friction: equations, clean x, x_dot and u."""
+    q, v, u = variable(0), variable(1), variable(2)
+    columns = [v, q, call(BUILTIN["sgn"], v), u]
+    coef = np.array([[1.0, 0, 0, 0], [-0.4, -9.0, -1.5, 1.0]])
+    equations = Equations(tuple(map(term, columns)), coef, ("q", "v"), ("u",))
+    t = np.arange(12_000) * DT
+    u = 8.0 * np.sin(2 * np.pi * (0.2 * t + 0.01 * t**2)) + 4.0 * np.sin(3.3 * t)
+    x = simulate(equations, [0.5, 0.0], t, u)
+    return equations, t, x, equations.evaluate(x, u), u
+
+
+def measured(slider, snr_db, seed=0):
+    """Return t, x, x_dot and u with noise on all of them."""
+    _, t, x, x_dot, u = slider
+    rng = np.random.default_rng(seed)
+    q, v, a, u = (noisy(y, snr_db, rng) for y in (x[:, 0], x[:, 1], x_dot[:, 1], u))
+    return t, np.column_stack([q, v]), np.column_stack([v, a]), u[:, None]
+
+
+def fitted(slider, snr_db, optimizer, parts=1):
+    t, x, x_dot, u = measured(slider, snr_db)
+    library = pse.EvolvingLibrary(operators=PIECEWISE, random_state=0)
+    model = ps.SINDy(feature_library=library, optimizer=optimizer)
+    if parts == 1:
+        return model.fit(x, t, x_dot=x_dot, u=u, feature_names=["q", "v", "u"])
+    several = [np.array_split(column, parts) for column in (x, t, x_dot, u)]
+    return model.fit(
+        several[0], several[1], x_dot=several[2], u=several[3], feature_names=["q", "v", "u"]
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("parts", [1, 3])
+def test_equation_is_exact_with_noise_on_all_channels(slider, parts):
+    model = fitted(slider, 30.0, pse.ElasticNet(), parts)
+    names, coef = model.get_feature_names(), model.coefficients()
+    found = dict(zip(names, coef[1], strict=True))
+    assert {name for name, c in found.items() if c} == {"v", "q", "sgn(v)", "u"}
+    true = {"v": -0.4, "q": -9.0, "sgn(v)": -1.5, "u": 1.0}
+    for name, c in true.items():
+        assert found[name] == pytest.approx(c, rel=0.03)
+
+
+@pytest.mark.slow
+def test_every_optimizer_gets_the_cured_terms(slider):
+    model = fitted(slider, 30.0, ps.STLSQ(threshold=0.05))
+    found = dict(zip(model.get_feature_names(), model.coefficients()[1], strict=True))
+    assert found["sgn(v)"] == pytest.approx(-1.5, rel=0.03)
+
+
+def test_rows_whose_signs_are_undecided_are_left_out(slider):
+    _, x, x_dot, u = measured(slider, 30.0)
+    rows = denoise(np.hstack([x, u]), x_dot, [len(x)], resolve(PIECEWISE, "test"))
+    clean = slider[2][:, 1]
+    kept = rows.kept
+    assert 0.6 < kept.mean() < 0.99
+    wrong = np.sign(rows.x[kept, 1]) != np.sign(clean[kept])
+    assert wrong.sum() < 0.2 * np.sum(np.sign(x[:, 1]) != np.sign(clean))
+    assert rows.of(x).shape == (kept.sum(), 2)
+
+
+def test_rows_near_zero_stay_where_no_operator_has_a_kink(slider):
+    _, x, x_dot, u = measured(slider, 30.0)
+    rows = denoise(np.hstack([x, u]), x_dot, [len(x)], resolve(("add", "mul", "sin"), "test"))
+    assert rows.kept.mean() > 0.9
+
+
+def test_each_trajectory_is_smoothed_by_itself(slider):
+    _, x, x_dot, u = measured(slider, 30.0)
+    operators = resolve(PIECEWISE, "test")
+    whole = np.hstack([x, u])
+    first = denoise(whole[:5000], x_dot[:5000], [5000], operators)
+    second = denoise(whole[5000:], x_dot[5000:], [7000], operators)
+    both = denoise(whole, x_dot, [5000, 7000], operators)
+    np.testing.assert_array_equal(both.x, np.concatenate([first.x, second.x]))
+    np.testing.assert_array_equal(both.kept, np.concatenate([first.kept, second.kept]))
+
+
+def test_clean_states_are_not_touched(slider):
+    _, _, x, x_dot, u = slider
+    whole = np.column_stack([x, u])
+    target = x_dot + 0.1 * np.random.default_rng(0).standard_normal(x_dot.shape)
+    rows = denoise(whole, target, [len(x)], resolve(PIECEWISE, "test"))
+    assert rows.x is whole
+    assert rows.kept is None
+    assert rows.noise is None
+
+
+def test_noise_moves_an_equation_by_its_slope():
+    x = np.random.default_rng(0).normal(size=(500, 2))
+    q, v = variable(0), variable(1)
+    terms = [term(mul(q, v)), term(v)]
+    noise = np.array([0.1, 0.2])
+    problem = Problem(x, x[:, 0], np.empty((500, 0)), noise=noise)
+    share = blurred_power(problem, terms, [2.0, 1.0]) / 500
+    moved = np.mean((2 * x[:, 1] * 0.1) ** 2 + ((2 * x[:, 0] + 1) * 0.2) ** 2)
+    assert share == pytest.approx(0.3 * moved)
+    assert blurred_power(Problem(x, x[:, 0], np.empty((500, 0))), terms, [2.0, 1.0]) == 0.0
+
+
+def test_a_term_worth_less_than_the_noise_moves_the_equation_by_is_dropped():
+    rng = np.random.default_rng(0)
+    theta = rng.normal(size=(2000, 2))
+    y = theta @ [1.0, 0.05] + 0.1 * rng.normal(size=2000)
+    (gram,) = block_grams(lambda rows: theta[rows], y)
+    assert list(material(gram, [0, 1])) == [0, 1]
+    assert list(material(gram, [0, 1], least=20.0)) == [0]
+
+
+def test_a_large_term_that_shows_in_one_part_of_the_record_only_is_kept():
+    rng = np.random.default_rng(0)
+    theta = rng.normal(size=(2400, 2)) * [1.0, 0.02]
+    theta[:200, 1] *= 50.0
+    y = theta @ [1.0, 1.0] + 0.3 * rng.normal(size=2400) * np.linspace(0.1, 1.0, 2400)
+    y[200:] += 0.5 * np.sign(theta[200:, 1]) * rng.normal(size=2200)
+    blocks = block_grams(lambda rows: theta[rows], y, 12)
+    whole = total(blocks)
+    assert 1 in stable(whole, [whole - block for block in blocks], [0, 1], min_ratio=50.0)
