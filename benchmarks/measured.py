@@ -37,6 +37,7 @@ class Run:
     record: pse.Record
     unit: str
     limit: float
+    state: int = 0
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,13 @@ class Case:
     named: Callable[[set[str]], bool]
     target: str
     derivative_limit: float = np.inf
+    state: int = 1
+    algebraic: bool = False
 
     @property
     def declared(self) -> pse.DeclaredModel:
         """The model that the loop starts from."""
-        return pse.DeclaredModel(self.equations, inputs=self.inputs)
+        return pse.DeclaredModel(self.equations, inputs=self.inputs, algebraic=self.algebraic)
 
 
 @dataclass(frozen=True)
@@ -112,48 +115,138 @@ def cart(left_out: str) -> Callable[..., Split]:
     return split
 
 
-CASES = {
-    "emps": Case(
-        {"q": "v", "v": "b*F - c*v"},
-        ("F",),
-        emps,
-        lambda names: bool(names & COULOMB) and "constant offset" in names,
-        "Coulomb friction and offset, derivative ≤ 8 %, run ≤ 15 mm",
-        derivative_limit=8.0,
-    ),
-    "pendulum": Case(
-        {"theta": "omega", "omega": "a*sin(theta) - b*omega"},
-        (),
-        pendulum,
-        lambda names: bool(names & COULOMB),
-        "Coulomb friction, run over 18 s ≤ 3 %",
-    ),
-    "silverbox": Case(
-        {"y": "v", "v": "a*u - b*v - c*y"},
+def tclab(folder=None) -> Split:
+    """Heat from rest: before the record begins, the heater is off and the board at rest."""
+    data, rest = pse.datasets.load_tclab(folder), 100
+
+    def record(name: str) -> pse.Record:
+        one = data[name]
+        step = (one.t[-1] - one.t[0]) / (len(one.t) - 1)
+        t = one.t[0] + step * np.arange(-rest, len(one.t))
+        y = np.vstack([np.repeat(one.y[:1], rest, axis=0), one.y])
+        return pse.prepare(t, y, np.vstack([np.zeros((rest, 1)), one.u]), order=1)
+
+    train, test = record("B"), record("E")
+    return Split([train], test, (Run(test, "°C", 3.5, state=1),))
+
+
+def tanks(folder=None) -> Split:
+    data = pse.datasets.load_cascaded_tanks(folder)
+    train, test = (pse.prepare(r.t, r.y, r.u, order=1) for r in (*data.train, *data.test))
+    return Split([train], test, (Run(test, "V", 0.30),))
+
+
+def damper(folder=None) -> Split:
+    data = pse.datasets.load_mr_damper(folder)
+    train, test = (
+        [pse.signals.as_target(pse.prepare(r.t, r.u, r.y, order=2)) for r in records]
+        for records in (data.train, data.test)
+    )
+    return Split(train, test[0], tuple(Run(record, "%", 11.5) for record in test))
+
+
+def ball(name: str) -> Callable[..., Split]:
+    def split(folder=None) -> Split:
+        data = pse.datasets.load_ball_drops(folder)
+        # The last time step can be irregular, and the others are rounded: the film has 15 Hz.
+        train, test = (
+            pse.prepare(np.arange(len(r.t) - 1) / 15.0, r.y[:-1])
+            for r in (data[f"{name}, drop 1"], data[f"{name}, drop 2"])
+        )
+        return Split([train], test, (Run(test, "m", 1.2),))
+
+    return split
+
+
+LIGHT = ("Whiffle Ball 1", "Whiffle Ball 2", "Yellow Whiffle Ball", "Orange Whiffle Ball")
+HEAVY = ("Golf Ball", "Bowling Ball")
+FALL = {"h": "v", "v": "-9.81"}
+
+CASES = (
+    {
+        "emps": Case(
+            {"q": "v", "v": "b*F - c*v"},
+            ("F",),
+            emps,
+            lambda names: bool(names & COULOMB) and {"constant offset", "input delay"} <= names,
+            "Coulomb friction, offset and delay, derivative ≤ 5 %, run ≤ 15 mm",
+            derivative_limit=5.0,
+        ),
+        "pendulum": Case(
+            {"theta": "omega", "omega": "a*sin(theta) - b*omega"},
+            (),
+            pendulum,
+            lambda names: bool(names & COULOMB),
+            "Coulomb friction, run over 18 s ≤ 3 %",
+        ),
+        "silverbox": Case(
+            {"y": "v", "v": "a*u - b*v - c*y"},
+            ("u",),
+            silverbox,
+            lambda names: "cubic stiffness" in names and not names & FRICTION,
+            "cubic stiffness, no friction, run ≤ 1.0 mV, arrow ≤ 2 mV",
+        ),
+        "tclab": Case(
+            {"T1": "a*Q1 - b*T1 + c", "T2": "-d*T2 + e"},
+            ("Q1",),
+            tclab,
+            lambda names: {"coupling", "actuator lag"} <= names,
+            "coupling and actuator lag, T2 ≤ 3.5 °C",
+        ),
+    }
+    | {
+        f"cart without {gain}": Case(
+            {"z": "v", "v": "a*u - b*v"}, ("u",), cart(gain), lambda names: not names, "complete"
+        )
+        for gain in ("kP=2.5", "kP=5", "kP=10", "kP=20")
+    }
+    | {
+        f"ball_drops {name}": Case(FALL, (), ball(name), lambda names: not names, "complete")
+        for name in HEAVY
+    }
+)
+
+
+# Not reached yet; run by name, and not asserted in the tests.
+OPEN = {
+    "cascaded_tanks": Case(
+        {"h": "k1*u - k2*sqrt(h)"},
         ("u",),
-        silverbox,
-        lambda names: "cubic stiffness" in names and not names & FRICTION,
-        "cubic stiffness, no friction, run ≤ 1.0 mV, arrow ≤ 2 mV",
+        tanks,
+        lambda names: "hidden state" in names,
+        "hidden state, then overflow or saturation, run ≤ 0.30 V",
+        state=0,
+    ),
+    "mr_damper": Case(
+        {"F": "c*v + k*x + F0"},
+        ("x", "v", "a"),
+        damper,
+        lambda names: "hysteresis" in names,
+        "friction with hysteresis, ≤ 11.5 % on the other records",
+        state=0,
+        algebraic=True,
     ),
 } | {
-    f"cart without {gain}": Case(
-        {"z": "v", "v": "a*u - b*v"}, ("u",), cart(gain), lambda names: not names, "complete"
+    f"ball_drops {name}": Case(
+        FALL, (), ball(name), lambda names: "quadratic drag" in names, "quadratic drag, run ≤ 1.2 m"
     )
-    for gain in ("kP=2.5", "kP=5", "kP=10", "kP=20")
+    for name in LIGHT
 }
 
 
 def run_error(equations, run: Run) -> float:
-    """RMSE of the first state in mm or mV (of data in m and V), or in % of its deviation."""
-    measured = run.record.x[:, 0]
-    simulated = free_run(equations, run.record, on_divergence="nan")[:, 0]
+    """RMSE of one state in mm or mV (of data in m and V), in its unit, or in % of its deviation."""
+    measured = run.record.x[:, run.state]
+    simulated = free_run(equations, run.record, on_divergence="nan")[:, run.state]
     rms = float(np.sqrt(np.mean((simulated - measured) ** 2)))
-    return 100 * rms / measured.std() if run.unit == "%" else 1000 * rms
+    if run.unit == "%":
+        return 100 * rms / measured.std()
+    return rms if run.unit in ("m", "V", "°C") else 1000 * rms
 
 
 def measure(name: str, folder=None, seed: int = 0) -> Result:
     """Run one case from its raw records to the report."""
-    case, start = CASES[name], time.perf_counter()
+    case, start = (CASES | OPEN)[name], time.perf_counter()
     split = case.split(folder)
     report = pse.close_loop(case.declared, split.train, test=split.test, random_state=seed)
     seconds = time.perf_counter() - start
@@ -161,7 +254,8 @@ def measure(name: str, folder=None, seed: int = 0) -> Result:
         (run_error(report.before.model, run), run_error(report.after.model, run), run.unit)
         for run in split.runs
     )
-    derivative = (report.before.derivative_error[1], report.after.derivative_error[1])
+    before, after = (e.derivative_error[case.state] for e in (report.before, report.after))
+    derivative = (before, after)
     effects = tuple(effect.name for effect in report.effects)
     reached = {
         "names": case.named(set(effects)),
@@ -199,7 +293,7 @@ def row(label: str, name: str, result: Result) -> list[str]:
         f"{result.derivative[0]:.3g} %, {runs(0)}",
         f"{result.derivative[1]:.3g} %, {runs(1)}",
         ", ".join(result.effects) or result.verdict,
-        CASES[name].target,
+        (CASES | OPEN)[name].target,
         "no: " + ", ".join(missed) if missed else "yes",
         f"{result.seconds:.0f} s",
         f"{result.megabytes:.0f} MB",
@@ -231,7 +325,9 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=1, help="runs of each case, from seed 0 on")
     given = parser.parse_args()
     names = [name for name in CASES if not given.case or name.split()[0] in given.case]
-    names += [name for name in given.case if name in CASES and name not in names]
+    known = CASES | OPEN
+    names += [n for n in OPEN if n.split()[0] in given.case]
+    names += [n for n in given.case if n in known and n not in names]
     if not names:
         parser.error(f"case must be any of {', '.join(CASES)}")
     rows = []

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from loop_systems import equations_of
 
 import pysindy_evolve as pse
+from pysindy_evolve.export import format_equations
 from pysindy_evolve.signals import as_target
 
 DECLARED = pse.DeclaredModel({"F": "c*v + k*x + F0"}, inputs=["x", "v"], algebraic=True)
@@ -57,6 +59,11 @@ def test_algebraic_equation_is_printed_without_a_prime():
     text = str(close(measured_force(lambda x, v: 5.0 * np.sign(v))))
     assert "    F = " in text
     assert "F'" not in text
+
+
+def test_sign_that_sympy_takes_out_of_a_function_is_kept_in_parentheses():
+    text = format_equations(equations_of({"q": "5*tanh(q - 2*F) - 3*q"}, ("F",)))
+    assert text == "q' = -3 q + 5 (-tanh(2 F - q))"
 
 
 def test_declared_target_that_depends_on_itself_is_refused():

@@ -13,10 +13,13 @@ NAMES = (
     "emps",
     "pendulum",
     "silverbox",
+    "tclab",
     "cart without kP=2.5",
     "cart without kP=5",
     "cart without kP=10",
     "cart without kP=20",
+    "ball_drops Golf Ball",
+    "ball_drops Bowling Ball",
 )
 
 pytestmark = pytest.mark.slow

@@ -165,7 +165,9 @@ def _side(system: System, side: Sum, digits: int | None) -> str:
     def term(product: Any) -> str:
         expression = product.to_sympy(system.equations.symbols)
         text = printer.doprint(expression)
-        return f"({text})" if isinstance(expression, sympy.Add) else text
+        # Sympy takes the sign out of an odd function: -tanh(a - v).
+        bare = not isinstance(expression, sympy.Add) and not text.startswith("-")
+        return text if bare else f"({text})"
 
     return join_terms(side, lambda value: format_number(value, digits), term, " ")
 
