@@ -27,6 +27,10 @@ _TOKEN = re.compile(
     r"(?P<space>\s+)|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
     r"|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/^(),])"
 )
+# What is meant by signs that look like others, in texts that were copied from a page.
+_MEANT = {"=": "Give the right-hand side alone."}
+_MEANT |= dict.fromkeys("\u2212\u2013\u2014", "Use - (the minus of the keyboard).")
+_MEANT |= dict.fromkeys("\u00b7\u22c5\u00d7", "Write a product with *.")
 _CHAINS: dict[type, tuple[type, ...]] = {
     ast.Add: (ast.Add, ast.Sub),
     ast.Sub: (ast.Add, ast.Sub),
@@ -114,6 +118,8 @@ class Source:
             if token.kind == "space":
                 continue
             self._check_neighbors(tokens[-1] if tokens else None, token)
+            if token.text == "," and not opened:
+                self._fail_comma(tokens, position)
             if token.text == "(":
                 opened.append(position)
             elif token.text == ")" and not opened:
@@ -189,10 +195,17 @@ class Source:
         dots = "..." if start else "", "..." if position + 20 < len(self.text) else ""
         return f" at character {position + 1} of {dots[0] + before + after + dots[1]!r}"
 
+    def _fail_comma(self, before: list[_Token], position: int) -> NoReturn:
+        """Raise the error of a comma outside of parentheses; position is that of what follows."""
+        digits = re.match(r"[0-9]+", self.text[position:])
+        advice = "Commas stand between the arguments of a function only."
+        if digits and before and before[-1].kind == "number":
+            advice = f"Write {before[-1].text}.{digits.group()}."
+        self.fail("must be an expression", f"a comma{self._at(position - 1)}", advice)
+
     def _fail_character(self, position: int) -> NoReturn:
-        advice = "Use numbers, names, + - * / ** ( ) and calls of known functions only."
-        if self.text[position] == "=":
-            advice = "Give the right-hand side alone."
+        default = "Use numbers, names, + - * / ** ( ) and calls of known functions only."
+        advice = _MEANT.get(self.text[position], default)
         got = f"{self.text[position]!r}{self._at(position)}"
         self.fail("must be an expression", got, advice)
 

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from numbers import Real
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from . import terms
 from .grammar import MAX_EXPONENT, MAX_SIZE, Source, as_text, chain
+from .names import advise_function, advise_parameter, check_known
 from .operators import BUILTIN, Operator
 from .terms import Sum
 
@@ -40,10 +40,13 @@ class RightHandSide:
         The part without free parameters, in units of x_dot.
     free : tuple of (str, Sum)
         Free parameters in the order of the text, each with the expression that it multiplies.
+    names : frozenset of str
+        All names in the text.
     """
 
     known: Sum
     free: tuple[tuple[str, Sum], ...]
+    names: frozenset[str] = field(default=frozenset(), compare=False)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -57,6 +60,7 @@ def parse(
     *,
     known: Mapping[str, float] | None = None,
     operators: Iterable[Operator] = (),
+    inputs: Collection[str] = (),
     owner: str = "parse(text=...)",
 ) -> RightHandSide:
     """Read one right-hand side.
@@ -74,6 +78,8 @@ def parse(
         Constants with a value.
     operators : iterable of Operator
         Functions of the user, next to the built-in ones.
+    inputs : collection of str
+        Those of the variables that are inputs, for the text of an error.
     owner : str
         The call and parameter to name in an error.
 
@@ -102,9 +108,11 @@ def parse(
     if isinstance(variables, Mapping):
         columns = dict(variables)
     functions = FUNCTIONS | {operator.name: operator for operator in operators}
-    value = _Reader(source, columns, _floats(known or {}, owner), functions).value(source.tree)
+    constants = check_known(known or {}, "parse")
+    value = _Reader(source, columns, constants, functions, inputs).value(source.tree)
     free = sorted(_parameters(value), key=source.names.index)
-    return RightHandSide(value.get(None, Sum(())), tuple((name, value[name]) for name in free))
+    parts = tuple((name, value[name]) for name in free)
+    return RightHandSide(value.get(None, Sum(())), parts, frozenset(source.names))
 
 
 # What each free parameter multiplies; None stands for the part without any.
@@ -119,6 +127,7 @@ class _Reader:
     columns: Mapping[str, int]
     known: Mapping[str, float]
     functions: Mapping[str, Operator]
+    inputs: Collection[str] = ()
 
     def value(self, node: ast.expr) -> _Linear:
         try:
@@ -191,7 +200,8 @@ class _Reader:
     def _multiplied(self, a: _Linear, b: _Linear, node: ast.expr) -> _Linear:
         one, other = _parameters(a), _parameters(b)
         if one and other:
-            self._fail_nonlinear(f"the product of {one[0]!r} and {other[0]!r}", other[0], node)
+            what = f"the product of {one[0]!r} and {other[0]!r}"
+            self._fail_nonlinear(what, [other[0], one[0]], node)
         if other:
             a, b = b, a
         factor = b.get(None, Sum(()))
@@ -199,7 +209,7 @@ class _Reader:
 
     def _divided(self, a: _Linear, b: _Linear, node: ast.expr) -> _Linear:
         if parameters := _parameters(b):
-            self._fail_nonlinear(f"a division by {parameters[0]!r}", parameters[0], node)
+            self._fail_nonlinear(f"a division by {parameters[0]!r}", parameters[:1], node)
         if not b:
             self.source.fail_number(node)
         return {name: terms.div(part, b[None]) for name, part in a.items()}
@@ -230,7 +240,7 @@ class _Reader:
         name = self.source.name(node.func)
         operator = self.functions.get(name)
         if operator is None:
-            advice = f"Write {name}*(...) for a product. Functions: {', '.join(self.functions)}."
+            advice = advise_function(name, self.functions)
             self.source.fail("must call known functions", f"{name}(...)", advice, node)
         if len(node.args) != operator.arity:
             constraint = f"must give {name} {operator.arity} argument(s)"
@@ -246,12 +256,11 @@ class _Reader:
         value = self.value(node)
         if parameters := _parameters(value):
             what = f"{parameters[0]!r} inside a function or power"
-            advice = f"Give {parameters[0]!r} a value in `known`."
-            self.source.fail("must be linear in its free parameters", what, advice, node)
+            self._fail_nonlinear(what, parameters[:1], node)
         return value.get(None, Sum(()))
 
-    def _fail_nonlinear(self, what: str, name: str, node: ast.expr) -> None:
-        advice = f"Give {name!r} a value in `known`, or name the whole factor as one parameter."
+    def _fail_nonlinear(self, what: str, names: Collection[str], node: ast.expr) -> None:
+        advice = advise_parameter(names, self.columns, self.inputs)
         self.source.fail("must be linear in its free parameters", what, advice, node)
 
 
@@ -283,13 +292,3 @@ def real_power(base: Sum, exponent: float) -> Sum:
         return result if exponent > 0.0 else terms.power(result, -1)
     log = terms.call(BUILTIN["log"], base)
     return terms.call(BUILTIN["exp"], terms.mul(terms.constant(exponent), log))
-
-
-def _floats(known: Mapping[str, Any], owner: str) -> dict[str, float]:
-    for name, value in known.items():
-        if not isinstance(value, Real) or not math.isfinite(value):
-            raise ValueError(
-                f"{owner} must have known constants that are finite numbers; "
-                f"got {name} = {value!r}. Give a number, or leave {name} free."
-            )
-    return {name: float(value) for name, value in known.items()}

@@ -96,11 +96,32 @@ def test_repr_shows_each_equation_with_its_parameters():
         ("1/0*q", "must have finite values"),
         ("sin", "must call its functions"),
         ("sgn(q, v)", r"must give sgn 1 argument\(s\); got 2"),
+        (
+            "-1,5*q",
+            r"must be an expression; got a comma at character 3 of '-1,5\*q'\. Write 1\.5\.",
+        ),
+        ("-k*q,", "must be an expression; got a comma at character 5.* of a function only"),
+        ("-k*q\u2212c*v", r".*got '\u2212' at .*\. Use - \(the minus of the keyboard\)\."),
+        ("-k\u00b7q", r".*got '\u00b7' at .*\. Write a product with \*\."),
+        ("k(q + v)", r".*Write k\*\(\.\.\.\) for a product\. Functions: "),
+        ("max(q, 0)", r".*got max\(\.\.\.\) at character 1 of 'max\(q, 0\)'\. Functions: square, "),
+        ("-c*sng(v)", r".*got sng\(\.\.\.\) at .*Did you mean sin or sgn\? Functions: "),
     ],
 )
 def test_text_that_is_no_model_is_refused_with_its_equation_and_place(text, message):
     with pytest.raises(ValueError, match=rf"DeclaredModel\(equations\['v'\]=\.\.\.\) {message}"):
         DeclaredModel({"q": "v", "v": text})
+
+
+@pytest.mark.parametrize("text", ["b*curent", "curent*b", "sin(curent)", "b/curent", "2^curent"])
+def test_misspelled_input_is_named_where_it_makes_the_model_nonlinear(text):
+    message = (
+        r"'curent' is neither a state \(theta, w\) nor an input \(current\), so it was read as a "
+        r"free parameter\. Did you mean 'current'\? If it is an input, name it in `inputs`; if it "
+        r"is a constant, give it in `known`, or name"
+    )
+    with pytest.raises(ValueError, match=message):
+        DeclaredModel({"theta": "w", "w": f"-c*w + {text}"}, inputs=["current"])
 
 
 @pytest.mark.parametrize(
@@ -111,8 +132,9 @@ def test_text_that_is_no_model_is_refused_with_its_equation_and_place(text, mess
         ({"known": {"v": 1.0}}, "must use each name once, and t for time only; got 'v' again"),
         ({"inputs": ["t"]}, "must use each name once, and t for time only; got 't' again"),
         ({"inputs": ["motor force"]}, "by identifiers; got 'motor force'"),
-        ({"known": {"k": np.nan}}, "must have known constants that are finite numbers"),
-        ({"known": {"k": "1"}}, "must have known constants that are finite numbers"),
+        ({"known": {"k": np.nan}}, r"known\['k'\]=\.\.\.\) must be a finite number; got nan"),
+        ({"known": {"k": "two"}}, r"known\['k'\]=\.\.\.\) must be a finite number; got 'two'"),
+        ({"known": {"kk": 2.0}}, "must hold constants of the equations; got 'kk', which stands in"),
     ],
 )
 def test_name_or_constant_that_cannot_be_is_refused(arguments, message):

@@ -11,7 +11,7 @@ NAME = PACKAGE.name
 # From the bottom up; parts of one layer may use each other, but not in a circle.
 LAYERS = (
     {"checks", "lazily", "operators", "terms"},
-    {"equations", "text", "grammar", "substitution"},
+    {"equations", "text", "grammar", "names", "substitution"},
     {"tracing", "library_terms"},
     {"gram", "elimination", "beam", "independence", "regression"},
     {"signals", "simulation", "memory", "hidden"},

@@ -13,6 +13,7 @@ from sklearn.exceptions import NotFittedError
 
 from ..equations import Equations
 from ..library_terms import check_ordinary, from_model
+from ..names import check_known
 from ..operators import Operator
 from ..signals import Record
 from ..terms import Sum, variable
@@ -59,8 +60,8 @@ class DeclaredModel:
     Raises
     ------
     ValueError
-        If a text is not an expression of the whitelist, a free parameter enters nonlinearly, or a
-        name is used twice.
+        If a text is not an expression of the whitelist, a free parameter enters nonlinearly, a
+        name is used twice, or a known constant stands in no equation.
     TypeError
         If an argument is of the wrong type.
 
@@ -94,6 +95,7 @@ class DeclaredModel:
         self.inputs = (inputs,) if isinstance(inputs, str) else tuple(inputs)
         self.known = dict(known or {})
         _check_names((*self.states, *self.inputs, *self.known))
+        check_known(self.known, "DeclaredModel")
         self.operators = tuple(operators)
         self.algebraic = bool(algebraic)
         variables = (*self.states, *self.inputs, "t")
@@ -103,10 +105,12 @@ class DeclaredModel:
                 variables,
                 known=self.known,
                 operators=self.operators,
+                inputs=self.inputs,
                 owner=f"DeclaredModel(equations[{state!r}]=...)",
             )
             for state, text in equations.items()
         )
+        _check_used(self.known, self.sides)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -237,6 +241,16 @@ def _check_kinds(inputs: Any, known: Any, operators: Any) -> None:
         raise TypeError(
             f"DeclaredModel(operators=...) must be a sequence of Operator objects; "
             f'got {operators!r}. Write operators=[Operator("name", function, arity)].'
+        )
+
+
+def _check_used(known: Iterable[str], sides: Sequence[RightHandSide]) -> None:
+    """Raise where a constant is given that no equation has: its name there is another one."""
+    used = frozenset().union(*(side.names for side in sides))
+    if unused := [name for name in known if name not in used]:
+        raise ValueError(
+            f"DeclaredModel(known=...) must hold constants of the equations; got {unused[0]!r}, "
+            "which stands in none. Correct the name, or leave it out."
         )
 
 
