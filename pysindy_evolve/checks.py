@@ -7,9 +7,18 @@ from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
+from pysindy.feature_library.base import BaseFeatureLibrary
 from scipy.sparse import issparse
 
-__all__ = ["feature_names", "finite", "numbers", "positive_integer", "rate", "training_data"]
+__all__ = [
+    "feature_names",
+    "finite",
+    "numbers",
+    "positive_integer",
+    "rate",
+    "same_samples",
+    "training_data",
+]
 
 HUGE = 1e30  # its tenth power can still be computed
 MIN_SAMPLES = 10  # fewer rows cannot tell two terms from one
@@ -66,6 +75,25 @@ def numbers(array: Any, owner: str, name: str) -> np.ndarray:
             ) from error
     finite(values, owner, name)
     return values.astype(float, copy=False)
+
+
+def same_samples(repeated: np.ndarray | None) -> None:
+    """Raise where PySINDy made constant inputs of a u that is shorter or longer than x."""
+    if repeated is not None:
+        n_samples, n_values = repeated.shape
+        raise ValueError(
+            f"SINDy.fit(u=...) must be as long as x; got {n_values} samples, x has {n_samples}. "
+            "Cut both to the same samples."
+        )
+
+
+def base_library(library: Any, owner: str) -> None:
+    """Raise unless it is a library of PySINDy, or None."""
+    if library is not None and not isinstance(library, BaseFeatureLibrary):
+        raise TypeError(
+            f"{owner}(base_library=...) must be a PySINDy feature library; got {library!r}. "
+            "Write base_library=ps.PolynomialLibrary(degree=2), or leave it out."
+        )
 
 
 def positive_integer(value: Any, owner: str, name: str) -> None:

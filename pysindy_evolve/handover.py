@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["forget", "note_pair", "note_shape", "target"]
+__all__ = ["forget", "note_pair", "note_shape", "repeated", "target"]
 
 
 @dataclass
@@ -59,6 +59,19 @@ def note_pair(library: Any, x: Any, x_dot: Any) -> None:
     notes = _desk.notes.get(library)
     if notes is not None:
         notes.pairs.append((np.asarray(x), np.asarray(x_dot)))
+
+
+def repeated(library: Any) -> np.ndarray | None:
+    """Return an input that ``SINDy`` repeated for each sample of x, as it had another length.
+
+    It does so where a 1-D u cannot be a column beside x: each of its numbers becomes a constant
+    input. Such an array has steps of zero bytes from row to row.
+    """
+    notes = _desk.notes.get(library)
+    for array in notes.shown if notes else ():
+        if array.ndim == 2 and len(array) > 1 and array.strides[0] == 0:
+            return array
+    return None
 
 
 def forget(library: Any) -> None:

@@ -237,7 +237,13 @@ class EvolvingLibrary(_TermColumns):
 
     def calc_trajectory(self, diff_method: Any, x: Any, t: Any) -> tuple[Any, Any]:
         """Differentiate a trajectory as every library does, and note the result."""
-        x, x_dot = super().calc_trajectory(diff_method, x, t)
+        try:
+            x, x_dot = super().calc_trajectory(diff_method, x, t)
+        except IndexError:  # PySINDy's finite differences reach past the ends of a few samples
+            raise ValueError(
+                "SINDy.fit(x=...) must have more samples than its derivative needs; got "
+                f"n_samples = {len(x)}. Record longer, or pass x_dot."
+            ) from None
         handover.note_pair(self, x, x_dot)
         return x, x_dot
 
@@ -288,12 +294,14 @@ class EvolvingLibrary(_TermColumns):
 
     def _grow(self, x_full: list[Any], y: Any) -> Rows:
         """Grow the terms; return the rows that they were grown on."""
+        checks.same_samples(None if y is not None else handover.repeated(self))
         seen = None if y is not None else handover.target(self, x_full)
         handover.forget(self)
         x, targets = checks.training_data(x_full, seen if y is None else y)
         operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
         rows = denoise(x, targets, [len(xi) for xi in x_full], operators)
         x, targets = rows.of(rows.x), rows.of(targets)
+        checks.base_library(self.base_library, "EvolvingLibrary")
         base = None if self.base_library is None else clone(self.base_library).fit(x_full)
         fixed = np.empty((len(x), 0)) if base is None else np.asarray(base.transform(x))
         streams = np.random.SeedSequence(_entropy(self.random_state)).spawn(targets.shape[1])

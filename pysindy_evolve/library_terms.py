@@ -62,7 +62,8 @@ def from_model(model: Any, owner: str = "from_model(model=...)") -> Equations:
             return from_model(inner, owner)
     raise TypeError(
         f"{owner} must be a fitted pysindy.SINDy or something that holds one; "
-        f"got {type(model).__name__}. Fit a model first, and pass it as it is."
+        f"got {type(model).__name__}. Fit a model first, and pass it as it is; of a DeclaredModel "
+        "pass close_loop(declared, record).model, where max_effects=0 fits it and adds nothing."
     )
 
 

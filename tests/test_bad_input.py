@@ -8,6 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.records import alike
 
 HOUSE_FORM = re.compile(r"^\w+.*\(.+=\.\.\.\) must .+; got .+\. .+", re.DOTALL)
 SPRING = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})
@@ -78,10 +79,58 @@ def test_record_that_does_not_fit_the_model_is_refused(equations, inputs, messag
         pse.close_loop(pse.DeclaredModel(equations, inputs=inputs), spring_record())
 
 
-@pytest.mark.parametrize("n", [40, 46])
-def test_record_too_short_to_hold_out_a_part_is_refused(n):
-    with pytest.raises(ValueError, match="must have at least 32 samples a record, held-out part"):
-        pse.close_loop(SPRING, spring_record(n))
+@pytest.mark.parametrize(("n", "part"), [(40, 28), (46, 14), (60, 18)])
+@pytest.mark.parametrize("listed", [False, True])
+def test_record_too_short_to_hold_out_a_part_is_refused(n, part, listed):
+    record = spring_record(n)
+    message = (
+        "must have at least 32 samples a record, held-out part included; got "
+        rf"{part} of {n} samples, the last 30 % of them held out\. Record longer, or pass `test`"
+    )
+    with pytest.raises(ValueError, match=message):
+        pse.close_loop(SPRING, [record] if listed else record)
+
+
+def test_short_record_to_judge_on_is_not_said_to_be_cut_from_another():
+    with pytest.raises(ValueError, match=r"included; got 20\. Record longer"):
+        pse.close_loop(SPRING, spring_record(), test=spring_record(20))
+
+
+@pytest.mark.parametrize(
+    ("factor", "advice"),
+    [(2.0, "Prepare the training records with decimate=2"), (1.5, "with signals.resample")],
+)
+def test_record_sampled_more_slowly_than_the_training_is_refused_with_a_way_out(factor, advice):
+    t = 0.01 * np.arange(2000)
+    fast = pse.prepare(t, np.sin(3.0 * t), decimate=1)
+    slow = pse.prepare(factor * t, np.sin(3.0 * factor * t), decimate=1)
+    message = rf"got a record sampled every {0.01 * factor:g} for a step of 0\.01\. .*{advice}\."
+    with pytest.raises(ValueError, match=message):
+        pse.close_loop(SPRING, fast, test=slow)
+
+
+def test_training_decimated_to_the_step_of_the_test_is_taken():
+    t = 0.01 * np.arange(2000)
+    fast = pse.prepare(t, np.sin(3.0 * t), cutoff=5.0, decimate=2)
+    slow = pse.prepare(2.0 * t, np.sin(6.0 * t), cutoff=5.0, decimate=1)
+    train, test = alike([fast], [slow])
+    assert train[0].dt == pytest.approx(test[0].dt)
+
+
+def test_booleans_are_no_measurement_but_may_be_an_input():
+    t = 0.01 * np.arange(500)
+    q = np.sin(3.0 * t)
+    with pytest.raises(TypeError, match=r"prepare\(y=\.\.\.\) must be measured values, not bool"):
+        pse.prepare(t, q > 0.0)
+    assert pse.prepare(t, q, q > 0.5).n_inputs == 1
+
+
+@pytest.mark.parametrize(
+    "view", [pse.to_sympy, pse.to_code, lambda m: pse.simulate(m, [1.0, 0.0], [0, 1])]
+)
+def test_views_of_a_declared_model_say_how_to_fit_it(view):
+    with pytest.raises(TypeError, match=r"pass close_loop\(declared, record\)\.model"):
+        view(SPRING)
 
 
 def test_irregular_time_is_refused():

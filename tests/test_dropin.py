@@ -286,3 +286,24 @@ def test_x_dot_of_another_length_is_named(free):
     _, x, x_dot, _ = free
     with pytest.raises(ValueError, match="as many samples as x"):
         model().fit(x, STEP, x_dot=x_dot[:-5])
+
+
+@pytest.mark.parametrize("given", [True, False], ids=["x_dot given", "x_dot computed"])
+def test_an_input_one_sample_short_is_named(given, driven):
+    t, x, x_dot, u = driven
+    message = rf"u=\.\.\.\) must be as long as x; got {len(x) - 1} samples, x has {len(x)}\. Cut"
+    with pytest.raises(ValueError, match=message):
+        model().fit(x, t, x_dot=x_dot if given else None, u=np.ravel(u)[:-1])
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_too_few_samples_to_differentiate_are_named(n, free):
+    with pytest.raises(ValueError, match=rf"must have more samples than .*; got n_samples = {n}\."):
+        model().fit(free[1][:n], free[0][:n])
+
+
+@pytest.mark.parametrize("base", ["poly", 2, ps.PolynomialLibrary])
+def test_a_base_library_of_another_kind_is_a_type_error(base, free):
+    t, x, x_dot, _ = free
+    with pytest.raises(TypeError, match=r"base_library=\.\.\.\) must be a PySINDy feature library"):
+        model(base_library=base).fit(x, t, x_dot=x_dot)

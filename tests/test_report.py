@@ -111,6 +111,18 @@ def test_effects_are_the_terms_of_the_corrected_equation(report):
     assert added.coeff(sympy.sign(v)) == pytest.approx(-2.0, rel=0.05)
 
 
+def test_what_was_found_and_what_was_not_print_in_one_line(report, complete):
+    for effect in report.effects:
+        shown = repr(effect)
+        assert shown.startswith(f"Effect({effect.name!r}, state='v', term=")
+        assert f"{effect.coefficients[0]:.4g} ({effect.confidence_intervals[0, 0]:.4g} to" in shown
+        assert len(shown) < 200
+    shown = repr(complete.rejected)
+    assert re.match(r"Rejected\(.+ in v: .+; share=.+, score=.+, p_value=.+, \d+ twins\)$", shown)
+    assert "Call(" not in shown
+    assert len(shown) < 300
+
+
 def test_steps_lead_from_before_to_after(report):
     assert [step.name for step in report.steps][-1] == report.effects[-1].name
     assert report.steps[-1].errors is report.after

@@ -110,7 +110,9 @@ def close_loop(
     rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress, refine)
     fit_on, judge_on = split_records(train, test)
     declared_design = design_of(declared, fit_on)
-    check_records(declared_design, [*fit_on, *judge_on])
+    is_cut = not test and (isinstance(train, Record) or len(train) == 1)
+    whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
+    check_records(declared_design, [*fit_on, *judge_on], whole)
     fit_on, judge_on = alike(fit_on, judge_on)
     rng = generator(random_state)
     if declared_design.algebraic:

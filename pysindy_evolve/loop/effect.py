@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..equations import Equations
-from ..export import to_sympy
+from ..export import format_expression, to_sympy
 from ..memory import Memory
 from ..terms import Sum
 
@@ -64,7 +64,7 @@ class Alternative:
     expressions: tuple[Sum, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Effect:
     """One effect that the declared model lacks.
 
@@ -113,6 +113,14 @@ class Effect:
     score: float
     rivals: tuple[Alternative, ...] = ()
     memory: Memory | None = None
+
+    def __repr__(self) -> str:
+        intervals = zip(self.coefficients, self.confidence_intervals, strict=True)
+        values = ", ".join(f"{c:.4g} ({low:.4g} to {high:.4g})" for c, (low, high) in intervals)
+        return (
+            f"Effect({self.name!r}, state={self.state!r}, term={format_expression(self.term)}, "
+            f"coefficients=[{values}], p_value={self.p_value:.2g})"
+        )
 
 
 @dataclass(frozen=True, eq=False)

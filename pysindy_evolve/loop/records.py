@@ -26,7 +26,7 @@ def split_records(
         return fit_on, judge_on
     if len(fit_on) > 1:
         return fit_on[:-1], fit_on[-1:]
-    first, last = fit_on[0].split(0.3)
+    first, last = fit_on[0].split(HELD_OUT)
     return [first], [last]
 
 
@@ -46,10 +46,21 @@ def _listed(parameter: str, given: Any) -> list[Record]:
 
 
 MIN_SAMPLES = 32
+HELD_OUT = 0.3  # share of a single record
 
 
-def check_records(design: Design, records: Sequence[Record]) -> None:
-    """Raise where records do not fit the model, or are too short to hold anything out."""
+def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> None:
+    """Raise where records do not fit the model, or are too short to hold anything out.
+
+    Parameters
+    ----------
+    design : Design
+        The declared model.
+    records : sequence of Record
+        To fit on and to judge on.
+    whole : int
+        Samples of the one record that all of them were cut from; 0 if there were several.
+    """
     for record in records:
         wanted = {"x": (len(design.states), record.n_states, "state")}
         wanted["u"] = (len(design.inputs), record.n_inputs, "input")
@@ -61,9 +72,11 @@ def check_records(design: Design, records: Sequence[Record]) -> None:
                     "prepare the records with the order of the model."
                 )
         if record.n_samples < MIN_SAMPLES:
+            cut = f" of {whole} samples, the last {100 * HELD_OUT:.0f} % of them held out"
             raise ValueError(
                 f"close_loop(train=..., test=...) must have at least {MIN_SAMPLES} samples a "
-                f"record, held-out part included; got {record.n_samples}. Record longer."
+                f"record, held-out part included; got {record.n_samples}{cut if whole else ''}. "
+                "Record longer, or pass `test`."
             )
         steps = np.diff(record.t)
         if np.ptp(steps) > 0.01 * steps.mean():
@@ -142,7 +155,23 @@ def alike(train: list[Record], test: list[Record]) -> tuple[list[Record], list[R
     cutoffs = [r.preparation.cutoff for r in train if r.preparation and r.preparation.cutoff]
     cutoff = float(np.exp(np.mean(np.log(cutoffs)))) if len(cutoffs) == len(train) else None
     step = float(np.median(steps[: len(train)]))
+    _check_raw_steps(made.dt, [*train, *test], step)
     return [_prepared(r, cutoff, step) for r in train], [_prepared(r, cutoff, step) for r in test]
+
+
+def _check_raw_steps(own: float, records: Sequence[Record], step: float) -> None:
+    """Raise where a record was sampled more slowly than the training records are to be."""
+    longest = max(r.preparation.dt for r in records if r.preparation is not None)
+    if longest <= 1.01 * step:
+        return
+    factor = round(longest / own)
+    fits = factor > 1 and abs(factor * own / longest - 1.0) <= 0.01
+    advice = f"Prepare the training records with decimate={factor}"
+    raise ValueError(
+        "close_loop(train=..., test=...) must have raw sampling times no longer than the step of "
+        f"the training records; got a record sampled every {longest:g} for a step of {step:g}. "
+        + (f"{advice}." if fits else "Bring all records to one step with signals.resample.")
+    )
 
 
 def _prepared(record: Record, cutoff: float | None, step: float) -> Record:

@@ -11,7 +11,7 @@ from .trace import Score
 __all__ = ["Rejected"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Rejected:
     """The best effect, or pair of effects, of a step that added nothing.
 
@@ -25,12 +25,24 @@ class Rejected:
         Chance that a twin shows a score as large; NaN if its share was too small to ask.
     twin_scores : ndarray
         Best score found in each twin.
+    variables : tuple of str
+        Names of states, inputs and time.
     """
 
     tried: Score
     share: float
     p_value: float = np.nan
     twin_scores: np.ndarray = field(default_factory=lambda: np.empty(0))
+    variables: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        tried = ", ".join(
+            f"{one.name} in {self.variables[one.state]}: "
+            + ", ".join(term.name(self.variables) for term in one.terms)
+            for one in self.tried.group
+        )
+        figures = f"share={self.share:.2g}, score={self.score:.2g}, p_value={self.p_value:.2g}"
+        return f"Rejected({tried}; {figures}, {len(self.twin_scores)} twins)"
 
     @property
     def name(self) -> str:

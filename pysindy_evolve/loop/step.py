@@ -113,9 +113,10 @@ def find(
     shares = Shares(declared, design, part, proposed)
     worthy = [s for s in scores if s.value > 0.0 and _matters(s, shares, rules)]
     gaining = [s for s in scores[:1] if s.value > 0.0]
+    names = (*design.states, *design.inputs, "t")
     # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
     if not worthy and (design.columns != declared.columns or not gaining):
-        rejected += [Rejected(s, shares.of(s)) for s in gaining]
+        rejected += [Rejected(s, shares.of(s), variables=names) for s in gaining]
         return []
     best = plainest(worthy or gaining)
     maker = TwinMaker.of(equations, records)
@@ -124,7 +125,7 @@ def find(
     twins = twin_values(maker, part, statistic, observed, rules, rng)
     p_value = float((1.0 + np.sum(twins >= observed)) / (1.0 + len(twins)))
     if p_value > rules.level or not worthy:
-        rejected.append(Rejected(best, shares.of(best), p_value, twins))
+        rejected.append(Rejected(best, shares.of(best), p_value, twins, names))
         return []
     group = [tuned(c, _beside(design, best.group, c), part) for c in best.group]
     return [Finding(c, columns_of(c, design), best.value, p_value, twins) for c in group]

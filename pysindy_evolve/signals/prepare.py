@@ -234,6 +234,9 @@ def prepare(
     """
     times = checks.times("prepare", t)
     raw_y = checks.columns("prepare", "y", y)
+    if np.asarray(y).dtype == bool:
+        advice = "Give the measured values themselves, not where they exceed a limit."
+        checks.refuse_type("prepare", "y", "measured values, not booleans", y, advice)
     raw_u = None if u is None else checks.columns("prepare", "u", u)
     order = checks.count("prepare", "order", order, MOST_ORDERS)
     method = checks.choice("prepare", "method", method, METHODS)

@@ -24,7 +24,8 @@ def as_equations(model: Any, owner: str) -> Equations:
     if not hasattr(model, "feature_library"):
         raise TypeError(
             f"{owner}(model=...) must be a fitted SINDy model or Equations; "
-            f"got {type(model).__name__}. Fit a model first."
+            f"got {type(model).__name__}. Fit a model first; of a DeclaredModel pass "
+            "close_loop(declared, record).model, where max_effects=0 fits it and adds nothing."
         )
     from ..library_terms import from_model  # PySINDy is imported only where a model is read
 
