@@ -27,7 +27,8 @@ def record_with(memory, friction=0.0, noise=2e-3, seed=0, duration=40.0):
 
 
 def close(record, **options):
-    return pse.close_loop(DECLARED, record, operators=(), random_state=0, **options)
+    settings = {"operators": (), "random_state": 0, "n_twins": 59} | options
+    return pse.close_loop(DECLARED, record, **settings)
 
 
 def test_delayed_sine_is_the_sine_of_an_earlier_time():
