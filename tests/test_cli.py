@@ -148,6 +148,13 @@ def test_loop_says_that_nothing_is_missing(capsys, tmp_path):
     assert "Verdict: complete" in out
 
 
+def test_loop_names_the_free_parameters_before_it_searches(capsys, oscillator):
+    sides = ("--equation", "q = v", "--equation", "v = Force - c*v", "--position", "q")
+    code, out, err = run(capsys, "loop", oscillator, *sides, "--twins", "5")
+    assert (code, out) == (2, "Free parameters: Force, c\n\n")
+    assert "n_twins" in err
+
+
 def test_loop_takes_known_constants(capsys, tmp_path):
     train, test = save_drive(nothing_missing(duration=6.0), tmp_path)
     sides = ("--equation", "q = v", "--equation", "v = F/m - c*v", "--known", "m=2")
@@ -238,7 +245,7 @@ WRONG = {
 def test_what_the_user_got_wrong_is_told_in_one_line_with_code_2(capsys, oscillator, case):
     arguments, told = WRONG[case]
     code, out, err = run(capsys, *(oscillator if one == "FILE" else one for one in arguments))
-    assert (code, out) == (2, "")
+    assert (code, out) in [(2, ""), (2, "Free parameters: k\n\n")]
     assert err.startswith("pysindy-evolve")
     assert "error: " in err
     assert told in err

@@ -9,6 +9,7 @@ import sympy
 from loop_systems import equations_of, oscillator
 
 import pysindy_evolve as pse
+from pysindy_evolve.export import format_number
 from pysindy_evolve.hidden import with_memories
 from pysindy_evolve.memory import Memory
 
@@ -24,10 +25,11 @@ def drifting():
 
 def test_report_prints_verdict_equations_table_and_evidence_in_this_order(report):
     text = str(report)
+    free = r"    Free parameters: k = \S+, c = \S+, b = \S+"
     expected = (
         r"Verdict: traced: the model lacked what is listed below\.\n\n"
-        r"Declared model, fitted\n    q' = v\n    v' = .*\n\n"
-        r"Corrected model\n    q' = v\n    v' = .*sgn\(v\).*\n\n"
+        rf"Declared model, fitted\n    q' = v\n    v' = .*\n{free}\n\n"
+        rf"Corrected model\n    q' = v\n    v' = .*sgn\(v\).*\n{free}\n\n"
         r"Errors on held-out data, % of the standard deviation \(NRMSE\)\n"
         r" +dv/dt +q free run +v free run\n"
         r"    declared( +[\d.e+]+){3}\n"
@@ -48,6 +50,16 @@ def test_complete_report_says_so_and_shows_one_equation(complete):
     assert "Corrected model" not in text
     assert not re.search(r"^1\. ", text, flags=re.MULTILINE)
     assert "The best of what did not pass is" in text
+
+
+def test_free_parameters_have_the_values_of_the_equation_that_they_stand_below(report):
+    v = sympy.Symbol("v", real=True)
+    for errors in (report.before, report.after):
+        assert list(errors.parameters) == ["k", "c", "b"]
+        side = sympy.expand(errors.equations[1])
+        assert -errors.parameters["c"] == pytest.approx(float(side.coeff(v)), rel=1e-9)
+        assert f"c = {format_number(errors.parameters['c'])}" in str(report)
+    assert f"c = {format_number(report.after.parameters['c'])}" in report.to_markdown()
 
 
 def test_table_shows_the_errors_of_the_report(report):

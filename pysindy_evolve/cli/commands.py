@@ -102,6 +102,7 @@ def loop(given: Namespace) -> bool:
     declared = DeclaredModel(sides, inputs=given.inputs, known=dict(given.known))
     given.order = order_of(declared.states, given.position)
     train, test = read_all(given, given.files, sides), read_all(given, given.test, sides)
+    say(f"Free parameters: {', '.join(declared.parameters) or 'none'}\n")
     report = close_loop(
         declared,
         train,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -27,11 +28,14 @@ class Errors:
         Of a free run from the first state of each record; infinite if it diverges.
     model : Equations
         The model that the errors belong to.
+    parameters : mapping of str to float
+        Fitted values of the free parameters that were declared.
     """
 
     derivative_error: np.ndarray
     simulation_error: np.ndarray
     model: Equations
+    parameters: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def equations(self) -> list[Any]:

@@ -16,7 +16,7 @@ from ..export.mathml import equations_mathml, expression_mathml
 from ..terms import Sum
 from .advice import sentences, title
 from .remains import remains
-from .text import VERDICTS, table_cells
+from .text import VERDICTS, free_parameters, table_cells
 from .units import check_units
 
 if TYPE_CHECKING:
@@ -63,6 +63,7 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         verdict=VERDICTS[report.verdict].partition(": "),
         before=equations_mathml(report.before.model),
         after=equations_mathml(report.after.model),
+        parameters=[free_parameters(errors) for errors in (report.before, report.after)],
         head=head,
         rows=rows,
         effects=[_effect(effect, report.equations.symbols) for effect in report.effects],

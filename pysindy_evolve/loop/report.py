@@ -186,6 +186,7 @@ def make_report(
     """Fit each stage on all training rows and judge it on held-out records."""
     design = declared
     fitted, errors = judge(declared, train, test, rules, rng)
+    errors = replace(errors, parameters=_parameters(declared, fitted.coef))
     before, effects, steps = errors, [], []
     memories: tuple[Memory, ...] = ()
     for _, group in groupby(findings, key=lambda finding: finding.step):
@@ -194,6 +195,7 @@ def make_report(
         last = found[-1] is findings[-1]
         memories += memories_of(found)
         fitted, errors = judge(design, train, test, rules, rng, memories, final=last)
+        errors = replace(errors, parameters=_parameters(declared, fitted.coef))
         for finding in found:
             effects.append(_effect(design, finding, train, test, memories))
             steps.append(Step(finding.candidate.name, effects[-1].state, errors))
@@ -209,6 +211,11 @@ def make_report(
     records = tuple(train), tuple(test)
     report = LoopReport(verdict, effects, before, errors, steps, *records, finished)
     return replace(report, rules=rules, design=design)
+
+
+def _parameters(declared: Design, coef: np.ndarray) -> dict[str, float]:
+    """Return the declared parameters, which are the first columns of every later design, too."""
+    return {column.name: float(c) for column, c in zip(declared.columns, coef, strict=False)}
 
 
 def _effect(

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..export import format_equations, format_expression
+from ..export import format_equations, format_expression, format_number
 from .advice import sentences, title
 from .remains import remains
 
 if TYPE_CHECKING:
-    from .report import Alternative, Effect, LoopReport
+    from .report import Alternative, Effect, Errors, LoopReport
 
-__all__ = ["VERDICTS", "as_markdown", "as_text", "table_cells"]
+__all__ = ["VERDICTS", "as_markdown", "as_text", "free_parameters", "table_cells"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -29,11 +29,10 @@ def as_text(report: LoopReport) -> str:
     """Return the report as plain text."""
     parts = [
         f"Verdict: {VERDICTS[report.verdict]}",
-        "Declared model, fitted\n" + _indented(format_equations(report.before.model)),
+        "Declared model, fitted\n" + _indented(_model(report.before)),
     ]
     if report.effects:
-        corrected = _indented(format_equations(report.after.model))
-        parts.append("Corrected model\n" + corrected)
+        parts.append("Corrected model\n" + _indented(_model(report.after)))
     parts.append(_table(report))
     symbols = report.equations.symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
@@ -43,6 +42,24 @@ def as_text(report: LoopReport) -> str:
 
 def _indented(text: str) -> str:
     return "\n".join("    " + line for line in text.splitlines())
+
+
+def _model(errors: Errors) -> str:
+    """Return the equations and, below them, the free parameters."""
+    said = free_parameters(errors)
+    lines = [format_equations(errors.model), fill(said, 92, subsequent_indent="  ")]
+    return "\n".join(line for line in lines if line)
+
+
+def free_parameters(errors: Errors) -> str:
+    """Return the fitted values of what was free, so that no misspelled name hides among them.
+
+    The terms of a SINDy model are free without a name: nothing is said of them.
+    """
+    if not all(name.isidentifier() for name in errors.parameters):
+        return ""
+    shown = (f"{name} = {format_number(value)}" for name, value in errors.parameters.items())
+    return f"Free parameters: {', '.join(shown) or 'none'}"
 
 
 HEADLINE = "Errors on held-out data, % of the standard deviation (NRMSE)"
@@ -125,11 +142,10 @@ def as_markdown(report: LoopReport) -> str:
     """Return the report as Markdown."""
     parts = [
         f"**Verdict:** {VERDICTS[report.verdict]}",
-        f"Declared model, fitted:\n\n{_code(format_equations(report.before.model))}",
+        f"Declared model, fitted:\n\n{_code(_model(report.before))}",
     ]
     if report.effects:
-        corrected = format_equations(report.after.model)
-        parts.append(f"Corrected model:\n\n{_code(corrected)}")
+        parts.append(f"Corrected model:\n\n{_code(_model(report.after))}")
     head, rows = table_cells(report)
     lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
     lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
