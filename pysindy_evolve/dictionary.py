@@ -22,7 +22,7 @@ from .gram import Gram, block_grams, gram
 from .operators import BUILTIN
 from .terms import Atom, Cache, Call, Product, Sum, Variable
 
-__all__ = ["Dictionary", "Problem", "build_dictionary", "price", "skeleton"]
+__all__ = ["Dictionary", "Problem", "build_dictionary", "price"]
 
 Project = Callable[[np.ndarray], np.ndarray]
 
@@ -201,7 +201,7 @@ def _different(left: Gram, terms: Sequence[Product]) -> list[int]:
     power = np.diag(left.xx) / left.n
     size = np.sqrt(np.maximum(power, SPANNED)) * np.sqrt(left.n)
     correlation = np.abs(left.xx / np.outer(size, size))
-    skeletons = [skeleton(term) if term.constants else None for term in terms]
+    skeletons = [term.skeleton if term.constants else None for term in terms]
     keep: list[int] = []
     for j in np.flatnonzero(power > SPANNED):
         close = np.asarray(keep, dtype=int)[correlation[j, keep] > SIBLING]
@@ -210,11 +210,6 @@ def _different(left: Gram, terms: Sequence[Product]) -> list[int]:
         if skeletons[j] is None or all(skeletons[i] != skeletons[j] for i in close):
             keep.append(int(j))
     return keep
-
-
-def skeleton(term: Product) -> Product:
-    """Return the term with its inner constants replaced by markers."""
-    return term.with_constants([2.0 + i for i in range(len(term.constants))])
 
 
 def written_out(term: Product) -> int:

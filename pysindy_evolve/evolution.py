@@ -26,7 +26,7 @@ from tqdm.auto import tqdm
 from . import regression
 from .beam import best_subsets, with_exchanges
 from .constants import tune
-from .dictionary import Dictionary, Problem, Project, build_dictionary, price, skeleton
+from .dictionary import Dictionary, Problem, Project, build_dictionary, price
 from .genetics import Genetics
 from .operators import Operator
 from .plateau import PERFECT, Plateau
@@ -280,7 +280,7 @@ def tune_constants(
     tuned: list[Product] = []
     step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
     order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
-    forms = [skeleton(term) for term in dictionary.terms]
+    forms = [term.skeleton for term in dictionary.terms]
     cases: dict[Hashable, tuple[int, list[int]]] = {}
     for j in order if alike else order[:N_TUNED]:
         beside = [i for i in front[partners[j]] if i != j]

@@ -19,7 +19,7 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import KDTree
 
-from .dictionary import Problem, skeleton
+from .dictionary import Problem
 from .terms import Product
 
 __all__ = ["Plateau", "likeness"]
@@ -70,7 +70,7 @@ class Plateau:
         from sample to sample is no news. A perfect equation of one variable ends the search at
         once, as nothing is shorter.
         """
-        shapes = frozenset(map(skeleton, generation.terms))
+        shapes = frozenset(term.skeleton for term in generation.terms)
         self._stale = self._stale + 1 if shapes <= self._seen else 0
         self._seen |= shapes
         if generation.fitness <= PERFECT:

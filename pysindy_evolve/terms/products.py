@@ -121,6 +121,12 @@ class Product(Node):
         rest = iter(values)
         return Product(tuple((a.with_constants(take(rest, a)), n) for a, n in self.factors))
 
+    @lazily
+    def skeleton(self) -> Product:
+        """The term with its inner constants replaced by markers; itself if it has none."""
+        markers = [2.0 + i for i in range(len(self.constants))]
+        return self.with_constants(markers) if markers else self
+
 
 ONE = Product(())
 
