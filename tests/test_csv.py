@@ -59,6 +59,7 @@ def test_another_delimiter_can_be_named(write):
         ("t,q,F\n0,1,2\n1,2,3,4\n", ["t"], "line 3 has 4 fields, the header 3"),
         ("t;q\n0;1\n", ["t"], r"one field, 't;q'. Is the delimiter ';'\? \(--delimiter ';'\)"),
         ("t;q\n0;1\n", None, r"Is the delimiter ';'"),
+        ("t;q\n0;0,004\n", ["t"], r"Is the delimiter ';'"),
         ("t\tq\n0\t1\n", ["t"], r"Is the delimiter '\\t'"),
         ('t,q\n0,"0,004"\n', None, "'0,004' in column 'q', line 2. Decimal commas: export with"),
     ],

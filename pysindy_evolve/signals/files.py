@@ -94,7 +94,7 @@ def _check_fields(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
     """Raise where fields and names cannot belong together; an empty field at the end may."""
     first = "".join(rows[0][1])
     for sign in (";", "\t", "|", ","):
-        if len(header) == 1 and len(rows[0][1]) == 1 and sign in header[0] and sign in first:
+        if len(header) == 1 and sign in header[0] and sign in first:
             raise ValueError(
                 f"read_csv(delimiter=...) must be the sign between the names; got one field, "
                 f"{header[0]!r}. Is the delimiter {sign!r}? (--delimiter {sign!r})"
