@@ -94,8 +94,8 @@ def close_loop(
     Notes
     -----
     An interrupt (Ctrl-C) ends the search. What was found until then is reported; if that is nothing
-    yet, KeyboardInterrupt is raised. Expect 7 to 10 s of one quiet core for 10 000 samples, and more
-    with each effect found.
+    yet, KeyboardInterrupt is raised. Expect 7 to 10 s of one quiet core for 10 000 samples, and
+    more with each effect found.
 
     Examples
     --------
