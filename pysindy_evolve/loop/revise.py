@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from .design import Design
-from .effects import candidates
+from .effects import Candidate, candidates
 from .recall import MemoryFinding
 from .rivals import rivals_of
 from .scoring import MARGIN, columns_of, score
@@ -76,13 +77,16 @@ def _in_place_of(
         return None
     design = declared.adding(column for f in rest for column in f.columns)
     variables = part.z.reshape(-1, part.z.shape[-1])
-    options = [c for c in candidates(design, *ranges(variables)) if c.state == pair[0].state]
     # A weight brings a mean of its own, and needs no offset beside it.
     own = [c for c in pair if c.name != "gravity"]
-    alone = [replace(c, parents=()) for c in options if len(c.terms) == 1 and c not in own]
-    together = score(design, part, [replace(c, parents=()) for c in pair])
-    both = max((2.0 * s.value for s in together if len(s.group) == 2), default=np.inf)
-    best = max(score(design, part, alone, pairs=False), key=lambda s: s.value, default=None)
+    options = [c for c in candidates(design, *ranges(variables)) if c not in own]
+    free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
+    # In one call, for the errors are weighed by what all columns together leave.
+    scores = score(design, part, list(free))
+    names = {replace(c, parents=()) for c in pair}
+    both = max((2.0 * s.value for s in scores if set(s.group) == names), default=np.inf)
+    alone = [s for s in scores if len(s.group) == 1 and _is_single(s.group[0], pair, own)]
+    best = max(alone, key=lambda s: s.value, default=None)
     if best is None or best.value < both - MARGIN:
         return None
     (candidate,) = best.group
@@ -92,6 +96,18 @@ def _in_place_of(
         columns=columns_of(candidate, design),
         score=best.value,
         step=min(first.step, second.step),
+    )
+
+
+def _is_single(
+    candidate: Candidate, pair: Sequence[Candidate], excluded: Sequence[Candidate]
+) -> bool:
+    """Tell whether a candidate is one column of the pair's equation, and not one of the pair."""
+    taken = {(c.name, c.terms) for c in excluded}
+    return (
+        candidate.state == pair[0].state
+        and len(candidate.terms) == 1
+        and (candidate.name, candidate.terms) not in taken
     )
 
 
