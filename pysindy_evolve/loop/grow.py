@@ -180,13 +180,10 @@ class Garden:
         return [c for c in grown if (c.state, c.terms[0]) not in known]
 
     def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
-        scores = score(design, self.fresh, grown, pairs=False)
-        useful = [
-            s.group[0]
-            for s in scores
-            if _net(s) > 0.0 and view_gain(design, s.group[0], self.fresh) > USEFUL
-        ]
-        given = partial(_given, useful)
+        # Pairs too: 3 sin(v) - 4 sin(v)^3 is sin(3 v), and neither term gains anything alone.
+        scores = [s for s in score(design, self.fresh, grown, pairs=True) if _net(s) > 0.0]
+        useful = [s for s in scores if view_gain(design, s.group, self.fresh) > USEFUL]
+        given = partial(_given, list(dict.fromkeys(c for s in useful for c in s.group)))
         found = find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
         return found if found and self._are_certain(design, found) else []
 

@@ -62,12 +62,12 @@ class Shares:
         )
 
 
-def view_gain(design: Design, candidate: Candidate, part: Segments) -> float:
+def view_gain(design: Design, group: Sequence[Candidate], part: Segments) -> float:
     """Return log(error without / error with), the larger one of derivative and simulation.
 
     Each fold of segments is predicted from the others.
     """
-    columns = [*design.columns, *columns_of(candidate, design)]
+    columns = [*design.columns, *(c for one in group for c in columns_of(one, design))]
     slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
     base, every = np.arange(len(design.columns))[None, :], np.arange(len(columns))[None, :]
     gains = []

@@ -22,6 +22,7 @@ from .linear import solve
 __all__ = ["Score", "fold_errors", "rank"]
 
 ROUNDING = 1e-16  # relative to the square of the target
+EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
 NEW = 1e-6  # share of a column's square that the model's columns must leave
 
 
@@ -115,7 +116,7 @@ def rank(
     groups += [
         (i, j)
         for i, j in combinations(new if pairs else [], 2)
-        if candidates[i].name != candidates[j].name
+        if candidates[i].name != candidates[j].name or candidates[i].name == EVOLVED
     ]
     allowed = [g for g in groups if _parents_stand([candidates[i] for i in g], present)]
     scores = _scored(grams, n_fixed, candidates, own, allowed, without, folds)
