@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import reduce
 
+import numpy as np
+
+from .equations import Equations
 from .terms import Atom, Call, Product, Sum, Variable, add, call, constant, mul, power, variable
 
-__all__ = ["substituted"]
+__all__ = ["acting", "substituted"]
 
 
 def substituted(expression: Sum, replacements: Mapping[int, Sum]) -> Sum:
@@ -33,6 +37,35 @@ def substituted(expression: Sum, replacements: Mapping[int, Sum]) -> Sum:
     """
     parts = (mul(constant(c), _of_product(term, replacements)) for c, term in expression.parts)
     return reduce(add, parts, Sum(()))
+
+
+def acting(equations: Equations) -> tuple[Equations, list[int]]:
+    """Leave out the inputs that no term depends on.
+
+    Parameters
+    ----------
+    equations : Equations
+        With any inputs.
+
+    Returns
+    -------
+    equations : Equations
+        The same right-hand sides.
+    columns : list of int
+        Their inputs among those that were given.
+    """
+    at_work = np.any(equations.coef != 0.0, axis=0)
+    terms = [term for term, works in zip(equations.terms, at_work, strict=True) if works]
+    first = len(equations.states)
+    used = frozenset().union(*(term.variables for term in terms))
+    columns = [k for k in range(len(equations.inputs)) if first + k in used]
+    places = [*(first + k for k in columns), first + len(equations.inputs)]
+    # In the same order as before, so that every term keeps its form.
+    moved = {place: variable(first + k) for k, place in enumerate(places)}
+    renamed = tuple(substituted(Sum(((1.0, term),)), moved).parts[0][1] for term in terms)
+    names = tuple(equations.inputs[k] for k in columns)
+    coef = equations.coef[:, at_work]
+    return replace(equations, terms=renamed, coef=coef, inputs=names), columns
 
 
 def _of_product(term: Product, replacements: Mapping[int, Sum]) -> Sum:

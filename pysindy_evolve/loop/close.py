@@ -179,8 +179,9 @@ def _search(
         part = whole.of(records)
         garden = Garden(declared, records, part, rules, operators, rng)
     yield findings
+    named = bool(findings)
     while len(findings) < rules.max_effects:
-        found = garden.find(_with(declared, findings))
+        found = garden.find(_with(declared, findings), named=named)
         if not found:
             break
         findings = [*findings, *_numbered(found, findings)]

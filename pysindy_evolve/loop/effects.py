@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
+from scipy import fft
 
 from ..operators import BUILTIN
 from ..terms import ONE, Sum, add, call, constant, mul, power, sub, variable
@@ -168,8 +169,9 @@ def periodic_candidates(
     -------
     list of Candidate
     """
-    spectrum = _fine_spectrum(residual)
-    inputs = [_fine_spectrum(column) for column in drivers.T]
+    n_fine = FINENESS * fft.next_fast_len(len(residual), real=True)
+    spectrum = _fine_spectrum(residual, n_fine)
+    inputs = [_fine_spectrum(column, n_fine) for column in drivers.T]
     lowest = FINENESS * 8  # fewer than eight periods in the record look like slow disturbances
     found: list[Candidate] = []
     while len(spectrum) > lowest + 1 and len(found) < n_peaks:
@@ -177,7 +179,7 @@ def periodic_candidates(
         if _prominence(spectrum, peak) < LINE:
             break
         if all(_prominence(driver, peak) < LINE for driver in inputs):
-            cycles = _vertex(spectrum, peak) / (FINENESS * len(residual) * dt)
+            cycles = _vertex(spectrum, peak) / (n_fine * dt)
             phase = mul(constant(2 * np.pi * cycles), variable(time))
             terms = (call(BUILTIN["sin"], phase), call(BUILTIN["cos"], phase))
             found.append(Candidate("periodic forcing", state, terms))
@@ -185,10 +187,10 @@ def periodic_candidates(
     return found
 
 
-def _fine_spectrum(signal: np.ndarray) -> np.ndarray:
+def _fine_spectrum(signal: np.ndarray, n_fine: int) -> np.ndarray:
     """Return the amplitude spectrum on a grid that is eight times finer than the record gives."""
     centered = (signal - signal.mean()) * np.hanning(len(signal))
-    return np.abs(np.fft.rfft(centered, FINENESS * len(signal)))
+    return np.asarray(np.abs(fft.rfft(centered, n_fine)))
 
 
 def _vertex(spectrum: np.ndarray, peak: int) -> float:

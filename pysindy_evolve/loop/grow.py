@@ -165,10 +165,10 @@ class Garden:
             return []
         return self._test(design, list(best.group))
 
-    def find(self, design: Design) -> list[Finding]:
-        """Grow terms on what a design leaves, and return the best one that passes."""
+    def find(self, design: Design, *, named: bool) -> list[Finding]:
+        """Grow terms on what a design leaves, beside names or not; return the best that passes."""
         # Where no name was found either, the search is the only hope, and is begun more than once.
-        n_searches = 1 if self.pool else N_SEARCHES
+        n_searches = 1 if named else N_SEARCHES
         grown = [c for _ in range(n_searches) for c in self._grow(design)]
         return self._test(design, list(dict.fromkeys(grown)))
 

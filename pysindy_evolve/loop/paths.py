@@ -8,7 +8,7 @@ is by how much they differ from the model.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import comb
 
@@ -19,6 +19,7 @@ from scipy.interpolate import CubicSpline
 from ..equations import Equations
 from ..signals import Preparation, Record
 from ..simulation import simulate
+from ..substitution import acting
 
 __all__ = ["Path", "follow"]
 
@@ -64,6 +65,9 @@ def follow(equations: Equations, record: Record) -> Path | None:
     made = record.preparation
     if made is None:
         return None
+    if made.u is not None:
+        equations, columns = acting(equations)
+        made = replace(made, u=made.u[:, columns] if columns else None)
     course = _Course(equations, record, made)
     length = int(course.samples[-1] + 1 - course.samples[0])
     path = course.path(length)

@@ -78,13 +78,25 @@ def forces(
     part: Segments, design: Design, columns: Sequence[Column], *, weighed: bool = True
 ) -> np.ndarray:
     """Evaluate columns and target in each equation; the target is x_dot minus what is known."""
-    n_segments, length, n_variables = part.z.shape
-    flat = part.z.reshape(-1, n_variables)
     cache: Cache = {}
-    target = part.x_dot.reshape(-1, part.n_states) - design.known(flat)
-    values = [column.evaluate(flat, cache) for column in columns]
-    force = np.stack([*values, target], axis=2).reshape(n_segments, length, part.n_states, -1)
+    force = np.stack([force_on(part, design, columns, s, cache) for s in range(part.n_states)])
+    force = force.transpose(2, 3, 0, 1)
     return force * part.weight[..., None] if weighed else force
+
+
+def force_on(
+    part: Segments, design: Design, columns: Sequence[Column], state: int, cache: Cache
+) -> np.ndarray:
+    """Evaluate columns and target in one equation, shape (n_columns + 1, n_segments, n)."""
+    shape, flat = part.z.shape[:2], part.z.reshape(-1, part.z.shape[-1])
+    force = np.zeros((len(columns) + 1, *shape))
+    for row, column in zip(force, columns, strict=False):
+        if column.parts[state].parts:
+            row[:] = column.parts[state].evaluate(flat, cache).reshape(shape)
+    force[-1] = part.x_dot[:, :, state]
+    if design.fixed[state].parts:
+        force[-1] -= design.fixed[state].evaluate(flat, cache).reshape(shape)
+    return force
 
 
 def _derivative_rows(part: Segments, design: Design, force: np.ndarray) -> np.ndarray:
@@ -127,24 +139,46 @@ def _respond(
     returned, in units of the scale of each state, as shapes (n_windows, rows, n_states) and
     (n_windows, rows, n_columns).
     """
-    n_windows, span, n_states, n_columns = driven.shape
-    a = slope * dt
-    step = np.eye(n_states) + a @ (np.eye(n_states) + a @ (np.eye(n_states) + a / 3.0) / 2.0)
-    deviation = np.zeros((n_windows, n_states, n_columns + n_states))
-    deviation[:, :, n_columns:] = np.diag(scale)
-    kept = [deviation]
+    n_windows, _, n_states, n_columns = driven.shape
     with np.errstate(over="ignore", invalid="ignore"):
-        for i in range(span - 1):
-            push = np.zeros_like(deviation)
-            push[:, :, :n_columns] = driven[:, i] * (dt / 2.0)
-            deviation = step[:, i] @ (deviation + push)
-            deviation[:, :, :n_columns] += driven[:, i + 1] * (dt / 2.0)
-            if (i + 1) % keep == 0:
-                kept.append(deviation)
+        passed, added = _over_blocks(slope, driven, dt, keep)
+        deviation = np.zeros((n_windows, n_states, n_columns + n_states))
+        deviation[:, :, n_columns:] = np.diag(scale)
+        kept = [deviation]
+        for k in range(passed.shape[1]):
+            deviation = passed[:, k] @ deviation
+            deviation[:, :, :n_columns] += added[:, k]
+            kept.append(deviation)
         rows = np.stack(kept, axis=1) / scale[:, None]
     rows = np.clip(np.nan_to_num(rows, nan=DIVERGED), -DIVERGED, DIVERGED)
     rows = rows.reshape(n_windows, -1, n_columns + n_states)
     return rows[:, :, n_columns:], rows[:, :, :n_columns]
+
+
+def _over_blocks(
+    slope: np.ndarray, driven: np.ndarray, dt: float, keep: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Integrate over all blocks of `keep` steps at once.
+
+    Return what becomes of the deviation at the start of each block until its end, and what the
+    force adds: shapes (n_windows, n_blocks, n_states, n_states) and (..., n_states, n_columns).
+    """
+    n_windows, span, n_states, n_columns = driven.shape
+    n_blocks = (span - 1) // keep
+    here = slice(0, n_blocks * keep)
+    blocks = (n_windows, n_blocks, keep, n_states)
+    a = dt * slope[:, here].reshape(*blocks, n_states)
+    eye = np.eye(n_states)
+    step = eye + a @ (eye + a @ (eye + a / 3.0) / 2.0)
+    before, after = driven[:, here], driven[:, 1 : n_blocks * keep + 1]
+    before, after = (0.5 * dt * half.reshape(*blocks, n_columns) for half in (before, after))
+    deviation = np.zeros((n_windows, n_blocks, n_states, n_states + n_columns))
+    deviation[..., :n_states] = eye
+    for i in range(keep):
+        deviation[..., n_states:] += before[:, :, i]
+        deviation = step[:, :, i] @ deviation
+        deviation[..., n_states:] += after[:, :, i]
+    return deviation[..., :n_states], deviation[..., n_states:]
 
 
 def jacobian(equations: Equations, z: np.ndarray, scale: np.ndarray) -> np.ndarray:

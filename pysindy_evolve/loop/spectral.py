@@ -8,13 +8,16 @@ counts twice: generalized least squares.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
+from scipy import fft
 from scipy.signal.windows import tukey
 
+from ..terms import Cache
 from .design import Column, Design
 from .linear import solve
-from .residual import forces
+from .residual import force_on
 from .segments import Segments
 
 __all__ = ["spectral_grams", "spectral_rows", "spectral_weights"]
@@ -42,10 +45,11 @@ def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) ->
     ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
     """
     rows = _spectra(part, design, columns)
-    weight = _weights(rows)
-    weighed = (rows * weight[..., None]).reshape(len(rows), -1, rows.shape[-1])
-    parts = np.concatenate([weighed.real, weighed.imag], axis=1)
-    return np.einsum("srk,srl->skl", parts, parts, optimize=True)
+    weighed = rows * _weights(rows)[:, None, None]
+    n_columns, n_segments = rows.shape[1:3]
+    flat = weighed.transpose(2, 1, 0, 3).reshape(n_segments, n_columns, -1)
+    parts = np.ascontiguousarray(flat).view(float)
+    return np.asarray(parts @ np.swapaxes(parts, 1, 2))
 
 
 def spectral_weights(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
@@ -68,38 +72,53 @@ def spectral_rows(part: Segments, columns: np.ndarray) -> np.ndarray:
     ndarray of complex of shape (n_segments, n_frequencies, n_columns)
         Frequencies up to the cutoff. A column with a value that is not finite is all zero.
     """
-    length = columns.shape[1]
-    band = np.fft.rfftfreq(length, part.dt) <= part.cutoff
-    usable = np.all(np.abs(columns) < LARGEST, axis=(0, 1))  # False for NaN too
-    tapered = np.where(usable, columns, 0.0) * tukey(length, TAPER)[None, :, None]
-    return np.fft.rfft(tapered, axis=1)[:, band]
+    return np.moveaxis(_transformed(part, np.moveaxis(columns, -1, 0)), 0, -1)
+
+
+def _transformed(part: Segments, columns: np.ndarray) -> np.ndarray:
+    """Transform tapered segments, (n_columns, n_segments, n) to (..., n_frequencies)."""
+    taper, n_frequencies = _taper(columns.shape[-1], part.dt, part.cutoff)
+    usable = np.all(np.abs(columns) < LARGEST, axis=(1, 2))  # False for NaN too
+    columns = columns if usable.all() else np.where(usable[:, None, None], columns, 0.0)
+    return np.asarray(fft.rfft(columns * taper, axis=-1)[..., :n_frequencies])
+
+
+@lru_cache(maxsize=16)
+def _taper(length: int, dt: float, cutoff: float) -> tuple[np.ndarray, int]:
+    """Return the taper of a segment, and how many frequencies are looked at."""
+    return tukey(length, TAPER), int(np.sum(fft.rfftfreq(length, dt) <= cutoff))
 
 
 def _spectra(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
-    """Return spectra of columns and target, (n_segments, n_open, n_frequencies, n_columns)."""
-    force = forces(part, design, columns)
-    spectra = [
-        spectral_rows(part, force[:, :, state]) / part.rate_scale[state]
-        for state in design.open_states
-    ]
-    return np.stack(spectra, axis=1)
+    """Return spectra of columns and target, (n_open, n_columns, n_segments, n_frequencies)."""
+    cache: Cache = {}
+    spectra = []
+    for state in design.open_states:
+        force = force_on(part, design, columns, state, cache)
+        weight = part.weight[:, :, state] / part.rate_scale[state]
+        spectra.append(_transformed(part, force * weight))
+    return np.stack(spectra)
 
 
 def _weights(rows: np.ndarray) -> np.ndarray:
-    """Weigh each frequency by the inverse of the noise there.
+    """Weigh each frequency by the inverse of the noise there, (n_open, n_frequencies).
 
     The noise is what all columns together, candidates included, leave. What only the model leaves
     would hold the effect that is sought, and hide it behind its own power.
     """
-    weight = np.ones(rows.shape[1:3])
-    target = np.mean(np.abs(rows[..., -1]) ** 2, axis=0)
+    n_open, n_columns, n_segments, n_frequencies = rows.shape
+    at = rows.transpose(0, 3, 1, 2).reshape(-1, n_columns, n_segments)
+    at = np.ascontiguousarray(at).view(float)
+    grams = at @ np.swapaxes(at, 1, 2)  # of each frequency
+    target = grams[:, -1, -1].reshape(n_open, n_frequencies) / n_segments
     # Where a column fits the target exactly there is no noise, and the weight would be infinite.
     rounding = 1e-24 * target.max(axis=-1, keepdims=True) + 1e-100
+    weight = np.ones((n_open, n_frequencies))
     for _ in range(N_WEIGHINGS):
-        flat = (rows * weight[..., None]).reshape(-1, rows.shape[-1])
-        gram = (flat.conj().T @ flat).real
+        gram = np.tensordot(weight.ravel() ** 2, grams, axes=1)
         contrast = np.append(solve(gram[:-1, :-1], gram[:-1, -1]), -1.0)
-        power = np.mean(np.abs(rows @ contrast) ** 2, axis=0)
+        left = np.tensordot(rows, contrast, axes=(1, 0))
+        power = np.mean(np.abs(left) ** 2, axis=1)
         weight = 1.0 / np.sqrt(np.maximum(_smooth(power), rounding))
     return weight
 

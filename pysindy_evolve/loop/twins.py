@@ -16,13 +16,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+from scipy import fft
+from scipy.ndimage import fourier_gaussian
 
 from ..equations import Equations
 from ..signals import Preparation, Record
 from .paths import Path, follow
 
-__all__ = ["TwinMaker", "shuffle_signs"]
+__all__ = ["TwinMaker", "memory_of", "shuffle_signs"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,7 @@ class TwinMaker:
     records: tuple[Record, ...]
     simulated: tuple[Path | None, ...]
     residuals: tuple[np.ndarray, ...]
+    memories: tuple[float, ...]
 
     @classmethod
     def of(cls, equations: Equations, records: Sequence[Record]) -> TwinMaker:
@@ -53,35 +55,38 @@ class TwinMaker:
         """
         residuals = tuple(r.x_dot - equations.evaluate(r.x, r.u, r.t) for r in records)
         simulated = tuple(follow(equations, record) for record in records)
-        return cls(equations, tuple(records), simulated, residuals)
+        memories = tuple(memory_of(residual) for residual in residuals)
+        return cls(equations, tuple(records), simulated, residuals, memories)
 
     def make(self, rng: np.random.Generator) -> list[Record]:
         """Return one twin of each record."""
-        parts = zip(self.records, self.simulated, self.residuals, strict=True)
-        return [self._twin(record, path, residual, rng) for record, path, residual in parts]
+        parts = zip(self.records, self.simulated, self.residuals, self.memories, strict=True)
+        return [self._twin(*part, rng) for part in parts]
 
     def _twin(
         self,
         record: Record,
         path: Path | None,
         residual: np.ndarray,
+        memory: float,
         rng: np.random.Generator,
     ) -> Record:
         twin, explained = record, np.zeros_like(residual)
         if path is not None and record.preparation is not None:
-            twin = _measured(record.preparation, path, rng)
-            explained = twin.x_dot - self.equations.evaluate(twin.x, twin.u, twin.t)
+            twin = replace(_measured(record.preparation, path, rng), u=record.u)
+        rates = self.equations.evaluate(twin.x, twin.u, twin.t)
+        if twin is not record:
+            explained = twin.x_dot - rates
         left = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
         share = np.sqrt(left / np.maximum(residual.var(axis=0), 1e-300))
-        rates = self.equations.evaluate(twin.x, twin.u, twin.t)
-        disturbed = rates + explained + share * shuffle_signs(residual, rng)
+        disturbed = rates + explained + share * shuffle_signs(residual, rng, memory)
         return replace(twin, x_dot=disturbed)
 
 
 def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
     """Measure a path with a noisy sensor; take off the derivative what pushed the model along."""
     noisy = path.y + made.noise * rng.standard_normal(path.y.shape)
-    record = made.apply(made.t, noisy, made.u)
+    record = made.apply(made.t, noisy)
     if not path.push.any():
         return record
     x_dot = np.array(record.x_dot)
@@ -89,7 +94,9 @@ def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record
     return replace(record, x_dot=x_dot)
 
 
-def shuffle_signs(columns: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def shuffle_signs(
+    columns: np.ndarray, rng: np.random.Generator, memory: float | None = None
+) -> np.ndarray:
     """Multiply columns by a slow random signal: the dependent wild bootstrap.
 
     What is strong at some time stays strong there, and what is colored stays so over the memory
@@ -101,25 +108,30 @@ def shuffle_signs(columns: np.ndarray, rng: np.random.Generator) -> np.ndarray:
         Residuals. All are multiplied by the same signal, so what they share stays shared.
     rng : numpy.random.Generator
         Draws the signal.
+    memory : float, optional
+        Standard deviation, in samples, of the bell that smooths the signal; by default from the
+        columns, see `memory_of`.
 
     Returns
     -------
     ndarray of shape (n_samples, n_columns)
     """
     n = len(columns)
-    slow = gaussian_filter1d(rng.standard_normal(n), _memory(columns), mode="wrap")
+    memory = memory_of(columns) if memory is None else memory
+    slow = fft.irfft(fourier_gaussian(fft.rfft(rng.standard_normal(n)), memory, n), n)
     return columns * (slow / max(float(slow.std()), 1e-300))[:, None]
 
 
-def _memory(columns: np.ndarray) -> float:
+def memory_of(columns: np.ndarray) -> float:
     """Return twice the lag, in samples, at which the autocorrelation has fallen to a tenth.
 
     Its envelope counts: that of a residual which rings crosses zero long before it is forgotten.
     """
     n = len(columns)
-    spectrum = np.fft.rfft(columns - columns.mean(axis=0), 2 * n, axis=0)
+    length = fft.next_fast_len(2 * n, real=True)
+    spectrum = fft.rfft(columns - columns.mean(axis=0), length, axis=0)
     # Without its negative frequencies, an autocovariance has its envelope as magnitude.
-    covariance = np.abs(np.fft.ifft(np.abs(spectrum) ** 2, 2 * n, axis=0)[:n])
+    covariance = np.abs(fft.ifft(np.abs(spectrum) ** 2, length, axis=0)[:n])
     correlation = np.max(covariance / np.maximum(covariance[0], 1e-300), axis=1)
     lag = int(np.argmax(correlation < 0.1)) or n
     return float(np.clip(2 * lag, 2, max(2, n // 40)))

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -91,7 +92,7 @@ class FreeRun:
         external = [i for i, switch in enumerate(self._switches) if switch.external]
         self.signs = [0.0] * len(self._switches)
         first = True
-        rows = zip(t.tolist(), steps.tolist(), u.tolist(), slopes.tolist(), strict=False)
+        rows = zip(t.tolist(), steps.tolist(), _rows(u), _rows(slopes), strict=False)
         for time, h, here, slope in rows:
             if first or external:
                 try:
@@ -302,6 +303,11 @@ class FreeRun:
         for i, value in enumerate(g):
             if i not in hit and i not in self.sliding and value:
                 self.signs[i] = _sign(value)
+
+
+def _rows(columns: np.ndarray) -> Iterator[tuple[float, ...]]:
+    """Go through the rows of an array as tuples of plain floats."""
+    return zip(*columns.T.tolist(), strict=True) if columns.shape[1] else repeat(())
 
 
 def _sign(value: float) -> float:
