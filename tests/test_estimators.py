@@ -4,9 +4,10 @@ import pytest
 from sklearn.base import clone
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
-from pysindy_evolve.library import EvolvingLibrary, TermLibrary
+from pysindy_evolve.library import EvolvingLibrary
 from pysindy_evolve.operators import Operator
 from pysindy_evolve.optimizer import ElasticNet
+from pysindy_evolve.term_library import TermLibrary
 from pysindy_evolve.terms import ONE
 
 # Reasons for each check that must fail; a check that starts to pass is a test that fails.

@@ -17,7 +17,7 @@ LAYERS = (
     {"signals", "simulation", "memory", "hidden"},
     {"genetics", "relatives", "refit", "constants", "dictionary", "plateau", "blur", "denoise"},
     {"evolution"},
-    {"handover", "library", "optimizer"},
+    {"handover", "term_library", "library", "optimizer"},
     {"export"},
     {"loop"},
     {"datasets", "paper", "cli"},

@@ -13,9 +13,10 @@ from hypothesis.extra import numpy as hnp
 from joblib import parallel_config
 
 from pysindy_evolve import checks
-from pysindy_evolve.library import EvolvingLibrary, TermLibrary
+from pysindy_evolve.library import EvolvingLibrary
 from pysindy_evolve.operators import Operator
 from pysindy_evolve.optimizer import ElasticNet
+from pysindy_evolve.term_library import TermLibrary
 from pysindy_evolve.terms import ONE, call, mul, variable
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")

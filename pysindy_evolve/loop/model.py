@@ -8,8 +8,8 @@ import numpy as np
 import pysindy as ps
 
 from ..equations import Equations
-from ..library import TermLibrary
 from ..optimizer import ElasticNet
+from ..term_library import TermLibrary
 from ..terms import ONE
 
 __all__ = ["as_sindy"]
