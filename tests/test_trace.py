@@ -5,8 +5,9 @@ import pytest
 from loop_systems import hidden_effects, measured, oscillator
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.design import in_state
-from pysindy_evolve.loop.effects import OFFSET, Candidate, standing
+from pysindy_evolve.loop.effects import standing
 from pysindy_evolve.loop.scoring import propose, quick_fit, score
 from pysindy_evolve.loop.segments import segments
 from pysindy_evolve.loop.trace import fold_errors, rank

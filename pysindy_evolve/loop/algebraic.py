@@ -10,16 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..operators import BUILTIN
 from ..signals import Record
 from ..terms import Sum, add, call, constant, mul, variable
-
-if TYPE_CHECKING:
-    from .effects import Shape
+from .candidate import Candidate, Proposer, Shape
 
 __all__ = ["as_algebraic", "hysteretic", "motions_of", "rounded", "rounded_sign", "yields"]
 
@@ -77,18 +74,18 @@ def hysteretic(v: Sum, x: Sum, sign: float, width: float, slant: float) -> Sum:
     return rounded_sign(slanted, width) if width else call(BUILTIN["sgn"], slanted)
 
 
-def rounded(effect: Any, shape: type[Shape], v: int, scales: np.ndarray) -> Iterator[Any]:
+def rounded(effect: Proposer, v: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through frictions whose sign is rounded off."""
     for width in (w for w in WIDTHS if w):
-        smooth = shape(partial(rounded_sign, variable(v)), width * float(scales[v]))
+        smooth = Shape(partial(rounded_sign, variable(v)), width * float(scales[v]))
         yield effect("Coulomb friction", shape=smooth)
 
 
-def yields(effect: Any, shape: type[Shape], x: int, v: int, scales: np.ndarray) -> Iterator[Any]:
+def yields(effect: Proposer, x: int, v: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through hysteretic frictions of a velocity, led or followed by another variable."""
     speed, reach = float(scales[v]), float(scales[x])
     for width in WIDTHS:
         for sign in (1.0, -1.0):
             build = partial(hysteretic, variable(v), variable(x), sign, width * speed)
             for slant in SLANTS:
-                yield effect("hysteresis", shape=shape(build, slant * speed / reach))
+                yield effect("hysteresis", shape=Shape(build, slant * speed / reach))

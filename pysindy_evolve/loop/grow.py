@@ -15,8 +15,9 @@ from ..evolution import Settings, evolve
 from ..operators import Operator
 from ..signals import Record
 from ..terms import Product, Sum
+from .candidate import OFFSET, Candidate
 from .design import Design
-from .effects import OFFSET, Candidate, candidates, standing
+from .effects import candidates, standing
 from .fit import derivative_intervals
 from .residual import forces
 from .rules import Rules

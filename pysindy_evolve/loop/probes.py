@@ -17,8 +17,8 @@ from ..memory import DELAY, LAG, VESSEL, Memory
 from ..signals import Record
 from ..substitution import substituted
 from ..terms import Sum, sub, variable
+from .candidate import Candidate
 from .design import Column, Design
-from .effects import Candidate
 from .scoring import propose
 from .segments import Segments
 from .spectral import spectral_grams

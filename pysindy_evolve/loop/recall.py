@@ -13,8 +13,8 @@ from ..memory import DELAY, LAG, VESSEL, Memory, remembered
 from ..signals import Record
 from ..substitution import substituted
 from ..terms import Sum, constant, mul, sub, variable
+from .candidate import Candidate
 from .design import Column, Design
-from .effects import Candidate
 from .encompassing import chance
 from .fit import derivative_intervals
 from .probes import RATIO, Exchange, MemoryCandidate, Probes, exchanges, grid_of

@@ -8,8 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
+from .candidate import Candidate
 from .design import Design
-from .effects import Candidate, candidates
+from .effects import candidates
 from .recall import MemoryFinding
 from .rivals import rivals_of
 from .scoring import MARGIN, columns_of, score

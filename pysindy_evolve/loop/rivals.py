@@ -8,8 +8,9 @@ import numpy as np
 
 from ..operators import BUILTIN
 from ..terms import Call, Product, Sum, add, call, constant, mul, power
+from .candidate import Candidate
 from .design import Design
-from .effects import Candidate, candidates, standing
+from .effects import candidates, standing
 from .encompassing import chance
 from .scoring import columns_of
 from .segments import Segments, ranges

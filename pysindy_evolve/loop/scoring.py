@@ -10,20 +10,16 @@ from scipy.optimize import minimize_scalar
 
 from ..equations import Equations
 from ..signals import Record
+from .candidate import Candidate, Shape
 from .design import Column, Design, in_state
-from .effects import (
-    VOCABULARY,
-    Candidate,
-    Shape,
-    candidates,
-    periodic_candidates,
-    standing,
-)
+from .effects import candidates, standing
 from .linear import solve
+from .periodic import periodic_candidates
 from .residual import derivative_grams
 from .segments import Segments, ranges, variables_of
 from .spectral import spectral_grams
 from .trace import Score, rank
+from .vocabulary import VOCABULARY
 
 __all__ = [
     "MARGIN",

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .candidate import Candidate
 from .design import Design
-from .effects import Candidate
 from .linear import solve
 from .residual import derivative_grams, jacobian, view_grams
 from .scoring import columns_of, quick_fit

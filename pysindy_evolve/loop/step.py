@@ -12,8 +12,8 @@ from tqdm.auto import tqdm
 
 from ..equations import Equations
 from ..signals import Record
+from .candidate import Candidate
 from .design import Column, Design
-from .effects import Candidate
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules

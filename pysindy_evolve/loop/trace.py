@@ -16,7 +16,7 @@ from itertools import combinations
 import numpy as np
 
 from ..terms import Sum
-from .effects import Candidate
+from .candidate import Candidate
 from .linear import solve
 
 __all__ = ["Score", "fold_errors", "rank"]

@@ -1,0 +1,59 @@
+"""A candidate: an effect that may be missing, as columns that may enter an equation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ..terms import ONE, Sum
+
+__all__ = ["OFFSET", "Candidate", "Proposer", "Shape"]
+
+OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A number that a term depends on other than linearly, and how to build the term from it."""
+
+    build: Callable[[float], Sum]
+    value: float
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect that may be missing: its name, the equation it enters, its columns.
+
+    `parents` are expressions that must already stand in the equation. An effect with a `shape`
+    stands on a grid of its number, which is tuned once the effect is found.
+    """
+
+    name: str
+    state: int
+    terms: tuple[Sum, ...]
+    parents: tuple[Sum, ...] = ()
+    shape: Shape | None = field(default=None, compare=False)
+
+    @property
+    def is_exchange(self) -> bool:
+        """Whether it changes what a term of the model depends on, instead of adding one."""
+        return False
+
+    @property
+    def size(self) -> int:
+        """Number of nodes of its terms."""
+        return sum(term.size for term in self.terms)
+
+
+@dataclass(frozen=True)
+class Proposer:
+    """Makes the candidates of one equation."""
+
+    state: int
+
+    def __call__(
+        self, name: str, *terms: Sum, parents: tuple[Sum, ...] = (), shape: Shape | None = None
+    ) -> Candidate:
+        """Return a candidate; the column of one with a shape is built from the shape."""
+        columns = terms if shape is None else (shape.build(shape.value),)
+        return Candidate(name, self.state, columns, parents, shape)

@@ -1,0 +1,56 @@
+"""Periodic forcing: which frequencies of a residual are proposed, and which are not its own."""
+
+import numpy as np
+import pytest
+
+from pysindy_evolve.loop.periodic import periodic_candidates
+
+STILL = np.empty((1000, 0))  # no inputs
+
+
+@pytest.mark.parametrize("omega", [2.7, 11.3, 40.0])
+def test_frequency_of_a_periodic_residual_is_proposed_within_a_percent(omega):
+    t = np.arange(0.0, 20.0, 0.02)
+    noise = 0.5 * np.random.default_rng(0).standard_normal(len(t))
+    residual = 3.0 + np.cos(omega * t + 0.3) + noise
+    first, *_ = periodic_candidates(1, 3, residual, STILL, 0.02)
+    assert first.name == "periodic forcing"
+    assert first.state == 1
+    assert first.terms[0].constants[0] == pytest.approx(omega, rel=0.01)
+    z = np.column_stack([np.zeros((len(t), 3)), t])
+    sine, cosine = (term.evaluate(z) for term in first.terms)
+    assert sine**2 + cosine**2 == pytest.approx(1.0)
+
+
+def test_line_of_the_input_is_no_forcing_of_its_own():
+    t = np.arange(0.0, 20.0, 0.02)
+    rng = np.random.default_rng(0)
+    residual = np.cos(7.0 * t) + 0.5 * np.sin(19.0 * t) + 0.1 * rng.standard_normal(len(t))
+    force = 3.0 * np.sin(7.0 * t + 0.2)[:, None]
+    (found,) = periodic_candidates(0, 1, residual, force, 0.02)
+    assert found.terms[0].constants[0] == pytest.approx(19.0, rel=0.01)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_has_no_line(seed):
+    noise = np.random.default_rng(seed).standard_normal(1000)
+    assert periodic_candidates(0, 1, noise, STILL, 0.02) == []
+
+
+def test_two_frequencies_are_both_proposed():
+    t = np.arange(0.0, 20.0, 0.02)
+    residual = np.cos(7.0 * t) + 0.5 * np.sin(19.0 * t)
+    found = periodic_candidates(0, 1, residual, STILL, 0.02)
+    assert [c.terms[0].constants[0] for c in found] == pytest.approx([7.0, 19.0], rel=0.01)
+
+
+@pytest.mark.parametrize("residual", [np.zeros(200), np.ones(200), np.zeros(5)])
+def test_residual_without_any_frequency_proposes_none(residual):
+    assert periodic_candidates(0, 1, residual, STILL, 0.02) == []
+
+
+def test_slow_drift_is_no_periodic_forcing():
+    t = np.arange(0.0, 20.0, 0.02)
+    for candidate in periodic_candidates(0, 1, 0.3 * t, STILL, 0.02):
+        periods = candidate.terms[0].constants[0] * t[-1] / (2 * np.pi)
+        assert periods > 2.5
