@@ -9,7 +9,6 @@ from scipy.io import savemat
 
 from pysindy_evolve import datasets
 from pysindy_evolve.datasets import sources
-from pysindy_evolve.datasets.measured import silverbox
 
 SPLITS = {
     "load_emps": (["train"], ["pulses"]),
@@ -210,8 +209,9 @@ def test_tanks_are_read_from_the_public_table_by_column_name(nowhere, data_dir, 
 def test_silverbox_is_read_from_the_public_table_and_changed_content_is_refused(
     nowhere, data_dir, monkeypatch
 ):
-    columns = sources.read_columns("silverbox/silverbox.npz", data_dir)
-    assert sources.digest_of({key: columns[key] for key in "uy"}) == silverbox.DIGEST
+    file = "silverbox/silverbox.npz"
+    columns = sources.read_columns(file, data_dir)
+    assert sources.digest_of({key: columns[key] for key in "uy"}) == sources.DIGESTS[file]
     path = nowhere / "other.csv"
     path.write_text("V1,V2\n0.1,0.2\n0.3,0.4\n", encoding="utf-8")
     _publish(monkeypatch, {"data/Silverbox/SNLS80mV.csv": path})

@@ -47,7 +47,8 @@ def load_odebench(folder: str | os.PathLike[str] | None = None) -> tuple[OdeSyst
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets. The public source has another format and is not downloaded.
+        Folder that holds ``odebench/odebench.json``; searched for by default. The public source has
+        another format and is not downloaded.
 
     Returns
     -------

@@ -17,12 +17,25 @@ Columns = dict[str, np.ndarray]
 ENVIRONMENT_VARIABLE = "PYSINDY_EVOLVE_DATA"
 _RAW = "https://raw.githubusercontent.com"
 
+# What a download must hold: for each file, `digest_of` its columns as they were published.
+DIGESTS = {
+    "cart_pcontrol/cart.npz": "24d0d154db7fe18d8c2caaa93422b191ff3e6c184675588beeac4d2ff5df94c3",
+    "cascaded_tanks/tanks.csv": "03d91a3bd12e8500607eaa394506e2d7bdfd18fefc175683210828eda24b46ea",
+    "emps/emps.npz": "29984e715af33ea53a9a7bb703766371481b2e38cf3a7ce8f18355117fef0ca6",
+    "pendulum_multiarm/single.npz": (
+        "f9633765eba7265991d9508289de2b69d9922094487d2197faad36298bdcdbcf"
+    ),
+    "silverbox/silverbox.npz": "81651def96477b645a3dab62cdca95f707832ae6a583767817c24a9151151b61",
+    "tclab/rec_A.csv": "c29b1dedb08bf881e68038d689d62e58e063915d44e6e64b1126ff3bc12b319e",
+    "tclab/rec_B.csv": "6e23eb6b24102d5d4228b752000901ec655af613f79fff98995f45c682a0ab56",
+    "tclab/rec_E.csv": "85c88213bc6a7588d99c425f68b84e335314261b388dbbc2eaa9ed35f5654137",
+}
+
 
 def read_columns(
     file: str,
     folder: str | os.PathLike[str] | None,
     public: Callable[[], Columns] | None = None,
-    digest: str = "",
 ) -> Columns:
     """Columns of one measured file, from a folder or else from its public source.
 
@@ -35,10 +48,8 @@ def read_columns(
         for ``../shared/data`` beside the working directory and beside the source tree, then
         downloads.
     public : callable, optional
-        Downloads and reads the public source. None if it has a format that numpy and scipy cannot
-        read.
-    digest : str, default=""
-        `digest_of` the columns that ``public`` must return.
+        Downloads and reads the public source, whose columns must have the digest that `DIGESTS`
+        gives for the file. None if it has a format that numpy and scipy cannot read.
 
     Returns
     -------
@@ -62,7 +73,7 @@ def read_columns(
             "that cannot be read here: pass the folder of the converted records."
         )
     columns = public()
-    if digest_of(columns) != digest:
+    if digest_of(columns) != DIGESTS[file]:
         raise ValueError(
             f"load(folder=...) must find the published content of {file}; got a download with "
             "other numbers. Delete it from the cache of pooch and try again, or pass a folder "

@@ -16,7 +16,8 @@ def load_ball_drops(folder: Folder = None) -> MeasuredSet:
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets. The public source is a spreadsheet, which is not downloaded.
+        Folder that holds ``ball_drops/ball_drops.csv`` and ``ball_drops/balls.csv``; searched for
+        by default. The public source is a spreadsheet, which is not downloaded.
 
     Returns
     -------

@@ -9,9 +9,6 @@ from .record import Folder, MeasuredRecord, MeasuredSet
 
 __all__ = ["load_cart"]
 
-# Of the columns as they were published, see `sources.digest_of`.
-DIGEST = "24d0d154db7fe18d8c2caaa93422b191ff3e6c184675588beeac4d2ff5df94c3"
-
 
 def load_cart(folder: Folder = None) -> MeasuredSet:
     """Cart under proportional position control at four gains, 1 kHz: nothing visible is missing.
@@ -19,7 +16,7 @@ def load_cart(folder: Folder = None) -> MeasuredSet:
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets.
+        Folder that holds ``cart_pcontrol/cart.npz``; searched for, or downloaded, by default.
 
     Returns
     -------
@@ -31,7 +28,7 @@ def load_cart(folder: Folder = None) -> MeasuredSet:
     ----------
     Records of M. Kawata's book on inverted pendulums, https://github.com/Prof-Carter/book_ip.
     """
-    columns = sources.read_columns("cart_pcontrol/cart.npz", folder, _published, DIGEST)
+    columns = sources.read_columns("cart_pcontrol/cart.npz", folder, _published)
 
     def record(code: str) -> MeasuredRecord:
         gain = int(code) / 10

@@ -9,9 +9,6 @@ from .record import Folder, MeasuredRecord, MeasuredSet
 
 __all__ = ["load_cascaded_tanks"]
 
-# Of the columns as they were published, see `sources.digest_of`.
-DIGEST = "03d91a3bd12e8500607eaa394506e2d7bdfd18fefc175683210828eda24b46ea"
-
 
 def load_cascaded_tanks(folder: Folder = None) -> MeasuredSet:
     """Two cascaded tanks that can overflow: pump voltage to lower level, every 4 s.
@@ -19,7 +16,7 @@ def load_cascaded_tanks(folder: Folder = None) -> MeasuredSet:
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets.
+        Folder that holds ``cascaded_tanks/tanks.csv``; searched for, or downloaded, by default.
 
     Returns
     -------
@@ -32,7 +29,7 @@ def load_cascaded_tanks(folder: Folder = None) -> MeasuredSet:
     Schoukens, Noël, "Three benchmarks addressing open challenges in nonlinear system
     identification", IFAC-PapersOnLine 50, 2017, doi:10.1016/j.ifacol.2017.08.071.
     """
-    columns = sources.read_columns("cascaded_tanks/tanks.csv", folder, _published, DIGEST)
+    columns = sources.read_columns("cascaded_tanks/tanks.csv", folder, _published)
 
     def record(name: str, part: str) -> MeasuredRecord:
         level = columns[f"y_{part}"]

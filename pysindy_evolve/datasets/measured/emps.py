@@ -9,9 +9,6 @@ from .record import Folder, MeasuredRecord, MeasuredSet
 
 __all__ = ["load_emps"]
 
-# Of the columns as they were published, see `sources.digest_of`.
-DIGEST = "29984e715af33ea53a9a7bb703766371481b2e38cf3a7ce8f18355117fef0ca6"
-
 
 def load_emps(folder: Folder = None) -> MeasuredSet:
     """Electro-mechanical positioning system: motor force to position of a linear axis, 1 kHz.
@@ -19,7 +16,7 @@ def load_emps(folder: Folder = None) -> MeasuredSet:
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets.
+        Folder that holds ``emps/emps.npz``; searched for, or downloaded, by default.
 
     Returns
     -------
@@ -33,7 +30,7 @@ def load_emps(folder: Folder = None) -> MeasuredSet:
     Janot, Gautier, Brunot, "Data set and reference models of EMPS", Nonlinear System
     Identification Benchmarks, 2019.
     """
-    columns = sources.read_columns("emps/emps.npz", folder, _published, DIGEST)
+    columns = sources.read_columns("emps/emps.npz", folder, _published)
 
     def record(name: str, part: str) -> MeasuredRecord:
         return MeasuredRecord(

@@ -16,7 +16,8 @@ def load_mr_damper(folder: Folder = None) -> MeasuredSet:
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets. The public source does not name its columns and is not downloaded.
+        Folder that holds ``mr_damper_labcontrol/mr_labcontrol.npz``; searched for by default. The
+        public source does not name its columns and is not downloaded.
 
     Returns
     -------

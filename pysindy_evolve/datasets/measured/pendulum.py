@@ -9,9 +9,6 @@ from .record import Folder, MeasuredRecord, MeasuredSet
 
 __all__ = ["load_pendulum"]
 
-# Of the columns as they were published, see `sources.digest_of`.
-DIGEST = "f9633765eba7265991d9508289de2b69d9922094487d2197faad36298bdcdbcf"
-
 
 def load_pendulum(folder: Folder = None) -> MeasuredSet:
     """Single pendulum in free swing, its cart clamped, 1 kHz.
@@ -19,7 +16,7 @@ def load_pendulum(folder: Folder = None) -> MeasuredSet:
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets.
+        Folder that holds ``pendulum_multiarm/single.npz``; searched for, or downloaded, by default.
 
     Returns
     -------
@@ -32,7 +29,7 @@ def load_pendulum(folder: Folder = None) -> MeasuredSet:
     ----------
     Kaheman et al., "The experimental multi-arm pendulum on a cart", arXiv 2205.06231.
     """
-    columns = sources.read_columns("pendulum_multiarm/single.npz", folder, _published, DIGEST)
+    columns = sources.read_columns("pendulum_multiarm/single.npz", folder, _published)
     cut = int(0.6 * columns["t"].size)
 
     def record(name: str, part: slice) -> MeasuredRecord:

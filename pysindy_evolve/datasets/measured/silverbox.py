@@ -9,9 +9,6 @@ from .record import Folder, MeasuredRecord, MeasuredSet
 
 __all__ = ["load_silverbox"]
 
-# Of the columns as they were published, see `sources.digest_of`.
-DIGEST = "81651def96477b645a3dab62cdca95f707832ae6a583767817c24a9151151b61"
-
 
 def load_silverbox(folder: Folder = None) -> MeasuredSet:
     """Silverbox, an electronic Duffing circuit, 610.35 Hz.
@@ -19,7 +16,7 @@ def load_silverbox(folder: Folder = None) -> MeasuredSet:
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets.
+        Folder that holds ``silverbox/silverbox.npz``; searched for, or downloaded, by default.
 
     Returns
     -------
@@ -34,7 +31,7 @@ def load_silverbox(folder: Folder = None) -> MeasuredSet:
     Wigren, Schoukens, "Three free data sets for development and benchmarking in nonlinear system
     identification", ECC 2013, doi:10.23919/ECC.2013.6669201.
     """
-    columns = sources.read_columns("silverbox/silverbox.npz", folder, _published, DIGEST)
+    columns = sources.read_columns("silverbox/silverbox.npz", folder, _published)
     y, u = columns["y"].astype(float), columns["u"].astype(float)
     u = u - u.mean()
     sampling_rate = 1e7 / 2**14  # Hz, the clock of the generator divided by 2^14

@@ -9,12 +9,6 @@ from .record import Folder, MeasuredRecord, MeasuredSet
 
 __all__ = ["load_tclab"]
 
-# Of the columns as they were published, see `sources.digest_of`.
-DIGESTS = {
-    "A": "c29b1dedb08bf881e68038d689d62e58e063915d44e6e64b1126ff3bc12b319e",
-    "B": "6e23eb6b24102d5d4228b752000901ec655af613f79fff98995f45c682a0ab56",
-    "E": "85c88213bc6a7588d99c425f68b84e335314261b388dbbc2eaa9ed35f5654137",
-}
 COMMITS = {
     "A": "196c74e5c50a00a6d873892e8d56b742d72dbd0b",
     "B": "f3d31fff371666f01b74813c4003385aa0d2b3be",
@@ -28,7 +22,8 @@ def load_tclab(folder: Folder = None) -> MeasuredSet:
     Parameters
     ----------
     folder : path, optional
-        Folder of measured sets.
+        Folder that holds ``tclab/rec_A.csv`` and those of B and E; searched for, or downloaded,
+        by default.
 
     Returns
     -------
@@ -43,12 +38,8 @@ def load_tclab(folder: Folder = None) -> MeasuredSet:
     """
 
     def record(name: str) -> MeasuredRecord:
-        columns = sources.read_columns(
-            f"tclab/rec_{name}.csv",
-            folder,
-            lambda: _published(name),
-            DIGESTS[name],
-        )
+        file = f"tclab/rec_{name}.csv"
+        columns = sources.read_columns(file, folder, lambda: _published(name))
         return MeasuredRecord(
             name=name,
             t=columns["Time"],
