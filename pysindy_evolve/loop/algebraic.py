@@ -16,7 +16,7 @@ import numpy as np
 from ..operators import BUILTIN
 from ..signals import Record
 from ..terms import Sum, add, call, constant, mul, variable
-from .candidate import Candidate, Proposer, Shape
+from .candidate import Candidate, CandidateMaker, Shape
 
 __all__ = ["as_algebraic", "hysteretic", "motions_of", "rounded", "rounded_sign", "yields"]
 
@@ -74,14 +74,14 @@ def hysteretic(v: Sum, x: Sum, sign: float, width: float, slant: float) -> Sum:
     return rounded_sign(slanted, width) if width else call(BUILTIN["sgn"], slanted)
 
 
-def rounded(effect: Proposer, v: int, scales: np.ndarray) -> Iterator[Candidate]:
+def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through frictions whose sign is rounded off."""
     for width in (w for w in WIDTHS if w):
         smooth = Shape(partial(rounded_sign, variable(v)), width * float(scales[v]))
         yield effect("Coulomb friction", shape=smooth)
 
 
-def yields(effect: Proposer, x: int, v: int, scales: np.ndarray) -> Iterator[Candidate]:
+def yields(effect: CandidateMaker, x: int, v: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through hysteretic frictions of a velocity, led or followed by another variable."""
     speed, reach = float(scales[v]), float(scales[x])
     for width in WIDTHS:

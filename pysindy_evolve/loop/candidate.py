@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ..terms import ONE, Sum
 
-__all__ = ["OFFSET", "Candidate", "Proposer", "Shape"]
+__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape"]
 
 OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
 
@@ -46,7 +46,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Proposer:
+class CandidateMaker:
     """Makes the candidates of one equation."""
 
     state: int

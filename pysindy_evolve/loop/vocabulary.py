@@ -15,7 +15,7 @@ import numpy as np
 from ..operators import BUILTIN
 from ..terms import Sum, add, call, constant, mul, power, sub, variable
 from .algebraic import rounded, yields
-from .candidate import OFFSET, Candidate, Proposer, Shape
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape
 from .design import Design
 
 __all__ = ["VOCABULARY", "of_equation"]
@@ -82,7 +82,7 @@ def _stribeck(v: Sum, speed: float) -> Sum:
 
 def of_equation(design: Design, state: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through the vocabulary for one equation, simple effects before composed ones."""
-    effect = Proposer(state)
+    effect = CandidateMaker(state)
     n_states, n_inputs = len(design.states), len(design.inputs)
     if design.algebraic:
         yield from _of_target(effect, design, scales)
@@ -101,7 +101,7 @@ def of_equation(design: Design, state: int, scales: np.ndarray) -> Iterator[Cand
     yield effect("drift", variable(n_states + n_inputs), parents=(OFFSET,))
 
 
-def _of_target(effect: Proposer, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
+def _of_target(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through the effects of a target that is a function of inputs."""
     yield effect("constant offset", OFFSET)
     first = len(design.states)
@@ -122,7 +122,7 @@ def _of_target(effect: Proposer, design: Design, scales: np.ndarray) -> Iterator
             yield from _inputs(effect, variable(column), own, float(scales[column]))
 
 
-def _frictions(effect: Proposer, v: Sum, speed: float) -> Iterator[Candidate]:
+def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
     yield effect("viscous damping", v)
     yield effect("Coulomb friction", _sgn(v))
     yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
@@ -133,7 +133,7 @@ def _frictions(effect: Proposer, v: Sum, speed: float) -> Iterator[Candidate]:
     yield effect("nonlinear damping", power(v, 3))
 
 
-def _springs(effect: Proposer, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:
+def _springs(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:
     yield effect("linear stiffness", q)
     yield effect("quadratic stiffness", power(q, 2), parents=(OFFSET,))
     yield effect("cubic stiffness", power(q, 3))
@@ -149,7 +149,9 @@ def _springs(effect: Proposer, q: Sum, v: Sum, reach: float) -> Iterator[Candida
     yield effect("coupling", mul(q, v), parents=(OFFSET,))
 
 
-def _couplings(effect: Proposer, design: Design, state: int, other: int) -> Iterator[Candidate]:
+def _couplings(
+    effect: CandidateMaker, design: Design, state: int, other: int
+) -> Iterator[Candidate]:
     own, w = variable(state), variable(other)
     yield effect("coupling", w)
     yield effect("coupling", mul(own, w), parents=(OFFSET,))
@@ -163,7 +165,7 @@ def _couplings(effect: Proposer, design: Design, state: int, other: int) -> Iter
         yield effect("cubic stiffness", power(stretch, 3))
 
 
-def _inputs(effect: Proposer, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:
+def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:
     yield effect("input gain", u)
     for x in own:
         yield effect("input gain", mul(u, x), parents=(OFFSET,))
