@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,8 @@ from sklearn.utils.validation import check_is_fitted
 from . import checks, terms
 from .equations import Equations
 from .operators import BUILTIN, Operator
-from .terms import Call, Product, Sum, Variable
+from .substitution import substituted
+from .terms import Sum
 from .tracing import trace
 
 __all__ = ["check_ordinary", "columns_of", "from_model"]
@@ -128,7 +128,7 @@ def _from_sindy(model: ps.SINDy, owner: str) -> Equations:
         ) from None
     columns = columns_of(model.feature_library, owner)
     coef = np.atleast_2d(np.asarray(model.coefficients(), dtype=float))
-    products = [_as_product(column) for column in columns]
+    products = [terms.as_product(column) for column in columns]
     intercept = np.broadcast_to(getattr(model.optimizer, "intercept_", 0.0), len(coef))
     if np.any(intercept != 0.0):
         products.append(terms.ONE)
@@ -137,13 +137,6 @@ def _from_sindy(model: ps.SINDy, owner: str) -> Equations:
     checks.feature_names(names, model.feature_library.n_features_in_)
     n_states = len(names) - model.n_control_features_
     return Equations(tuple(products), coef, names[:n_states], names[n_states:])
-
-
-def _as_product(column: Sum) -> Product:
-    """Return the column as one term; a function such as 1 + 2 q becomes one atom."""
-    if len(column.parts) == 1 and column.parts[0][0] == 1.0:
-        return column.parts[0][1]
-    return Product(((column, 1),))
 
 
 class _Reader:
@@ -175,7 +168,8 @@ class _Reader:
         base = getattr(library, "base_library_", None)
         fixed = [] if base is None else self.columns(base, inputs)
         grown = [t if isinstance(t, Sum) else Sum(((1.0, t),)) for t in library.terms_]
-        return fixed + [_relabeled(column, inputs) for column in grown]
+        place = {i: terms.variable(column) for i, column in enumerate(inputs)}
+        return fixed + [substituted(column, place) for column in grown]
 
     def _custom(self, library: ps.CustomLibrary, inputs: Sequence[int]) -> list[Sum]:
         result = [terms.constant(1.0)] if library.include_bias else []
@@ -246,21 +240,6 @@ def _arity(function: Any) -> int:
 def _chosen(inputs: Sequence[int], chosen: Iterable[int]) -> list[int]:
     """Return the inputs of one part, each once, as PySINDy drops repeated ones."""
     return [inputs[index] for index in dict.fromkeys(chosen)]
-
-
-def _relabeled(node: Any, inputs: Sequence[int]) -> Sum:
-    """Put variable inputs[i] in the place of variable i."""
-    if isinstance(node, Variable):
-        return terms.variable(inputs[node.index])
-    if isinstance(node, Call):
-        return terms.call(node.operator, *(_relabeled(a, inputs) for a in node.args))
-    if isinstance(node, Product):
-        result = terms.constant(1.0)
-        for atom, exponent in node.factors:
-            result = terms.mul(result, terms.power(_relabeled(atom, inputs), exponent))
-        return result
-    parts = (terms.mul(terms.constant(c), _relabeled(p, inputs)) for c, p in node.parts)
-    return reduce(terms.add, parts, Sum(()))
 
 
 def _check_against_transform(library: Any, columns: Sequence[Sum], owner: str) -> None:

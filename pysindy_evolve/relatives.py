@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations_with_replacement
 
 from .operators import Operator
-from .terms import ONE, Atom, Call, Product, Sum, Variable, constant, mul
+from .terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul
 
 __all__ = ["relatives"]
 
@@ -45,7 +45,7 @@ def relatives(equation: Sequence[Product], operators: Sequence[Operator]) -> lis
         for chosen in combinations_with_replacement(atoms[:MOST_ATOMS], degree):
             product = constant(1.0)
             for atom in chosen:
-                product = mul(product, Sum(((1.0, Product(((atom, 1),))),)))
+                product = mul(product, as_sum(atom))
             found.update((term, None) for _, term in product.parts if not _is_mask(term))
     return list(found)
 
@@ -68,11 +68,7 @@ def _simple(term: Product) -> Iterator[Atom]:
         inner = [a for one in sums for _, part in one.parts for a in _simple(part)]
         yield from inner
         if isinstance(atom, Call) and atom.operator.arity == 1:
-            yield from (
-                Call(atom.operator, (Sum(((1.0, Product(((a, 1),))),)),))
-                for a in inner
-                if isinstance(a, Variable)
-            )
+            yield from (Call(atom.operator, (as_sum(a),)) for a in inner if isinstance(a, Variable))
 
 
 def _of_variables(call: Call) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 from ..equations import Equations
 from ..operators import BUILTIN
 from ..simulation import simulate
-from ..terms import Product, Sum, call, sub, variable
+from ..terms import as_product, call, sub, variable
 from .measured import MeasuredRecord
 
 __all__ = ["Drive", "friction_drive", "nothing_missing"]
@@ -186,7 +186,7 @@ def _plant(friction: float) -> Equations:
     columns = [v, force] + ([call(BUILTIN["sgn"], v)] if friction else [])
     row = [-VISCOUS / MASS, 1.0 / MASS] + ([-friction / MASS] if friction else [])
     coef = np.array([[1.0, *[0.0] * (len(row) - 1)], row])
-    return Equations(tuple(_term(c) for c in columns), coef, ("q", "v"), ("F",))
+    return Equations(tuple(as_product(c) for c in columns), coef, ("q", "v"), ("F",))
 
 
 def _controlled(plant: Equations) -> Equations:
@@ -196,15 +196,10 @@ def _controlled(plant: Equations) -> Equations:
     terms = [*plant.terms, *(term for _, term in lag.parts)]
     signs = [coefficient for coefficient, _ in lag.parts]
     coef = np.hstack([plant.coef, np.zeros((2, 2))])
-    coef[1, plant.terms.index(_term(variable(2)))] = 0.0  # the force is no input any more
-    coef[1, plant.terms.index(_term(variable(1)))] -= damping
+    coef[1, plant.terms.index(as_product(variable(2)))] = 0.0  # the force is no input any more
+    coef[1, plant.terms.index(as_product(variable(1)))] -= damping
     coef[1, -2:] += [stiffness * sign for sign in signs]
     return Equations(tuple(terms), coef, plant.states, ("r",))
-
-
-def _term(column: Sum) -> Product:
-    ((_, term),) = column.parts
-    return term
 
 
 def _check(owner: str, friction: float, noise: float, resolution: float, duration: float) -> None:

@@ -31,7 +31,7 @@ from ..equations import Equations
 from ..operators import BUILTIN
 from ..signals import Record, integrate
 from ..simulation import simulate
-from ..terms import Product, Sum, call, mul, power, variable
+from ..terms import as_product, call, mul, power, variable
 
 __all__ = ["DuffingRig", "duffing", "noisy"]
 
@@ -224,12 +224,7 @@ def _equations(friction: bool, experiment: int) -> Equations:
     columns = [v, q, power(q, 3), *([sign, mul(power(q, 2), sign)] if friction else []), zdd]
     row = EXPERIMENTS[experiment] if friction else FRICTIONLESS
     coef = np.array([[1.0, *[0.0] * (len(row) - 1)], row])
-    return Equations(tuple(_term(c) for c in columns), coef, ("q", "v"), ("zdd",))
-
-
-def _term(column: Sum) -> Product:
-    ((_, term),) = column.parts
-    return term
+    return Equations(tuple(as_product(c) for c in columns), coef, ("q", "v"), ("zdd",))
 
 
 def _by_accelerometers(

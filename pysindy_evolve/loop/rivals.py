@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
-from ..operators import BUILTIN
-from ..terms import Call, Product, Sum, add, call, constant, mul, power
+from ..terms import Call, Sum, add, as_sum, constant, mul, power
+from .algebraic import rounded_sign
 from .candidate import Candidate
 from .design import Design
 from .effects import candidates, standing
@@ -120,16 +121,13 @@ def _rounded(candidate: Candidate, part: Segments) -> list[Candidate]:
 
 def _soft(term: Sum, inside: Sum, width: float) -> Sum:
     """Replace the sign of an expression by its hyperbolic tangent."""
-    step = call(BUILTIN["tanh"], mul(constant(1.0 / width), inside))
+    step = rounded_sign(inside, width)
     parts = []
     for coefficient, product in term.parts:
         replaced = constant(coefficient)
         for atom, exponent in product.factors:
             is_sign = isinstance(atom, Call) and atom.operator.name == "sgn"
-            factor = step if is_sign else Sum(((1.0, Product(((atom, 1),))),))
+            factor = step if is_sign else as_sum(atom)
             replaced = mul(replaced, power(factor, exponent))
         parts.append(replaced)
-    total = parts[0]
-    for other in parts[1:]:
-        total = add(total, other)
-    return total
+    return reduce(add, parts)

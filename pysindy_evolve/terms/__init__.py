@@ -19,10 +19,10 @@ from .calls import call
 from .canonical import simplified
 from .node import Cache
 from .products import ONE, Product
-from .sums import Atom, Sum
+from .sums import Atom, Sum, as_product, as_sum
 
 __all__ = [
     "ONE", "Atom", "Cache", "Call", "Product", "Sum", "Variable",
-    "add", "call", "constant", "div", "mul", "neg", "power", "simplified", "sub",
-    "variable",
+    "add", "as_product", "as_sum", "call", "constant", "div", "mul", "neg", "power",
+    "simplified", "sub", "variable",
 ]  # fmt: skip

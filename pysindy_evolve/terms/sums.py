@@ -102,6 +102,13 @@ def as_sum(atom: Atom) -> Sum:
     return Sum(((1.0, Product(((atom, 1),))),))
 
 
+def as_product(a: Sum) -> Product:
+    """Return a sum as one term; a function such as 1 + 2 q becomes one atom."""
+    if len(a.parts) == 1 and a.parts[0][0] == 1.0:
+        return a.parts[0][1]
+    return Product(((a, 1),))
+
+
 def collect(parts: Iterable[tuple[float, Product]]) -> Sum:
     """Return the sum of coefficients times terms, like terms collected and sorted."""
     totals: dict[Product, float] = {}
