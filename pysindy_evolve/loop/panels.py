@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -17,8 +19,27 @@ LEAST_IN_BIN = 30
 N_FREQUENCIES = 60  # bins over frequency
 N_CELLS = (6, 28)  # of a plane, on each side: fewest and most
 LEAST_IN_CELL = 3
-ENDS = (0.1, 0.5, 0.9)  # quantiles over time
-MIDDLE_HALF = (0.25, 0.5, 0.75)  # quantiles over a variable
+
+
+@dataclass(frozen=True)
+class Band:
+    """How the spread of a signal is drawn: between two quantiles, with a line along a third."""
+
+    quantiles: tuple[float, float, float]
+    alpha: float
+    width: float
+
+    def draw(
+        self, axes: Any, places: Sequence[float], bins: Sequence[np.ndarray], color: str, label: str
+    ) -> None:
+        """Draw the samples of each bin at its place."""
+        low, middle, high = np.array([np.quantile(values, self.quantiles) for values in bins]).T
+        axes.fill_between(places, low, high, color=color, alpha=self.alpha, lw=0)
+        axes.plot(places, middle, color=color, lw=self.width, label=label)
+
+
+OVER_TIME = Band((0.1, 0.5, 0.9), alpha=0.3, width=0.9)
+OVER_VARIABLE = Band((0.25, 0.5, 0.75), alpha=0.25, width=1.6)
 
 
 def tidy(axes: Any, x: str, y: str, title: str) -> None:
@@ -45,10 +66,8 @@ def draw_time(axes: Any, t: np.ndarray, residual: np.ndarray, color: str, label:
         axes.plot(t, residual, color=color, lw=1.0, label=label)
         return
     parts = np.array_split(np.arange(len(t)), N_TIMES)
-    low, middle, high = np.array([np.quantile(residual[part], ENDS) for part in parts]).T
-    centers = np.array([t[part].mean() for part in parts])
-    axes.fill_between(centers, low, high, color=color, alpha=0.3, lw=0)
-    axes.plot(centers, middle, color=color, lw=0.9, label=label)
+    centers = [t[part].mean() for part in parts]
+    OVER_TIME.draw(axes, centers, [residual[part] for part in parts], color, label)
 
 
 def draw_variable(axes: Any, x: np.ndarray, residual: np.ndarray, color: str, label: str) -> None:
@@ -67,9 +86,7 @@ def draw_variable(axes: Any, x: np.ndarray, residual: np.ndarray, color: str, la
     n_bins = int(np.clip(len(x) // LEAST_IN_BIN, 4, N_BINS))
     parts = [part for part in np.array_split(order, min(n_bins, len(x))) if len(part)]
     centers = [float(np.median(x[part])) for part in parts]
-    low, middle, high = np.array([np.quantile(residual[p], MIDDLE_HALF) for p in parts]).T
-    axes.fill_between(centers, low, high, color=color, alpha=0.25, lw=0)
-    axes.plot(centers, middle, color=color, lw=1.6, label=label)
+    OVER_VARIABLE.draw(axes, centers, [residual[part] for part in parts], color, label)
 
 
 def draw_frequency(
