@@ -8,7 +8,6 @@ from typing import Any
 import sympy
 from sympy.printing.latex import LatexPrinter
 
-from ..equations import AlgebraicEquations
 from .printing import format_number, join_terms
 from .symbolic import system_of
 
@@ -51,8 +50,7 @@ def to_latex(model: Any, digits: int | None = 4) -> str:
     lines = []
     for left, side in zip(system.lefts, system.sides, strict=True):
         name = printer.doprint(sympy.Symbol(left))
-        algebraic = isinstance(system.equations, AlgebraicEquations)
-        dotted = name if algebraic else rf"\dot{{{name}}}"
+        dotted = name if system.is_algebraic else rf"\dot{{{name}}}"
         right = join_terms(side, lambda value: _number(value, digits), term, " ")
         lines.append((dotted, right))
     if len(lines) == 1:

@@ -10,7 +10,7 @@ from sympy.printing.mathml import MathMLPresentationPrinter
 
 from ..terms import ONE
 from .printing import format_number
-from .symbolic import system_of
+from .symbolic import constant_last, system_of
 
 __all__ = ["equations_mathml", "expression_mathml"]
 
@@ -37,7 +37,7 @@ def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
     for left, side in zip(system.lefts, system.sides, strict=True):
         dotted = f"<mover>{printer.doprint(sympy.Symbol(left))}<mo>˙</mo></mover>"
         pieces = [_math(f"{dotted}<mo>=</mo>")]
-        parts = sorted(side.parts, key=lambda part: part[1] == ONE)
+        parts = constant_last(side)
         for place, (coefficient, product) in enumerate(parts):
             sign = "−" if coefficient < 0 else "+" if place else ""
             size = format_number(abs(coefficient), digits)

@@ -9,9 +9,8 @@ from typing import Any
 import sympy
 from sympy.printing.str import StrPrinter
 
-from ..equations import AlgebraicEquations
 from ..terms import ONE, Sum
-from .symbolic import System, system_of
+from .symbolic import System, constant_last, system_of
 
 __all__ = ["TextPrinter", "format_equations", "format_expression", "format_number", "join_terms"]
 
@@ -41,7 +40,7 @@ def format_equations(model: Any, digits: int | None = 4) -> str:
     """
     system = system_of(model, "format_equations", digits)
     lines = zip(system.lefts, system.sides, strict=True)
-    prime = "" if isinstance(system.equations, AlgebraicEquations) else "'"
+    prime = "" if system.is_algebraic else "'"
     return "\n".join(
         f"{_plain(left)}{prime} = {_side(system, side, digits)}" for left, side in lines
     )
@@ -113,7 +112,7 @@ def join_terms(
     str
     """
     text = ""
-    for coefficient, product in sorted(side.parts, key=lambda part: part[1] == ONE):
+    for coefficient, product in constant_last(side):
         size = number(abs(coefficient))
         body = size if product == ONE else term(product)
         if product != ONE and size != "1":

@@ -7,11 +7,11 @@ from functools import reduce
 from typing import Any
 
 from .. import terms
-from ..equations import Equations
+from ..equations import AlgebraicEquations, Equations
 from ..library_terms import from_model
-from ..terms import Product, Sum
+from ..terms import ONE, Product, Sum
 
-__all__ = ["System", "round_to", "system_of", "to_sympy"]
+__all__ = ["System", "constant_last", "round_to", "system_of", "to_sympy"]
 
 
 def to_sympy(model: Any, digits: int | None = None) -> list[Any]:
@@ -67,6 +67,11 @@ class System:
         return self.equations.names
 
     @property
+    def is_algebraic(self) -> bool:
+        """Whether the right-hand sides are the states themselves, and not their rates."""
+        return isinstance(self.equations, AlgebraicEquations)
+
+    @property
     def used(self) -> tuple[int, ...]:
         """Columns of the variables that occur in some equation."""
         return tuple(sorted(frozenset().union(*(side.variables for side in self.sides))))
@@ -94,6 +99,11 @@ def system_of(model: Any, owner: str, digits: int | None = None) -> System:
     if len(lefts) != len(sides):  # a model of some target that is not the rate of each state
         lefts = tuple(f"target{i}" for i in range(len(sides)))
     return System(equations, lefts, sides)
+
+
+def constant_last(side: Sum) -> list[tuple[float, Product]]:
+    """Return coefficients and terms in the order in which they are shown."""
+    return sorted(side.parts, key=lambda part: part[1] == ONE)
 
 
 def round_to(value: float, digits: int | None) -> float:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 from ..terms import ONE, Atom, Call, Product, Sum, Variable
 from .printing import format_number
-from .symbolic import System
+from .symbolic import System, constant_last
 
 __all__ = ["Node", "expression_tree"]
 
@@ -61,8 +61,7 @@ def expression_tree(system: System, index: int, digits: int | None = 4) -> Node:
 
 
 def _sum(side: Sum, names: tuple[str, ...], digits: int | None, kind: str) -> Node:
-    ordered = sorted(side.parts, key=lambda part: part[1] == ONE)
-    children = tuple(_part(c, term, names, digits, kind) for c, term in ordered)
+    children = tuple(_part(c, term, names, digits, kind) for c, term in constant_last(side))
     if not children:
         return Node("0", "constant")
     return children[0] if len(children) == 1 else Node("+", "operator", children)
