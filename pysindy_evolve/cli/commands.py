@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from argparse import Namespace
 from pathlib import Path
+from textwrap import indent
 
 import numpy as np
 import pysindy as ps
@@ -17,7 +18,7 @@ from ..loop import DeclaredModel, LoopReport, close_loop
 from ..optimizer import ElasticNet
 from ..signals import prepare
 from .options import PROGRAM
-from .output import indented, print_code, print_errors, progress, save, say
+from .output import print_code, print_errors, progress, save, say
 from .records import derived_names, order_of, read_all, read_split
 
 __all__ = ["demo", "fit", "loop"]
@@ -32,13 +33,13 @@ def demo(given: Namespace) -> bool:
     say(
         "A simulated linear axis: motor force F in N, encoder position q in m with noise of 5e-6 m,"
         "\n20 s at 1 kHz to fit on, and 20 s of another motion to judge on. Declared is a model "
-        f"without\ndry friction, with b and c free:\n{indented(sides)}\n"
+        f"without\ndry friction, with b and c free:\n{indent(sides, '    ')}\n"
     )
     train, test = (prepare(r.t, r.y, r.u) for r in (drive.train, drive.test))
     options = {"max_effects": given.max_effects, "progress": progress(given)}
     report = close_loop(declared, train, test, random_state=given.seed, **options)
     say(f"{report}\n\nThe truth, which the loop was not told")
-    say(indented(format_equations(drive.equations)))
+    say(indent(format_equations(drive.equations), "    "))
     say(f"\nThis took {time.perf_counter() - start:.1f} s.")
     save(report, given.output)
     _save_records(drive, given.output)
@@ -85,7 +86,7 @@ def fit(given: Namespace) -> bool:
     names = [*states, *given.inputs]
     model.fit(x, t, x_dot=x_dot, u=u if given.inputs else None, feature_names=names)
     equations = from_model(model)
-    say("Equations\n" + indented(format_equations(equations)))
+    say("Equations\n" + indent(format_equations(equations), "    "))
     print_errors(equations, test)
     print_code(model, given)
     return True

@@ -13,10 +13,10 @@ import numpy as np
 from ..equations import Equations
 from ..export import to_code, to_latex
 from ..loop import LoopReport
-from ..loop.runs import simulation_errors
+from ..loop.runs import nrmse, simulation_errors
 from ..signals import Record
 
-__all__ = ["complain", "indented", "print_code", "print_errors", "progress", "save", "say"]
+__all__ = ["complain", "print_code", "print_errors", "progress", "save", "say"]
 
 
 def say(text: object = "") -> None:
@@ -30,11 +30,6 @@ def complain(text: str) -> None:
     sys.stderr.write(f"{' '.join(text.split())}\n")
 
 
-def indented(text: str) -> str:
-    """Return lines shifted by four columns."""
-    return "\n".join("    " + line for line in text.splitlines())
-
-
 def progress(given: Namespace) -> bool:
     """Tell whether somebody watches."""
     return sys.stderr.isatty() and not given.quiet
@@ -44,9 +39,7 @@ def print_errors(equations: Equations, records: Sequence[Record]) -> None:
     """Print derivative and free-run error of each state on held-out data."""
     x_dot = np.concatenate([record.x_dot for record in records])
     predicted = [equations.evaluate(record.x, record.u, record.t) for record in records]
-    rms = np.sqrt(np.mean((np.concatenate(predicted) - x_dot) ** 2, axis=0))
-    spread = x_dot.std(axis=0)
-    derivative = 100.0 * rms / np.where(spread > 0.0, spread, 1.0)
+    derivative = nrmse(np.concatenate(predicted) - x_dot, x_dot)
     say("\nErrors on held-out data, % of the standard deviation (NRMSE)")
     say(f"{'':<12}{'derivative':>12}{'free run':>12}")
     rows = zip(equations.states, derivative, simulation_errors(equations, records), strict=True)

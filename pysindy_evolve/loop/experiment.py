@@ -27,7 +27,7 @@ from ..memory import remembered
 from ..signals import Record
 from .design import Design, in_state
 from .effect import Alternative, Effect
-from .linear import solve
+from .linear import solve_gram
 from .motions import Motion, Motions
 from .residual import forces
 from .segments import Segments, segments
@@ -211,7 +211,7 @@ def _best(judge: _Judge, other: Design, effect: Effect, rival: Alternative) -> E
 
 def _apart(gram: np.ndarray) -> float:
     """Return the standard errors that the best fit of the rival's model leaves."""
-    left = gram[-1, -1] - solve(gram[:-1, :-1], gram[:-1, -1]) @ gram[:-1, -1]
+    left = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
     return float(np.sqrt(max(left, 0.0)))
 
 
@@ -226,7 +226,7 @@ def _described(
     motion, now, then = found
     z = judge.motions.of(motion)
     moved = judge.part.z if z is None else z
-    coef = solve(gram[:-1, :-1], gram[:-1, -1])
+    coef = solve_gram(gram)
     force = judge.forces(other, moved)
     gap = np.abs(force[..., -1] - force[..., :-1] @ coef).max(axis=-1)
     # The far end of the differences, without the very last sample, which may be an odd one.

@@ -16,7 +16,7 @@ import numpy as np
 from ..signals import Record, Windows, choose_windows, project
 from ..terms import Cache
 from .design import Design
-from .linear import solve
+from .linear import solve_gram
 from .residual import jacobian, view_grams
 from .segments import segments, variables_of
 from .sticking import moving
@@ -178,8 +178,7 @@ def _rows(design: Design, record: Record, windows: Windows, scale: np.ndarray) -
 
 
 def _solve(grams: np.ndarray) -> np.ndarray:
-    total = grams.sum(axis=0)
-    return solve(total[:-1, :-1], total[:-1, -1])
+    return solve_gram(grams.sum(axis=0))
 
 
 def _square(gram: np.ndarray, coef: np.ndarray) -> float:

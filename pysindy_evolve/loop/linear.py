@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["solve"]
+__all__ = ["solve", "solve_gram"]
 
 RIDGE = 1e-10  # relative; keeps a column that repeats another one from blowing up
 
@@ -26,3 +26,18 @@ def solve(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
     size = np.sqrt(np.maximum(np.diagonal(xx, axis1=-2, axis2=-1), 1e-300))
     scaled = xx / (size[..., :, None] * size[..., None, :]) + RIDGE * np.eye(xx.shape[-1])
     return np.linalg.solve(scaled, (xy / size)[..., None])[..., 0] / size
+
+
+def solve_gram(gram: np.ndarray) -> np.ndarray:
+    """Return the coefficients that fit the last column of a Gram matrix by the others.
+
+    Parameters
+    ----------
+    gram : ndarray of shape (p + 1, p + 1)
+        Inner products of the columns and, last, the target.
+
+    Returns
+    -------
+    ndarray of shape (p,)
+    """
+    return solve(gram[:-1, :-1], gram[:-1, -1])

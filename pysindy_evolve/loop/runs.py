@@ -13,7 +13,7 @@ from ..hidden import MemoryEquations
 from ..signals import Record
 from ..simulation import simulate
 
-__all__ = ["free_run", "simulation_errors", "stretch_misses"]
+__all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 
 REFINEMENT = 4  # steps that splines put into each sample of an input
 
@@ -53,9 +53,17 @@ def simulation_errors(equations: Equations, records: Sequence[Record]) -> np.nda
     for record in records:
         run = free_run(equations, record, on_divergence="nan", tolerance=1e-7)
         errors.append(run[:, : record.n_states] - record.x)
-    rms = np.sqrt(np.mean(np.concatenate(errors) ** 2, axis=0))
-    spread = np.concatenate([record.x for record in records]).std(axis=0)
-    return np.nan_to_num(100.0 * rms / np.where(spread > 0.0, spread, 1.0), nan=np.inf)
+    x = np.concatenate([record.x for record in records])
+    return np.nan_to_num(nrmse(np.concatenate(errors), x), nan=np.inf)
+
+
+def nrmse(errors: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the RMS of each column of errors, percent of the standard deviation of the values.
+
+    A column of values that never change counts as if its standard deviation were one.
+    """
+    rms, spread = np.sqrt(np.mean(errors**2, axis=0)), values.std(axis=0)
+    return 100.0 * rms / np.where(spread > 0.0, spread, 1.0)
 
 
 def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches: int) -> float:

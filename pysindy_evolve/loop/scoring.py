@@ -13,7 +13,7 @@ from ..signals import Record
 from .candidate import Candidate, Shape
 from .design import Column, Design, in_state
 from .effects import candidates, standing
-from .linear import solve
+from .linear import solve_gram
 from .periodic import periodic_candidates
 from .residual import derivative_grams
 from .segments import Segments, ranges, variables_of
@@ -38,8 +38,8 @@ REACH = 1.2  # of the logarithm of a shape about its place on the grid: a factor
 
 def quick_fit(design: Design, part: Segments) -> Equations:
     """Fit a design on segments by its derivative."""
-    total = derivative_grams(part, design, design.columns).sum(axis=0)
-    return design.equations(solve(total[:-1, :-1], total[:-1, -1]))
+    grams = derivative_grams(part, design, design.columns)
+    return design.equations(solve_gram(grams.sum(axis=0)))
 
 
 def propose(design: Design, equations: Equations, records: Sequence[Record]) -> list[Candidate]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.fft import dct
 
+from ..equations import stack
 from ..signals import Record, Windows, choose_windows
 from .sticking import moving
 
@@ -124,8 +125,7 @@ def segments(
 
 def variables_of(record: Record) -> np.ndarray:
     """Return states, inputs and time side by side, shape (n_samples, n_variables)."""
-    parts = [record.x] if record.u is None else [record.x, record.u]
-    return np.column_stack([*parts, record.t])
+    return stack(record.x, record.u, record.t)
 
 
 def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import groupby
-from textwrap import fill, wrap
+from textwrap import fill, indent, wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,19 +29,15 @@ def as_text(report: LoopReport) -> str:
     """Return the report as plain text."""
     parts = [
         f"Verdict: {VERDICTS[report.verdict]}",
-        "Declared model, fitted\n" + _indented(_model(report.before)),
+        "Declared model, fitted\n" + indent(_model(report.before), "    "),
     ]
     if report.effects:
-        parts.append("Corrected model\n" + _indented(_model(report.after)))
+        parts.append("Corrected model\n" + indent(_model(report.after), "    "))
     parts.append(_table(report))
     symbols = report.equations.symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
     parts += [fill(line, 96) for line in remains(report)]
     return "\n\n".join(parts)
-
-
-def _indented(text: str) -> str:
-    return "\n".join("    " + line for line in text.splitlines())
 
 
 def _model(errors: Errors) -> str:
