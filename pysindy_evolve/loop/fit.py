@@ -27,6 +27,7 @@ __all__ = [
     "derivative_fit_errors",
     "derivative_intervals",
     "fit",
+    "is_torn",
     "refit",
 ]
 
@@ -98,15 +99,25 @@ def _betters(
     judged: np.ndarray, blocks: np.ndarray, by_derivative: np.ndarray, by_simulation: np.ndarray
 ) -> bool:
     """Tell whether stretches are simulated better by a fit to the others than by the derivative."""
-    whole = blocks.sum(axis=0)
-    torn = _square(whole, by_simulation) > MAX_TORN * _square(whole, by_derivative)
-    if len(judged) < 2 or torn:
+    if len(judged) < 2 or _is_torn(blocks, by_simulation, by_derivative):
         return False
     held_out = sum(
         _square(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
     )
     plain = sum(_square(stretch, by_derivative) for stretch in judged)
     return bool(held_out < plain)
+
+
+def is_torn(
+    design: Design, records: Sequence[Record], coef: np.ndarray, instead_of: np.ndarray
+) -> bool:
+    """Tell whether coefficients fit the derivative much worse than those they would replace."""
+    return _is_torn(derivative_grams(design, records), coef, instead_of)
+
+
+def _is_torn(blocks: np.ndarray, coef: np.ndarray, instead_of: np.ndarray) -> bool:
+    whole = blocks.sum(axis=0)
+    return _square(whole, coef) > MAX_TORN * _square(whole, instead_of)
 
 
 def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarray:

@@ -15,6 +15,7 @@ from .effect import Errors
 from .fit import Fit, derivative_errors, fit
 from .rules import Rules
 from .runs import simulation_errors
+from .shooting import shot
 
 __all__ = ["judge"]
 
@@ -38,6 +39,7 @@ def judge(
     fitted = fit(design, train, rng, rules.refine)
     if final:
         fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
+        fitted = shot(design, fitted, train) if rules.refine != "derivative" else fitted
     equations = design.equations(fitted.coef)
     windows = choose_windows(list(train))
     derivative = derivative_errors(design, fitted.coef, test, windows)

@@ -34,7 +34,7 @@ from ..terms import Cache
 from .design import Column, Design
 from .segments import Segments
 
-__all__ = ["derivative_grams", "forces", "jacobian", "view_grams"]
+__all__ = ["derivative_grams", "force_on", "forces", "jacobian", "respond", "view_grams"]
 
 DIVERGED = 1e60  # a deviation that grew larger; its square does not overflow
 MAX_GROWTH = 1e3  # a simulation window is so short that an unstable model does not blow up in it
@@ -121,7 +121,7 @@ def _simulation_rows(part: Segments, force: np.ndarray, jacobians: np.ndarray) -
         driven = force[:, : n_windows * span].reshape(*shape, n_columns)
         slope = jacobians[:, : n_windows * span].reshape(*shape, n_states)
         keep = max(1, span // ROWS_PER_WINDOW)
-        free, response = _respond(slope, driven, part.dt, part.state_scale, keep)
+        free, response = respond(slope, driven, part.dt, part.state_scale, keep)
         if span <= 8 or np.max(np.abs(free)) < MAX_GROWTH:
             break
         span = max(8, span // 2)
@@ -130,18 +130,24 @@ def _simulation_rows(part: Segments, force: np.ndarray, jacobians: np.ndarray) -
     return response.reshape(n_segments, -1, n_columns)
 
 
-def _respond(
-    slope: np.ndarray, driven: np.ndarray, dt: float, scale: np.ndarray, keep: int
+def respond(
+    slope: np.ndarray,
+    driven: np.ndarray,
+    dt: float,
+    scale: np.ndarray,
+    keep: int,
+    jumps: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Integrate e' = J e + force from rest, and from unit initial states without force.
 
     Trapezoidal in the force, third order in J dt. Every `keep`-th sample of the windows is
     returned, in units of the scale of each state, as shapes (n_windows, rows, n_states) and
-    (n_windows, rows, n_columns).
+    (n_windows, rows, n_columns). Jumps, (n_windows, n, n_states), are factors of the deviation at
+    the end of each step.
     """
     n_windows, _, n_states, n_columns = driven.shape
     with np.errstate(over="ignore", invalid="ignore"):
-        passed, added = _over_blocks(slope, driven, dt, keep)
+        passed, added = _over_blocks(slope, driven, dt, keep, jumps)
         deviation = np.zeros((n_windows, n_states, n_columns + n_states))
         deviation[:, :, n_columns:] = np.diag(scale)
         kept = [deviation]
@@ -156,7 +162,7 @@ def _respond(
 
 
 def _over_blocks(
-    slope: np.ndarray, driven: np.ndarray, dt: float, keep: int
+    slope: np.ndarray, driven: np.ndarray, dt: float, keep: int, jumps: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Integrate over all blocks of `keep` steps at once.
 
@@ -178,6 +184,8 @@ def _over_blocks(
         deviation[..., n_states:] += before[:, :, i]
         deviation = step[:, :, i] @ deviation
         deviation[..., n_states:] += after[:, :, i]
+        if jumps is not None:
+            deviation *= jumps[:, here].reshape(blocks)[:, :, i, :, None]
     return deviation[..., :n_states], deviation[..., n_states:]
 
 

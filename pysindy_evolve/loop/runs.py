@@ -18,8 +18,10 @@ __all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 REFINEMENT = 4  # steps that splines put into each sample of an input
 
 
-def free_run(equations: Equations, record: Record, **options: Any) -> np.ndarray:
-    """Simulate over a record from its first state.
+def free_run(
+    equations: Equations, record: Record, start: np.ndarray | None = None, **options: Any
+) -> np.ndarray:
+    """Simulate over a record, from its first state if no other one is given.
 
     Prepared inputs are smooth between the samples, so they are refined by splines: straight lines
     would take five percent off a sine with nine samples a period.
@@ -28,13 +30,14 @@ def free_run(equations: Equations, record: Record, **options: Any) -> np.ndarray
         return equations.evaluate(record.x, record.u, record.t)
     if isinstance(equations, MemoryEquations):
         return _run_with_memory(equations, record, **options)
+    start = record.x[0] if start is None else start
     if record.u is None:
-        return simulate(equations, record.x[0], record.t, **options)
+        return simulate(equations, start, record.t, **options)
     fine = np.interp(
         np.arange(REFINEMENT * (len(record) - 1) + 1) / REFINEMENT, np.arange(len(record)), record.t
     )
     u = CubicSpline(record.t, record.u, axis=0)(fine)
-    return simulate(equations, record.x[0], fine, u, **options)[::REFINEMENT]
+    return simulate(equations, start, fine, u, **options)[::REFINEMENT]
 
 
 def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any) -> np.ndarray:
