@@ -29,7 +29,7 @@ from .constants import tune
 from .dictionary import Dictionary, Problem, Project, build_dictionary, price
 from .genetics import Genetics
 from .operators import Operator
-from .plateau import PERFECT, Plateau
+from .plateau import Plateau
 from .refit import refit
 from .relatives import relatives
 from .terms import ONE, Product, Variable
@@ -175,7 +175,7 @@ def evolve(
     finally:
         bar.close()
     n_best = history[-1].n_terms if history else 0
-    perfect = bool(history) and history[-1].fitness <= PERFECT
+    perfect = bool(history) and history[-1].fitness <= regression.PERFECT
     terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
     return Evolution(terms, coef, tuple(history))
 
@@ -201,7 +201,9 @@ def generations(
         fitness, partners = rate(dictionary, around, n_effective)
 
         ranking = _ranking(dictionary, front[0], fitness)
-        yield _record(dictionary, front[0], number, start), ranking[:FINALISTS]
+        plain = [leaf for leaf in leaves if leaf in dictionary.terms]  # always weighed at the end
+        finalists = _unique([*ranking[:FINALISTS], *plain])
+        yield _record(dictionary, front[0], number, start), finalists
         tuned = tune_constants(dictionary, around, fitness, partners, known, alike=genetics.smooth)
         survivors = _unique([*tuned, *ranking[:FINALISTS], *leaves])
         population = genetics.offspring(
@@ -236,7 +238,7 @@ def solve_elastic_net(
         front = regression.front(gram, proposals, cost, n_effective, max_terms)
         front = regression.frugal(gram, front)
         residual = dictionary.residual(front[0])
-        if residual @ residual <= PERFECT * (dictionary.y @ dictionary.y):
+        if residual @ residual <= regression.PERFECT * (dictionary.y @ dictionary.y):
             break  # what is left is rounding
         n_before, n_effective = n_effective, regression.effective_size(residual)
         if n_effective == n_before:

@@ -20,11 +20,11 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from .dictionary import Problem
+from .regression import PERFECT
 from .terms import Product
 
 __all__ = ["Plateau", "likeness"]
 
-PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
 PATIENCE_IF_PERFECT = 2  # there may be a shorter way to say it
 PATIENCE_IF_NOISE = 3
 ROWS = 10_000  # with ten neighbors each, one percent of the residual's power shows at two sigma

@@ -14,7 +14,6 @@ from .blur import blurred_power
 from .constants import tune
 from .dictionary import Problem, price
 from .gram import Gram, residual
-from .plateau import PERFECT
 from .terms import Product
 
 __all__ = ["refit"]
@@ -71,6 +70,8 @@ def refit(
         support = regression.frugal(whole, front)[0]
         left = _residual(problem, *_equation(terms, whole, support, scale))
         n_before, n_effective = n_effective, regression.effective_size(left)
+    n_free = np.array([len(term.constants) for term in terms])
+    support = regression.plainer(whole, support, n_free)
     if folds:
         support = regression.stable(whole, folds, support)
     least = blurred_power(problem, *_equation(terms, whole, support, scale))
@@ -111,7 +112,7 @@ def _leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
     (whole,) = problem.blocks(terms, 1)
     left = whole.without(problem.fixed.shape[1])
     coef = regression.least_squares(left, np.arange(len(left.xy)))
-    return regression.rss(left, coef) <= PERFECT * whole.yy
+    return regression.rss(left, coef) <= regression.PERFECT * whole.yy
 
 
 def _residual(problem: Problem, terms: Sequence[Product], coef: Sequence[float]) -> np.ndarray:

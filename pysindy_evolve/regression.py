@@ -31,11 +31,13 @@ from .independence import effective_size
 
 # Elimination and Gram matrices are part of the regression for those who use it.
 __all__ = [
-    "LAMBDA2", "Gram", "block_grams", "default_penalty", "effective_size", "elastic_net",
-    "eliminate", "front", "frugal", "gains", "gram", "information", "least_squares", "material",
-    "path", "prune", "refined", "residual", "rss", "stable", "supports", "target_grams", "total",
+    "LAMBDA2", "PERFECT", "Gram", "block_grams", "default_penalty", "effective_size",
+    "elastic_net", "eliminate", "front", "frugal", "gains", "gram", "information",
+    "least_squares", "material", "path", "plainer", "prune", "refined", "residual", "rss",
+    "stable", "supports", "target_grams", "total",
 ]  # fmt: skip
 
+PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
 MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
 DOMINANT = 1e-2  # share of the target's power that no chance correlation explains
 REMAINDER = 1e-2  # share of the error that a smaller term may leave, if it is to count
@@ -220,6 +222,40 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0
             break
         support = np.delete(support, worst)
     return support
+
+
+def plainer(gram: Gram, support: Sequence[int] | np.ndarray, n_free: np.ndarray) -> np.ndarray:
+    """Exchange terms with inner constants for others that fit as well as a derivative is known.
+
+    Parameters
+    ----------
+    gram : Gram
+        Inner products.
+    support : sequence of int
+        Columns to begin with.
+    n_free : ndarray of int of shape (p,)
+        Inner constants of each column; an exchange makes them fewer.
+
+    Returns
+    -------
+    ndarray of int
+        As many columns; see `material` for the reason and the measure.
+
+    Notes
+    -----
+    A constant that is free takes up the smooth error of a finite difference: x cos(0.007 x) fits it
+    better than x. An equation that leaves nothing but rounding is kept as it is.
+    """
+    chosen = list(support)
+    for j in [column for column in support if n_free[column]]:
+        error = rss(gram, least_squares(gram, chosen))
+        rest = [i for i in chosen if i != j]
+        instead = gains(gram, rest)[0]
+        able = (n_free < n_free[j]) & (instead <= max(error, MATERIAL * gram.yy))
+        able[chosen] = False
+        if able.any() and error > PERFECT * gram.yy:
+            chosen = [*rest, int(np.argmin(np.where(able, instead, np.inf)))]
+    return np.array(sorted(chosen), dtype=int)
 
 
 def stable(
