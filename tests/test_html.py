@@ -10,7 +10,7 @@ import sympy
 from loop_systems import oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.equations import Equations
+from pysindy_evolve.equations import AlgebraicEquations, Equations
 from pysindy_evolve.export.mathml import equations_mathml, expression_mathml
 from pysindy_evolve.terms import ONE, variable
 
@@ -127,6 +127,16 @@ def test_equations_break_between_terms_and_keep_powers_of_ten():
     assert "<mn>2.18</mn><mo>·</mo><msup><mn>10</mn><mn>6</mn></msup>" in first
     assert "−" in first
     assert last.endswith("<mn>3</mn></math>")
+
+
+def test_the_left_side_of_a_force_has_no_dot():
+    q = variable(0).parts[0][1]
+    settings = ((q,), np.array([[2.0]]), ("F",))
+    (moving,), (algebraic,) = (
+        equations_mathml(kind(*settings)) for kind in (Equations, AlgebraicEquations)
+    )
+    assert "˙" in moving[0]
+    assert "˙" not in algebraic[0]
 
 
 def test_signs_are_sgn_and_exponentials_stay_beside_them():

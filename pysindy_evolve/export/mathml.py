@@ -35,8 +35,9 @@ def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
     symbols, printer = system.equations.symbols, _Printer(digits)
     lines = []
     for left, side in zip(system.lefts, system.sides, strict=True):
-        dotted = f"<mover>{printer.doprint(sympy.Symbol(left))}<mo>˙</mo></mover>"
-        pieces = [_math(f"{dotted}<mo>=</mo>")]
+        name = printer.doprint(sympy.Symbol(left))
+        shown = name if system.is_algebraic else f"<mover>{name}<mo>˙</mo></mover>"
+        pieces = [_math(f"{shown}<mo>=</mo>")]
         parts = constant_last(side)
         for place, (coefficient, product) in enumerate(parts):
             sign = "−" if coefficient < 0 else "+" if place else ""

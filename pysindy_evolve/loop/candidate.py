@@ -25,7 +25,8 @@ class Candidate:
     """An effect that may be missing: its name, the equation it enters, its columns.
 
     `parents` are expressions that must already stand in the equation. An effect with a `shape`
-    stands on a grid of its number, which is tuned once the effect is found.
+    stands on a grid of its number, which is tuned once the effect is found. One that is `whole`
+    has its parents in it, as a weight has a mean: where it says all that they say, they may go.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Candidate:
     terms: tuple[Sum, ...]
     parents: tuple[Sum, ...] = ()
     shape: Shape | None = field(default=None, compare=False)
+    whole: bool = field(default=False, compare=False)
 
     @property
     def is_exchange(self) -> bool:
@@ -52,8 +54,13 @@ class CandidateMaker:
     state: int
 
     def __call__(
-        self, name: str, *terms: Sum, parents: tuple[Sum, ...] = (), shape: Shape | None = None
+        self,
+        name: str,
+        *terms: Sum,
+        parents: tuple[Sum, ...] = (),
+        shape: Shape | None = None,
+        whole: bool = False,
     ) -> Candidate:
         """Return a candidate; the column of one with a shape is built from the shape."""
         columns = terms if shape is None else (shape.build(shape.value),)
-        return Candidate(name, self.state, columns, parents, shape)
+        return Candidate(name, self.state, columns, parents, shape, whole)

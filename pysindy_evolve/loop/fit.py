@@ -26,8 +26,8 @@ __all__ = [
     "derivative_errors",
     "derivative_fit_errors",
     "derivative_intervals",
+    "derivative_square",
     "fit",
-    "is_torn",
     "refit",
 ]
 
@@ -99,7 +99,9 @@ def _betters(
     judged: np.ndarray, blocks: np.ndarray, by_derivative: np.ndarray, by_simulation: np.ndarray
 ) -> bool:
     """Tell whether stretches are simulated better by a fit to the others than by the derivative."""
-    if len(judged) < 2 or _is_torn(blocks, by_simulation, by_derivative):
+    whole = blocks.sum(axis=0)
+    torn = _square(whole, by_simulation) > MAX_TORN * _square(whole, by_derivative)
+    if len(judged) < 2 or torn:
         return False
     held_out = sum(
         _square(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
@@ -108,16 +110,9 @@ def _betters(
     return bool(held_out < plain)
 
 
-def is_torn(
-    design: Design, records: Sequence[Record], coef: np.ndarray, instead_of: np.ndarray
-) -> bool:
-    """Tell whether coefficients fit the derivative much worse than those they would replace."""
-    return _is_torn(derivative_grams(design, records), coef, instead_of)
-
-
-def _is_torn(blocks: np.ndarray, coef: np.ndarray, instead_of: np.ndarray) -> bool:
-    whole = blocks.sum(axis=0)
-    return _square(whole, coef) > MAX_TORN * _square(whole, instead_of)
+def derivative_square(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:
+    """Return the sum of squares that coefficients leave of the windowed derivative."""
+    return _square(derivative_grams(design, records).sum(axis=0), coef)
 
 
 def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarray:

@@ -78,8 +78,7 @@ def _in_place_of(
         return None
     design = declared.adding(column for f in rest for column in f.columns)
     variables = part.z.reshape(-1, part.z.shape[-1])
-    # A weight brings a mean of its own, and needs no offset beside it.
-    own = [c for c in pair if c.name != "gravity"]
+    own = [c for c in pair if not c.whole]
     options = [c for c in candidates(design, *ranges(variables)) if c not in own]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
     # In one call, for the errors are weighed by what all columns together leave.

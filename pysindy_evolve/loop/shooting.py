@@ -30,7 +30,7 @@ import numpy as np
 
 from ..signals import Record
 from .design import Design
-from .fit import Fit, is_torn
+from .fit import Fit, derivative_square
 from .residual import MAX_GROWTH, forces, jacobian, respond
 from .runs import free_run, stretch_misses
 from .segments import Segments, segments
@@ -39,7 +39,7 @@ __all__ = ["shot"]
 
 N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
-JUDGED = 16  # stretches of each record, from measured states, that must be followed no worse
+JUDGED = 16  # stretches of each record, from measured states, by which a change is judged
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little
 ROWS = 2000  # of the runs that a step looks at
 MAX_STEPS = 6  # of Gauss-Newton; two or three are the rule
@@ -63,8 +63,8 @@ def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
     Returns
     -------
     Fit
-        The same one where the model cannot follow the records, where short stretches would be
-        followed no better, or where the derivative would speak against it.
+        The same one where the model cannot follow the records, or where neither short stretches
+        nor the derivative speak for a change.
     """
     if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
         return fitted
@@ -72,13 +72,20 @@ def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
     if shooting is None:
         return fitted
     coef = shooting.settled().coef
-    before, after = (
-        stretch_misses(design.equations(c), records, JUDGED) for c in (fitted.coef, coef)
-    )
-    if not after < before or is_torn(design, records, coef, fitted.coef):
+    before, after = (_judged(design, c, records) for c in (fitted.coef, coef))
+    if not after < before:
         return fitted
     intervals = fitted.intervals + (coef - fitted.coef)[:, None]
     return Fit(coef, intervals, "simulation")
+
+
+def _judged(design: Design, coef: np.ndarray, records: Sequence[Record]) -> float:
+    """Return the product of both square errors: what one loses the other must gain, and more.
+
+    Where a model lacks something, runs can be bettered by coefficients that are wrong.
+    """
+    misses = stretch_misses(design.equations(coef), records, JUDGED)
+    return misses * derivative_square(design, records, coef)
 
 
 def _begun(design: Design, coef: np.ndarray, records: Sequence[Record]) -> _Shooting | None:

@@ -141,7 +141,7 @@ def _springs(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[C
     for share in DEAD_ZONES:
         yield effect("dead zone", shape=Shape(partial(_beyond, q), share * reach))
     yield effect("gravity", call(BUILTIN["sin"], q))
-    yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,))
+    yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,), whole=True)
     yield effect("nonlinear damping", mul(power(q, 2), v))
     yield effect("position-dependent friction", mul(_abs(q), _sgn(v)))
     yield effect("position-dependent friction", mul(power(q, 2), _sgn(v)))
