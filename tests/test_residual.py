@@ -6,7 +6,7 @@ import pytest
 import pysindy_evolve as pse
 from pysindy_evolve.loop.design import in_state
 from pysindy_evolve.loop.linear import solve
-from pysindy_evolve.loop.residual import _respond, jacobian, view_grams
+from pysindy_evolve.loop.residual import jacobian, respond, view_grams
 from pysindy_evolve.loop.segments import segments, variables_of
 from pysindy_evolve.loop.spectral import spectral_grams
 from pysindy_evolve.terms import mul, power, variable
@@ -81,7 +81,7 @@ def test_simulated_deviation_is_that_of_a_real_simulation_to_first_order(dt, acc
     slope = jacobian(base, np.column_stack([x, force(t), t]), np.ones(2))[None]
     push = np.zeros((1, len(t), 2, 1))
     push[0, :, 1, 0] = -size * x[:, 0] ** 3
-    _, rows = _respond(slope, push, dt, np.ones(2), keep=1)
+    _, rows = respond(slope, push, dt, np.ones(2), keep=1)
     deviation = rows[0, :, 0].reshape(len(t), 2)
     largest = np.abs(deviation).max()
     assert largest > 1e-7
@@ -95,7 +95,7 @@ def test_free_response_is_that_of_another_initial_state(dt, accuracy):
     x = pse.simulate(base, [0.3, 0.0], t, force, tolerance=1e-11)
     moved = pse.simulate(base, [0.3 + 1e-5, 0.0], t, force, tolerance=1e-11) - x
     slope = jacobian(base, np.column_stack([x, force(t), t]), np.ones(2))[None]
-    free, _ = _respond(slope, np.zeros((1, len(t), 2, 1)), dt, np.ones(2), keep=1)
+    free, _ = respond(slope, np.zeros((1, len(t), 2, 1)), dt, np.ones(2), keep=1)
     largest = np.abs(moved).max()
     assert 1e-5 * free[0, :, 0].reshape(-1, 2) == pytest.approx(moved, abs=accuracy * largest)
 
