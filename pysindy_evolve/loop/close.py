@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pysindy as ps
@@ -23,9 +23,12 @@ from .revise import contested, exchange, merged, prune
 from .rules import Rules, generator
 from .segments import Segments, segments
 from .step import Finding
-from .structure import has_structure
+from .structure import structure_chance
 
 __all__ = ["close_loop"]
+
+N_SEARCHES = 5  # for grown terms, where they are the only hope: one search may miss them
+LIKELY = 0.2  # chance that the residual has no structure, up to which there is such a hope
 
 
 def close_loop(
@@ -124,68 +127,80 @@ def close_loop(
         wide = [replace(r, x=np.zeros_like(r.x)) for r in wide]  # a target explains nothing
     part = segments(wide, declared_design.velocities)
     basis = resolve(operators, "close_loop") if operators else ()
-    findings: list[Finding] = []
-    rejected: list[Rejected] = []
-    finished = True
+    search, finished = _Search(), True
     try:
-        for found in _search(declared_design, wide, part, rules, basis, rng, rejected):
-            findings = found
-        verdict = "traced" if findings else "complete"
-        if not findings and has_structure(declared_design, wide, part, rules, rng):
-            verdict = "untraced"
+        search.run(declared_design, wide, part, rules, basis, rng)
     except KeyboardInterrupt:
-        if not findings:
+        if not search.findings:
             raise
-        verdict, finished = "traced", False
+        finished = False
+    findings, verdict = search.findings, search.verdict
     finished = finished and len(findings) < rules.max_effects
     acted = part.of([remembered(record, memories_of(findings)) for record in wide])
     findings = contested(declared_design, findings, acted, rules.significance, rng.spawn(1)[0])
     report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rules, rng)
-    return replace(report, rejected=rejected[-1] if rejected else None)
+    return replace(report, rejected=search.rejected[-1] if search.rejected else None)
 
 
-def _search(
-    declared: Design,
-    records: Sequence[Record],
-    part: Segments,
-    rules: Rules,
-    operators: Sequence[Operator],
-    rng: np.random.Generator,
-    rejected: list[Rejected],
-) -> Iterator[list[Finding]]:
-    """Yield what is found so far: named effects until none passes, then grown terms."""
-    source, whole = records, part  # as they are without memories
-    garden = Garden(declared, records, part, rules, operators, rng)
-    findings: list[Finding] = []
-    while len(findings) < rules.max_effects:
-        design = _with(declared, findings)
-        present = memories_of(findings)
-        found = find_or_recall(declared, design, records, part, rules, rng, present, rejected)
-        if not found:
-            break
-        if memories_of(found):
-            records = [remembered(record, memories_of(found)) for record in records]
-            part = part.of(records)
-            garden = Garden(declared, records, part, rules, operators, rng)
-        else:
-            yield [*findings, *_numbered(found, findings)]  # growing takes long, and may be ended
-            found = garden.better(design, found) or found
-        findings = exchange(declared, [*findings, *_numbered(found, findings)], part)
-        yield findings
-    findings = merged(declared, prune(declared, findings, part), part)
-    if memories_of(findings):
-        findings = resettled(findings, _with(declared, findings), source, whole)
-        records = [remembered(record, memories_of(findings)) for record in source]
-        part = whole.of(records)
+@dataclass
+class _Search:
+    """What a search has found so far, also if it is interrupted."""
+
+    findings: list[Finding] = field(default_factory=list)
+    rejected: list[Rejected] = field(default_factory=list)
+    has_structure: bool = False
+
+    @property
+    def verdict(self) -> str:
+        if self.findings:
+            return "traced"
+        return "untraced" if self.has_structure else "complete"
+
+    def run(
+        self,
+        declared: Design,
+        records: Sequence[Record],
+        part: Segments,
+        rules: Rules,
+        operators: Sequence[Operator],
+        rng: np.random.Generator,
+    ) -> None:
+        """Find named effects until none passes, then grown terms."""
+        source, whole = records, part  # as they are without memories
         garden = Garden(declared, records, part, rules, operators, rng)
-    yield findings
-    named = bool(findings)
-    while len(findings) < rules.max_effects:
-        found = garden.find(_with(declared, findings), named=named)
-        if not found:
-            break
-        findings = [*findings, *_numbered(found, findings)]
-        yield findings
+        while len(self.findings) < rules.max_effects:
+            before, present = self.findings, memories_of(self.findings)
+            design = _with(declared, before)
+            found = find_or_recall(
+                declared, design, records, part, rules, rng, present, self.rejected
+            )
+            if not found:
+                break
+            if memories_of(found):
+                records = [remembered(record, memories_of(found)) for record in records]
+                part = part.of(records)
+                garden = Garden(declared, records, part, rules, operators, rng)
+            else:  # growing takes long, and may be ended
+                self.findings = [*before, *_numbered(found, before)]
+                found = garden.better(design, found) or found
+            self.findings = exchange(declared, [*before, *_numbered(found, before)], part)
+        self.findings = merged(declared, prune(declared, self.findings, part), part)
+        if memories_of(self.findings):
+            design = _with(declared, self.findings)
+            self.findings = resettled(self.findings, design, source, whole)
+            records = [remembered(record, memories_of(self.findings)) for record in source]
+            part = whole.of(records)
+            garden = Garden(declared, records, part, rules, operators, rng)
+        n_searches = 1
+        if not self.findings:
+            chance = structure_chance(declared, records, part, rules, rng)
+            self.has_structure = chance <= rules.level
+            n_searches = N_SEARCHES if chance <= LIKELY else 1
+        while len(self.findings) < rules.max_effects:
+            found = garden.find(_with(declared, self.findings), n_searches)
+            if not found:
+                break
+            self.findings = [*self.findings, *_numbered(found, self.findings)]
 
 
 def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:

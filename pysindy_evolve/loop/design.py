@@ -31,12 +31,18 @@ class Column:
     name: str
     parts: tuple[Sum, ...]
 
+    def values_in(
+        self, state: int, variables: np.ndarray, cache: Cache | None = None
+    ) -> np.ndarray | None:
+        """Return the values in one equation, shape (n_samples,); None if it does not enter it."""
+        part = self.parts[state]
+        return part.evaluate(variables, cache) if part.parts else None
+
     def evaluate(self, variables: np.ndarray, cache: Cache | None = None) -> np.ndarray:
         """Return the values in each equation, shape (n_samples, n_states)."""
         zero = np.zeros(len(variables))
-        return np.column_stack(
-            [part.evaluate(variables, cache) if part.parts else zero for part in self.parts]
-        )
+        values = (self.values_in(state, variables, cache) for state in range(len(self.parts)))
+        return np.column_stack([zero if value is None else value for value in values])
 
     @property
     def size(self) -> int:

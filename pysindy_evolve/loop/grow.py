@@ -32,7 +32,6 @@ __all__ = ["OPERATORS", "Garden", "grow", "named"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway.
 OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh")
-N_SEARCHES = 5
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
 BETTER = 1.25  # times the log error that names gain: the same effect filtered does a little better
@@ -166,10 +165,8 @@ class Garden:
             return []
         return self._test(design, list(best.group))
 
-    def find(self, design: Design, *, named: bool) -> list[Finding]:
-        """Grow terms on what a design leaves, beside names or not; return the best that passes."""
-        # Where no name was found either, the search is the only hope, and is begun more than once.
-        n_searches = 1 if named else N_SEARCHES
+    def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
+        """Grow terms on what a design leaves, and return the best one that passes."""
         grown = [c for _ in range(n_searches) for c in self._grow(design)]
         return self._test(design, list(dict.fromkeys(grown)))
 

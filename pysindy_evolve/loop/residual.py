@@ -91,11 +91,11 @@ def force_on(
     shape, flat = part.z.shape[:2], part.z.reshape(-1, part.z.shape[-1])
     force = np.zeros((len(columns) + 1, *shape))
     for row, column in zip(force, columns, strict=False):
-        if column.parts[state].parts:
-            row[:] = column.parts[state].evaluate(flat, cache).reshape(shape)
-    force[-1] = part.x_dot[:, :, state]
-    if design.fixed[state].parts:
-        force[-1] -= design.fixed[state].evaluate(flat, cache).reshape(shape)
+        values = column.values_in(state, flat, cache)
+        if values is not None:
+            row[:] = values.reshape(shape)
+    known = Column("known", design.fixed).values_in(state, flat, cache)
+    force[-1] = part.x_dot[:, :, state] - (0.0 if known is None else known.reshape(shape))
     return force
 
 

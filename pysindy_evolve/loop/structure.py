@@ -27,7 +27,7 @@ from .step import twin_values
 from .trace import fold_errors
 from .twins import TwinMaker
 
-__all__ = ["has_structure"]
+__all__ = ["structure_chance"]
 
 MAX_COLUMNS = 60
 LAGS = (1, 2, 4, 8)  # in eighths of the width of the windows
@@ -42,26 +42,28 @@ class Monomial(Column):
     state: int = 0
     length: int = 1
 
-    def evaluate(self, variables: np.ndarray, cache: Cache | None = None) -> np.ndarray:
-        """Return the values in each equation, shape (n_samples, n_states)."""
+    def values_in(
+        self, state: int, variables: np.ndarray, cache: Cache | None = None
+    ) -> np.ndarray | None:
+        """Return the product of the variables in its own equation, and None in the others."""
+        if state != self.state:
+            return None
         index = np.arange(len(variables))
         start = index - index % self.length  # of the segment that a row belongs to
         product = np.ones(len(variables))
         for column, lag in self.factors:
             product = product * variables[np.maximum(index - lag, start), column]
-        values = np.zeros((len(variables), len(self.parts)))
-        values[:, self.state] = product
-        return values
+        return product
 
 
-def has_structure(
+def structure_chance(
     design: Design,
     records: Sequence[Record],
     part: Segments,
     rules: Rules,
     rng: np.random.Generator,
-) -> bool:
-    """Tell whether a generic model predicts what the design leaves, better than in twins.
+) -> float:
+    """Return the chance that twins are predicted by a generic model as well as the record is.
 
     Parameters
     ----------
@@ -78,16 +80,17 @@ def has_structure(
 
     Returns
     -------
-    bool
+    float
+        One where it gains nothing notable.
     """
     columns = generic_columns(design, part)
     observed = generic_gain(design, columns, part)
     if observed < NOTABLE or is_exact(design, part):
-        return False
+        return 1.0
     maker = TwinMaker.of(quick_fit(design, part), records)
     statistic = partial(_gain_in_twin, design=design, columns=columns)
     values = twin_values(maker, part, statistic, observed, rules, rng)
-    return bool((1 + np.sum(values >= observed)) / (1 + len(values)) <= rules.level)
+    return float((1 + np.sum(values >= observed)) / (1 + len(values)))
 
 
 def _gain_in_twin(

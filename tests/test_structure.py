@@ -1,0 +1,37 @@
+"""What no tried effect explains is seen all the same: the verdict "untraced"."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import pysindy_evolve as pse
+
+DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*u"}, inputs=["u"])
+
+
+def measured(strength):
+    """Simulate an oscillator whose damping an input changes with the position."""
+    t = np.arange(0.0, 60.0, 0.02)
+
+    def u(s):
+        return np.sin(1.3 * s) + 0.7 * np.sin(2.9 * s + 1.0)
+
+    def rates(s, x):
+        q, v = x
+        return v, -4.0 * q - 0.4 * v + 3.0 * u(s) - strength * q * v * u(s)
+
+    solution = solve_ivp(rates, (0.0, t[-1]), (0.5, 0.0), t_eval=t, rtol=1e-8, atol=1e-9)
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(len(t))
+    return pse.prepare(t, solution.y[0] + noise, u(t))
+
+
+@pytest.mark.parametrize(("strength", "verdict"), [(0.15, "untraced"), (0.0, "complete")])
+def test_structure_that_no_tried_effect_explains_is_said_to_be_there(strength, verdict):
+    report = pse.close_loop(DECLARED, measured(strength), operators=(), random_state=0)
+    assert report.verdict == verdict, str(report)
+
+
+def test_a_grown_term_explains_it():
+    report = pse.close_loop(DECLARED, measured(0.15), random_state=0)
+    assert [effect.name for effect in report.effects] == ["evolved term"], str(report)
+    assert str(report.effects[0].term) in {"q*u*v", "q*v*u"}
