@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from tqdm.auto import tqdm
 
-from . import regression
+from . import parsimony, regression
 from .beam import best_subsets, with_exchanges
 from .constants import tune
 from .dictionary import Dictionary, Problem, Project, build_dictionary, price
@@ -175,7 +175,7 @@ def evolve(
     finally:
         bar.close()
     n_best = history[-1].n_terms if history else 0
-    perfect = bool(history) and history[-1].fitness <= regression.PERFECT
+    perfect = bool(history) and history[-1].fitness <= parsimony.PERFECT
     terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
     return Evolution(terms, coef, tuple(history))
 
@@ -236,9 +236,9 @@ def solve_elastic_net(
         if alike:
             proposals += best_subsets(scaled, cost, n_effective, max_terms)
         front = regression.front(gram, proposals, cost, n_effective, max_terms)
-        front = regression.frugal(gram, front)
+        front = parsimony.frugal(gram, front)
         residual = dictionary.residual(front[0])
-        if residual @ residual <= regression.PERFECT * (dictionary.y @ dictionary.y):
+        if residual @ residual <= parsimony.PERFECT * (dictionary.y @ dictionary.y):
             break  # what is left is rounding
         n_before, n_effective = n_effective, regression.effective_size(residual)
         if n_effective == n_before:

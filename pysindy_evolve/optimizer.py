@@ -10,7 +10,7 @@ import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from . import regression
+from . import parsimony, regression
 
 __all__ = ["ElasticNet"]
 
@@ -170,13 +170,13 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
                 break  # as white noise leaves it: the next look would be the same
             cost = regression.default_penalty(whole, n_effective)
             front = regression.front(whole, proposals, cost, n_effective)
-            support = regression.frugal(whole, front)[0]
+            support = parsimony.frugal(whole, front)[0]
             coef = regression.least_squares(whole, support) / scale
             left = regression.residual(lambda rows: theta[rows], y, coef)
             n_before, n_effective = n_effective, regression.effective_size(left)
         if len(blocks) > 1:
-            support = regression.stable(whole, folds, support)
-        return regression.material(whole, support)
+            support = parsimony.stable(whole, folds, support)
+        return parsimony.material(whole, support)
 
     def _support_at(self, whole: regression.Gram) -> np.ndarray:
         size = np.sqrt(whole.yy * whole.n)

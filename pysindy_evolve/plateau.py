@@ -20,7 +20,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from .dictionary import Problem
-from .regression import PERFECT
+from .parsimony import PERFECT
 from .terms import Product
 
 __all__ = ["Plateau", "likeness"]

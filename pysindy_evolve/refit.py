@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import regression
+from . import parsimony, regression
 from .blur import blurred_power
 from .constants import tune
 from .dictionary import Problem, price
@@ -67,15 +67,15 @@ def refit(
             break  # as white noise leaves it: the next look would be the same
         cost = price(terms, n_effective)
         front = regression.front(whole, proposals, cost, n_effective, max_terms)
-        support = regression.frugal(whole, front)[0]
+        support = parsimony.frugal(whole, front)[0]
         left = _residual(problem, *_equation(terms, whole, support, scale))
         n_before, n_effective = n_effective, regression.effective_size(left)
     n_free = np.array([len(term.constants) for term in terms])
-    support = regression.plainer(whole, support, n_free)
+    support = parsimony.plainer(whole, support, n_free)
     if folds:
-        support = regression.stable(whole, folds, support)
+        support = parsimony.stable(whole, folds, support)
     least = blurred_power(problem, *_equation(terms, whole, support, scale))
-    kept = sorted(regression.material(whole, support, least), key=lambda j: terms[j].size)
+    kept = sorted(parsimony.material(whole, support, least), key=lambda j: terms[j].size)
     return _equation(terms, whole, kept, scale)
 
 
@@ -112,7 +112,7 @@ def _leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
     (whole,) = problem.blocks(terms, 1)
     left = whole.without(problem.fixed.shape[1])
     coef = regression.least_squares(left, np.arange(len(left.xy)))
-    return regression.rss(left, coef) <= regression.PERFECT * whole.yy
+    return regression.rss(left, coef) <= parsimony.PERFECT * whole.yy
 
 
 def _residual(problem: Problem, terms: Sequence[Product], coef: Sequence[float]) -> np.ndarray:

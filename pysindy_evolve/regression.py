@@ -1,4 +1,4 @@
-"""Sparse regression on Gram matrices, symbols as in `gram`: what proposes and what accepts terms.
+"""Sparse regression on Gram matrices, symbols as in `gram`: what proposes terms.
 
 The elastic net, equation (11) of the paper, proposes supports; backward elimination by an
 information criterion chooses among them; least squares decides the coefficients. An elastic net
@@ -31,16 +31,12 @@ from .independence import effective_size
 
 # Elimination and Gram matrices are part of the regression for those who use it.
 __all__ = [
-    "LAMBDA2", "PERFECT", "Gram", "block_grams", "default_penalty", "effective_size",
-    "elastic_net", "eliminate", "front", "frugal", "gains", "gram", "information",
-    "least_squares", "material", "path", "plainer", "prune", "refined", "residual", "rss",
-    "stable", "supports", "target_grams", "total",
+    "LAMBDA2", "Gram", "block_grams", "default_penalty", "effective_size",
+    "elastic_net", "eliminate", "front", "gains", "gram", "information",
+    "least_squares", "path", "prune", "refined", "residual", "rss",
+    "supports", "target_grams", "total",
 ]  # fmt: skip
 
-PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
-MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
-DOMINANT = 1e-2  # share of the target's power that no chance correlation explains
-REMAINDER = 1e-2  # share of the error that a smaller term may leave, if it is to count
 FORWARD = 6  # steps of forward selection beside the elastic net
 LAMBDA2 = (1e-3, 1e-1)  # relative to columns of unit RMS; orders of magnitude are enough
 
@@ -161,156 +157,3 @@ def _forward(gram: Gram, max_terms: int) -> np.ndarray:
         if with_column[support[-1]] <= 2.0 * LEAST * gram.yy:
             break
     return np.array(sorted(set(support)), dtype=int)
-
-
-def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Leave out equations of a front where a smaller one fits as well as a derivative is known.
-
-    Parameters
-    ----------
-    gram : Gram
-        Inner products.
-    front : list of ndarray of int
-        As `front` returns it, largest first.
-
-    Returns
-    -------
-    list of ndarray of int
-        What is left of the front; see `material` for the reason and the measure.
-    """
-    errors = [rss(gram, least_squares(gram, support)) for support in front]
-    limit = max(errors[0], MATERIAL * gram.yy)
-    chosen = max(i for i, error in enumerate(errors) if error <= limit)
-    for i in range(chosen - 1, -1, -1):
-        if errors[i] <= errors[chosen] * REMAINDER ** (len(front[i]) - len(front[chosen])):
-            chosen = i
-    return list(front[chosen:])
-
-
-def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0) -> np.ndarray:
-    """Drop terms too small to be told from the error of a derivative.
-
-    Parameters
-    ----------
-    gram : Gram
-        Inner products.
-    support : sequence of int
-        Columns to begin with.
-    least : float
-        Sum of squares that every term must explain, in units of the target squared.
-
-    Returns
-    -------
-    ndarray of int
-        Terms without which more than `MATERIAL` of the target's power would be left, or a
-        hundred times as much as with them, as on exact data. The smallest goes first.
-
-    Notes
-    -----
-    A finite difference errs by a smooth function of the state. Terms that fit it are significant
-    by any statistical test, and would be found where nothing is missing.
-    """
-    support = np.asarray(support, dtype=int)
-    scaled = gram.scaled(gram.scale)
-    while len(support):
-        _, without = gains(scaled, support)
-        error = rss(scaled, least_squares(scaled, support))
-        rise = without[support] - error
-        worst = int(np.argmin(rise))
-        seen = error + rise[worst] >= MATERIAL * gram.yy or rise[worst] >= error / REMAINDER
-        if seen and rise[worst] >= least:
-            break
-        support = np.delete(support, worst)
-    return support
-
-
-def plainer(gram: Gram, support: Sequence[int] | np.ndarray, n_free: np.ndarray) -> np.ndarray:
-    """Exchange terms with inner constants for others that fit as well as a derivative is known.
-
-    Parameters
-    ----------
-    gram : Gram
-        Inner products.
-    support : sequence of int
-        Columns to begin with.
-    n_free : ndarray of int of shape (p,)
-        Inner constants of each column; an exchange makes them fewer.
-
-    Returns
-    -------
-    ndarray of int
-        As many columns; see `material` for the reason and the measure.
-
-    Notes
-    -----
-    A constant that is free takes up the smooth error of a finite difference: x cos(0.007 x) fits it
-    better than x. An equation that leaves nothing but rounding is kept as it is.
-    """
-    chosen = list(support)
-    for j in [column for column in support if n_free[column]]:
-        error = rss(gram, least_squares(gram, chosen))
-        rest = [i for i in chosen if i != j]
-        instead = gains(gram, rest)[0]
-        able = (n_free < n_free[j]) & (instead <= max(error, MATERIAL * gram.yy))
-        able[chosen] = False
-        if able.any() and error > PERFECT * gram.yy:
-            chosen = [*rest, int(np.argmin(np.where(able, instead, np.inf)))]
-    return np.array(sorted(chosen), dtype=int)
-
-
-def stable(
-    whole: Gram,
-    folds: Sequence[Gram],
-    support: Sequence[int] | np.ndarray,
-    min_ratio: float = 3.0,
-) -> np.ndarray:
-    """Drop terms whose coefficient is not the same, within its scatter, all along the record.
-
-    Parameters
-    ----------
-    whole : Gram
-        All rows.
-    folds : sequence of Gram
-        All rows but one block each, see `block_grams`.
-    support : sequence of int
-        Columns to begin with.
-    min_ratio : float
-        Least ratio of a coefficient to its standard error (dimensionless).
-
-    Returns
-    -------
-    ndarray of int
-        What is left of the support.
-
-    Notes
-    -----
-    The standard error is the jackknife's over blocks, which holds for autocorrelated residuals as
-    long as blocks are longer than their memory. The weakest term goes first.
-    A term that shows in one part of the record only, as a stiffness does in a resonance, has no
-    small scatter; it stays if it alone explains a hundredth of the target's power.
-    """
-    support = np.asarray(support, dtype=int)
-    while len(support):
-        ratio = _jackknife_ratio(whole, folds, support)
-        ratio[_dominant(whole, support)] = np.inf
-        worst = int(np.argmin(ratio))
-        if ratio[worst] >= min_ratio:
-            break
-        support = np.delete(support, worst)
-    return support
-
-
-def _dominant(whole: Gram, support: np.ndarray) -> np.ndarray:
-    """Tell which terms the equation cannot be without, wherever in the record they show."""
-    scaled = whole.scaled(whole.scale)
-    error = rss(scaled, least_squares(scaled, support))
-    rise = gains(scaled, support)[1][support] - error
-    return np.asarray(rise >= max(DOMINANT * whole.yy, 0.1 * error))
-
-
-def _jackknife_ratio(whole: Gram, folds: Sequence[Gram], support: np.ndarray) -> np.ndarray:
-    coef = np.array([least_squares(fold, support)[support] for fold in folds])
-    count = len(folds)
-    error = np.sqrt((count - 1) / count * ((coef - coef.mean(axis=0)) ** 2).sum(axis=0))
-    size = np.abs(least_squares(whole, support)[support])
-    return size / np.maximum(error, np.finfo(float).tiny)

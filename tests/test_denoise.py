@@ -11,7 +11,8 @@ from pysindy_evolve.denoise import denoise
 from pysindy_evolve.dictionary import Problem
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.operators import BUILTIN, resolve
-from pysindy_evolve.regression import block_grams, material, stable, total
+from pysindy_evolve.parsimony import material, stable
+from pysindy_evolve.regression import block_grams, total
 from pysindy_evolve.simulation import simulate
 from pysindy_evolve.terms import call, mul, variable
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pysindy_evolve import regression
+from pysindy_evolve import parsimony, regression
 from pysindy_evolve.regression import Gram
 
 
@@ -22,7 +22,7 @@ def test_a_term_that_helps_in_one_block_only_is_dropped():
     whole = regression.total(blocks)
     folds = [whole - block for block in blocks]
     assert sorted(regression.prune(whole, [0, 1])) == [0, 1]
-    assert regression.stable(whole, folds, [0, 1]).tolist() == [0]
+    assert parsimony.stable(whole, folds, [0, 1]).tolist() == [0]
 
 
 def test_a_term_below_the_error_of_a_derivative_is_dropped():
@@ -31,14 +31,14 @@ def test_a_term_below_the_error_of_a_derivative_is_dropped():
     y = theta @ [1.0, 1e-3, 0.0] + 1e-3 * rng.normal(size=5000)
     gram = regression.gram(theta, y)
     assert sorted(regression.prune(gram, range(3))) == [0, 1]
-    assert regression.material(gram, [0, 1]).tolist() == [0]
+    assert parsimony.material(gram, [0, 1]).tolist() == [0]
 
 
 def test_a_small_term_counts_where_nothing_else_is_left():
     rng = np.random.default_rng(2)
     theta = rng.normal(size=(5000, 2))
     gram = regression.gram(theta, theta @ [1.0, 1e-3])
-    assert sorted(regression.material(gram, [0, 1])) == [0, 1]
+    assert sorted(parsimony.material(gram, [0, 1])) == [0, 1]
 
 
 def test_white_noise_counts_in_full_and_smooth_errors_do_not():
