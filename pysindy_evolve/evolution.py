@@ -115,6 +115,7 @@ def evolve(
     noise: np.ndarray | None = None,
     settings: Settings | None = None,
     progress: bool = False,
+    keep_if_interrupted: bool = True,
 ) -> Evolution:
     """Grow the terms of one equation: target = fixed @ a + theta @ coef.
 
@@ -139,6 +140,8 @@ def evolve(
         Parameters of the search.
     progress : bool
         Show a progress bar.
+    keep_if_interrupted : bool
+        Whether Ctrl-C ends the search with the best equation so far; otherwise it is passed on.
 
     Returns
     -------
@@ -148,8 +151,7 @@ def evolve(
     -----
     A generation costs a fixed number of rows, whatever n is. The search ends after
     ``n_generations``, or when no new term has entered the equation for ``patience`` of them, or
-    sooner where nothing is left to explain, see `plateau`. Ctrl-C ends it with the best equation
-    so far.
+    sooner where nothing is left to explain, see `plateau`.
     """
     settings = settings or Settings()
     fixed = np.empty((len(x), 0)) if fixed is None else fixed
@@ -167,6 +169,8 @@ def evolve(
             if plateau.reached(generation):
                 break
     except KeyboardInterrupt:
+        if not keep_if_interrupted:
+            raise
         warnings.warn(
             f"The search was interrupted after {len(history)} generations; "
             "the best equation so far is kept.",

@@ -117,6 +117,21 @@ def test_training_decimated_to_the_step_of_the_test_is_taken():
     assert train[0].dt == pytest.approx(test[0].dt)
 
 
+def test_three_records_decimated_each_in_its_own_way_are_brought_to_one_step():
+    t = 0.01 * np.arange(3000)
+    records = [pse.prepare(t, np.sin(3.0 * t), cutoff=4.0, decimate=k) for k in (3, 2, 2)]
+    train, test = alike(records[:2], records[2:])
+    assert {round(record.dt, 9) for record in (*train, *test)} == {0.02}
+
+
+def test_a_column_that_says_nothing_is_called_by_its_name():
+    t = 0.01 * np.arange(2000)
+    record = pse.prepare(t, np.sin(3.0 * t), np.ones_like(t))
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q + b*F"}, inputs=["F"])
+    with pytest.raises(ValueError, match=r"columns of u that vary; got 1 everywhere in F\."):
+        pse.close_loop(declared, record)
+
+
 def test_booleans_are_no_measurement_but_may_be_an_input():
     t = 0.01 * np.arange(500)
     q = np.sin(3.0 * t)
@@ -160,9 +175,9 @@ def test_model_without_a_value_on_the_record_is_refused(text):
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("x", 0.0, "columns of x that vary; got 0 everywhere in column 0"),
-        ("x", 3.5, r"columns of x that vary; got 3\.5 everywhere in column 0"),
-        ("x_dot", 0.0, "columns of x_dot that vary; got 0 everywhere in column 0"),
+        ("x", 0.0, r"columns of x that vary; got 0 everywhere in q\."),
+        ("x", 3.5, r"columns of x that vary; got 3\.5 everywhere in q\."),
+        ("x_dot", 0.0, r"columns of x_dot that vary; got 0 everywhere in q'\."),
     ],
 )
 def test_column_that_says_nothing_is_refused(name, value, message):

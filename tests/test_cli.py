@@ -102,6 +102,26 @@ def test_fit_judges_on_data_that_it_was_not_fitted_on(capsys, oscillator, tmp_pa
     assert error > 100.0
 
 
+def test_fit_finds_the_friction_where_the_filter_smeared_its_switches(capsys, drive_files):
+    train, test = drive_files[0], drive_files[1]
+    code, out, _ = run(capsys, "fit", train, "--test", test, "--position", "q", "--inputs", "F")
+    assert code == 0
+    assert "sgn(q_dot)" in out
+    errors = {line.split()[0]: line.split()[1:] for line in out.splitlines()[-2:]}
+    assert float(errors["q"][1]) < 10.0
+    assert "do not trust" not in out
+
+
+def test_fit_says_when_its_equations_predict_nothing(capsys, tmp_path):
+    rng = np.random.default_rng(0)
+    t = 0.01 * np.arange(600)
+    path = tmp_path / "noise.csv"
+    save(path, t=t, q=rng.standard_normal(600).cumsum())
+    code, out, _ = run(capsys, "fit", str(path), "--position", "q")
+    assert code == 0
+    assert "do not trust them" in out
+
+
 def test_fit_prints_latex_and_code(capsys, oscillator):
     options = ("--states", "q,v", "--target", "q=v,v=acc", "--inputs", "F", "--latex")
     _, out, _ = run(capsys, "fit", oscillator, *options, "--code", "modelica")
@@ -235,6 +255,10 @@ WRONG = {
     "nonlinear": (["loop", "FILE", "--equation", "q=-q*k^2"], "linear in its free parameters"),
     "twice": (["loop", "FILE", "--equation", "q=-k*q", "--equation", "q=c"], "once for each state"),
     "wrong position": (["loop", "FILE", "--equation", "q=-k*q", "--position", "v"], "Sort or add"),
+    "not its derivative": (
+        ["loop", "FILE", "--equation", "q=w", "--equation", "v=-k*q", "--position", "q"],
+        "must be 'q = v', as v is derived from q; got 'q = w'",
+    ),
     "known": (["loop", "FILE", "--equation", "q=-k*q", "--known", "k=a"], "numbers as values"),
     "twins": (["loop", "FILE", "--equation", "q=-k*q", "--twins", "3"], "at least 59"),
     "command": (["fix"], "'fix'"),

@@ -266,6 +266,25 @@ def test_interrupt_after_a_name_keeps_it(monkeypatch):
     assert not report.finished
 
 
+def test_interrupt_while_terms_grow_keeps_the_names(monkeypatch):
+    """Growing alone could go on with what it has; the loop ends and says so."""
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pysindy_evolve.evolution.solve_elastic_net", interrupted)
+    report = pse.close_loop(FRICTION.model, FRICTION.record(), random_state=0)
+    assert names(report) == ["Coulomb friction"]
+    assert not report.finished
+    assert "The search did not come to its end" in str(report)
+
+
+def test_what_was_not_looked_for_is_not_said_to_be_absent():
+    said = str(pse.close_loop(FRICTION.model, FRICTION.record(), max_effects=0, random_state=0))
+    assert "No effect was looked for, as max_effects is 0." in said
+    assert "No other effect" not in said
+
+
 def test_first_order_system_lacks_its_drain():
     truth = pse.DeclaredModel({"h": "0.5*p - 0.3*h - 0.2"}, inputs=["p"]).design().equations([])
     t = np.arange(0.0, 200.0, 0.1)

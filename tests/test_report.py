@@ -11,6 +11,7 @@ from loop_systems import equations_of, oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_number
 from pysindy_evolve.hidden import with_memories
+from pysindy_evolve.loop.text import interval
 from pysindy_evolve.memory import Memory
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
@@ -21,6 +22,14 @@ def drifting():
     """The corrected model depends on time."""
     hidden = oscillator("drift", "+ 0.1*t + 1", "-k*q - c*v + b*F + o")
     return pse.close_loop(hidden.model, hidden.record(), operators=(), random_state=0)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "shown"),
+    [(-2.0000012, -1.9999988, "-2.0000012 to -1.9999988"), (0.31, 0.42, "0.31 to 0.42")],
+)
+def test_the_ends_of_an_interval_can_be_told_apart(low, high, shown):
+    assert interval(low, high) == f"(95 %: {shown})"
 
 
 def test_report_prints_verdict_equations_table_and_evidence_in_this_order(report):

@@ -14,6 +14,8 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from .commands import demo, fit, loop
 from .options import PROGRAM, make_parser
 from .output import complain
@@ -42,7 +44,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
-            finished = given.run(given)
+            # Small matrices gain nothing from threads, and the last digits depend on their number.
+            with threadpool_limits(limits=1):
+                finished = given.run(given)
         except KeyboardInterrupt:
             complain(f"{PROGRAM}: interrupted; nothing was found yet.")
             return INTERRUPTED

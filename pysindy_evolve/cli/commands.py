@@ -16,7 +16,7 @@ from ..library import EvolvingLibrary
 from ..library_terms import from_model
 from ..loop import DeclaredModel, LoopReport, close_loop
 from ..optimizer import ElasticNet
-from ..signals import prepare
+from ..signals import is_decided, prepare
 from .options import PROGRAM
 from .output import print_code, print_errors, progress, save, say
 from .records import derived_names, order_of, read_all, read_split
@@ -82,7 +82,11 @@ def fit(given: Namespace) -> bool:
         progress=progress(given),
     )
     model = ps.SINDy(feature_library=library, optimizer=ElasticNet())
-    x, x_dot, t, u = ([getattr(r, name) for r in train] for name in ("x", "x_dot", "t", "u"))
+    rows = [is_decided(record) for record in train]
+    x, x_dot, t, u = (
+        [column[kept] for column, kept in zip(columns, rows, strict=True) if column is not None]
+        for columns in ([getattr(r, name) for r in train] for name in ("x", "x_dot", "t", "u"))
+    )
     names = [*states, *given.inputs]
     model.fit(x, t, x_dot=x_dot, u=u if given.inputs else None, feature_names=names)
     equations = from_model(model)
@@ -101,7 +105,7 @@ def loop(given: Namespace) -> bool:
             f"{', '.join(sides)}. Join the terms of a state in one equation."
         )
     declared = DeclaredModel(sides, inputs=given.inputs, known=dict(given.known))
-    given.order = order_of(declared.states, given.position)
+    given.order = order_of(sides, given.position)
     train, test = read_all(given, given.files, sides), read_all(given, given.test, sides)
     say(f"Free parameters: {', '.join(declared.parameters) or 'none'}\n")
     report = close_loop(

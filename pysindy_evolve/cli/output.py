@@ -18,6 +18,8 @@ from ..signals import Record
 
 __all__ = ["complain", "print_code", "print_errors", "progress", "save", "say"]
 
+POOR = 50.0  # percent; a noisy derivative alone, or a chaotic free run alone, condemns nothing
+
 
 def say(text: object = "") -> None:
     """Write to stdout at once, so that it stands in order with what goes to stderr."""
@@ -42,10 +44,17 @@ def print_errors(equations: Equations, records: Sequence[Record]) -> None:
     derivative = nrmse(np.concatenate(predicted) - x_dot, x_dot)
     say("\nErrors on held-out data, % of the standard deviation (NRMSE)")
     say(f"{'':<12}{'derivative':>12}{'free run':>12}")
-    rows = zip(equations.states, derivative, simulation_errors(equations, records), strict=True)
+    simulation = simulation_errors(equations, records)
+    rows = zip(equations.states, derivative, simulation, strict=True)
     for state, *errors in rows:
         cells = [f"{value:.3g}" if np.isfinite(value) else "diverges" for value in errors]
         say(f"    {state:<8}" + "".join(f"{cell:>12}" for cell in cells))
+    if np.max(derivative) > POOR and not np.max(simulation) <= POOR:
+        say(
+            "\nThese equations do not predict what they were not fitted on: do not trust them. A "
+            "longer record,\nother --operators or a smaller --max-terms may help; so does a model "
+            "of your own, see the command loop."
+        )
 
 
 def print_code(model: Any, given: Namespace) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,16 +21,25 @@ def derived_names(positions: Sequence[str], order: int) -> tuple[str, ...]:
     return tuple(name + ending for name in positions for ending in endings)
 
 
-def order_of(states: Sequence[str], positions: Sequence[str]) -> int:
+def order_of(sides: Mapping[str, str], positions: Sequence[str]) -> int:
     """Return how many states there are for each measured position; 1 if all are measured."""
     if not positions:
         return 1
+    states = list(sides)
     order, rest = divmod(len(states), len(positions))
     if rest or tuple(states[::order]) != tuple(positions):
         raise ValueError(
             "--equation must be given for each position and then for its derivatives in turn; got "
             f"{', '.join(states)} for --position {','.join(positions)}. Sort or add equations."
         )
+    for place, state in enumerate(states):
+        following = states[place + 1] if (place + 1) % order else None
+        if following is not None and sides[state].strip() != following:
+            raise ValueError(
+                f"--equation of {state} must be '{state} = {following}', as {following} is derived "
+                f"from {state}; got '{state} = {sides[state]}'. Correct it, or measure both and "
+                "leave out --position."
+            )
     return order
 
 

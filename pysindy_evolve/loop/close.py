@@ -70,7 +70,8 @@ def close_loop(
         together could remove, in the derivative or in the simulation, or halve the error that is
         left. Real records always hold traces of something; this says how small a trace matters.
     max_effects : int
-        Stop after so many effects; 0 only fits the declared model and asks whether it is all.
+        Stop once there are so many effects; two that only show together may make it one more. 0
+        only fits the declared model and asks whether it is all.
     refine : {"auto", "derivative", "simulation"}
         Error that the final coefficients minimize. By default it is that of the simulation where
         this predicts parts of the training data better that it was not fitted on, and only there.
@@ -97,8 +98,9 @@ def close_loop(
     Notes
     -----
     An interrupt (Ctrl-C) ends the search. What was found until then is reported; if that is nothing
-    yet, KeyboardInterrupt is raised. Expect 7 to 10 s of one quiet core for 10 000 samples, and
-    more with each effect found.
+    yet, KeyboardInterrupt is raised. Expect 5 to 15 s of one quiet core for 10 000 samples, and
+    more with each effect found. The matrices are small: set OMP_NUM_THREADS=1, as threads of the
+    linear algebra only get in each other's way.
 
     Examples
     --------

@@ -79,6 +79,7 @@ def grow(
             fixed=flat[:, state, :-1],
             project=partial(_project, part=part, state=state, weight=weights[place]),
             settings=SETTINGS,
+            keep_if_interrupted=False,  # the loop says itself that it was interrupted
         )
         found += [
             named(term, state, known, poses=_poses_as_offset(term, variables, shifted))

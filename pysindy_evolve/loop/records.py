@@ -86,16 +86,17 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
                 "Interpolate the record to one sampling time first."
             )
         _check_finite(design, record)
-    _check_columns(records)
+    _check_columns(design, records)
 
 
 LARGEST = 1e50  # of a term of the model
 SIZES = (1e-30, 1e30)  # beyond them squares of ratios of powers leave the range of a float
 
 
-def _check_columns(records: Sequence[Record]) -> None:
+def _check_columns(design: Design, records: Sequence[Record]) -> None:
     """Raise where a column says nothing, or is out of the range of the arithmetic."""
-    for name in ("x", "u", "x_dot"):
+    rates = tuple(f"{state}'" for state in design.states)
+    for name, called in (("x", design.states), ("u", design.inputs), ("x_dot", rates)):
         columns = [
             getattr(record, name) for record in records if record.u is not None or name != "u"
         ]
@@ -108,14 +109,14 @@ def _check_columns(records: Sequence[Record]) -> None:
         ):
             raise ValueError(
                 f"close_loop(train=..., test=...) must have a size between {SIZES[0]:g} and "
-                f"{SIZES[1]:g} in each column of {name}; got {largest[index]:g} in column {index}. "
-                "Use other units."
+                f"{SIZES[1]:g} in each column of {name}; got {largest[index]:g} in "
+                f"{called[index]}. Use other units."
             )
         still = largest == 0.0 if name == "x_dot" else np.ptp(stacked, axis=0) == 0.0
         for index in np.flatnonzero(still):
             raise ValueError(
                 f"close_loop(train=..., test=...) must have columns of {name} that vary; got "
-                f"{stacked[0, index]:g} everywhere in column {index}. Drop it from the records "
+                f"{stacked[0, index]:g} everywhere in {called[index]}. Drop it from the records "
                 "and from the model."
             )
 
@@ -154,7 +155,7 @@ def alike(train: list[Record], test: list[Record]) -> tuple[list[Record], list[R
         )
     cutoffs = [r.preparation.cutoff for r in train if r.preparation and r.preparation.cutoff]
     cutoff = float(np.exp(np.mean(np.log(cutoffs)))) if len(cutoffs) == len(train) else None
-    step = float(np.median(steps[: len(train)]))
+    step = float(np.quantile(steps[: len(train)], 0.5, method="lower"))  # one of them
     _check_raw_steps(made.dt, [*train, *test], step)
     return [_prepared(r, cutoff, step) for r in train], [_prepared(r, cutoff, step) for r in test]
 

@@ -16,7 +16,7 @@ RUNAWAY = 100.0  # percent of the standard deviation
 
 def remains(report: LoopReport) -> list[str]:
     """Return what is to be said of what was not found, in sentences."""
-    said = [_last_look(report)]
+    said = [_last_look(report)] if report.finished or report.rejected is not None else []
     if report.verdict == "untraced":
         said.append(
             "A general model, polynomials of all variables and the recent past of the inputs, "
@@ -29,8 +29,14 @@ def remains(report: LoopReport) -> list[str]:
             "the smallest difference, or something is still missing: judge by the derivative."
         )
     if not report.finished:
-        said.append("The search did not come to its end: it was interrupted or met max_effects.")
+        said.append(_unfinished(report))
     return said
+
+
+def _unfinished(report: LoopReport) -> str:
+    if report.rules is not None and report.rules.max_effects == 0:
+        return "No effect was looked for, as max_effects is 0."
+    return "The search did not come to its end: it was interrupted or met max_effects."
 
 
 def _last_look(report: LoopReport) -> str:

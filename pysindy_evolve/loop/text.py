@@ -16,7 +16,7 @@ from .remains import remains
 if TYPE_CHECKING:
     from .report import Alternative, Effect, Errors, LoopReport
 
-__all__ = ["VERDICTS", "as_markdown", "as_text", "free_parameters", "table_cells"]
+__all__ = ["VERDICTS", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -96,6 +96,15 @@ def _percent(value: float) -> str:
     return "diverges" if not np.isfinite(value) else f"{value:.3g}"
 
 
+def interval(low: float, high: float) -> str:
+    """Return a 95 % interval with enough digits to tell its ends apart."""
+    size, width = max(abs(low), abs(high)), high - low
+    usable = np.isfinite(size) and np.isfinite(width) and width > 0.0
+    needed = 2 + int(np.ceil(np.log10(size / width))) if usable else 4
+    digits = min(max(needed, 4), 12)
+    return f"(95 %: {low:.{digits}g} to {high:.{digits}g})"
+
+
 def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
     """Return what is known of one effect, in a few lines."""
     lines = [f"{number}. {effect.name} in the equation of {effect.state}"]
@@ -110,10 +119,12 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     for expression, value, (low, high) in parts:
         if effect.memory is not None:
             shown = f"{format_expression(effect.term)}: {effect.memory.quantity}"
-            lines.append(f"{shown} {value:.4g}   (95 %: {low:.4g} to {high:.4g})")
+            lines.append(f"{shown} {value:.4g}   {interval(low, high)}")
             continue
         shown = format_expression(expression.to_sympy(symbols))
-        lines.append(f"{value:.4g} times {shown}   (95 %: {low:.4g} to {high:.4g})")
+        lines.append(f"{value:.4g} times {shown}   {interval(low, high)}")
+        if low < 0.0 < high:
+            lines.append("the interval holds zero: by itself, this record is not sure of its sign")
     lines.append(
         f"removes {100 * effect.explained:.0f} % of the held-out residual variance; "
         f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"

@@ -11,6 +11,7 @@ from .prepare import Preparation, prepare
 from .record import Record
 from .sampling import resample
 from .slopes import fuse
+from .switches import is_decided
 from .target import as_target
 from .windows import Windows, choose_windows, project, project_derivative
 
@@ -24,6 +25,7 @@ __all__ = [
     "differentiate",
     "fuse",
     "integrate",
+    "is_decided",
     "lowpass",
     "noise_level",
     "prepare",
