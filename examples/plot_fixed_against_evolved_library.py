@@ -11,8 +11,6 @@ appetite saturates, and Lorenz's equations, which are quadratic. The fixed libra
 polynomials of degree 3, STLSQ with the best of fourteen thresholds by BIC.
 """
 
-import time
-
 import matplotlib.pyplot as plt
 import numpy as np
 import pysindy as ps
@@ -52,9 +50,9 @@ def fixed(x, x_dot, operators, **options):
         n_terms = np.count_nonzero(model.coefficients())
         return len(x) * np.log(error).sum() + np.log(len(x)) * n_terms
 
-    size = np.linalg.norm(x_dot) / 2
+    sizes = np.linalg.norm(x_dot) / 2 * np.logspace(-3.5, -0.5, 7)
     stlsq = [ps.STLSQ(share) for share in np.logspace(-2, 0, 7)]
-    stlsq += [ps.STLSQ(s * size, normalize_columns=True) for s in np.logspace(-3.5, -0.5, 7)]
+    stlsq += [ps.STLSQ(size, normalize_columns=True) for size in sizes]
     models = [ps.SINDy(feature_library=ps.PolynomialLibrary(3), optimizer=s) for s in stlsq]
     return min((model.fit(x, x_dot=x_dot, **options) for model in models), key=bic)
 
@@ -62,9 +60,8 @@ def fixed(x, x_dot, operators, **options):
 def evolved(x, x_dot, operators, **options):
     """Grow the library."""
     library = pse.EvolvingLibrary(operators, random_state=0)
-    return ps.SINDy(feature_library=library, optimizer=pse.ElasticNet()).fit(
-        x, x_dot=x_dot, **options
-    )
+    model = ps.SINDy(feature_library=library, optimizer=pse.ElasticNet())
+    return model.fit(x, x_dot=x_dot, **options)
 
 
 rng = np.random.default_rng(0)
@@ -80,23 +77,17 @@ for axis, (name, (names, fit, check, n_true)) in zip(axes.flat, SYSTEMS.items(),
     noisy = clean + 10 ** (-30 / 20) * rms(clean) * rng.standard_normal(clean.shape)
     axis.plot(t, x[:, 0], "k", lw=5, alpha=0.2, label="truth")
     for method, style in styles.items():
-        start = time.process_time()
         model = method(x_fit, noisy, operators, t=t_fit, u=u_fit, feature_names=names.split())
-        seconds = time.process_time() - start
         wrong = (np.asarray(model.predict(x, u=u)) - x_dot)[x[:, 1] != 0.0]
         error = 100 * np.max(rms(wrong) / x_dot.std(axis=0))
         run = pse.simulate(model, x[0], t, u=u)
         off = 100 * np.max(rms(run - x) / x.std(axis=0))
-        n_terms = np.count_nonzero(model.coefficients())
-        print(
-            f"{name}, {method.__name__}: {n_terms} terms of {n_true}, slopes off by {error:.3g} %,"
-        )
-        print(f"free run off by {off:.3g} %, {seconds:.1f} s")
+        found = f"{np.count_nonzero(model.coefficients())} terms of {n_true}"
+        print(f"{name}, {method.__name__}: {found}; slopes off by {error:.3g} %, run {off:.3g} %")
         print(pse.export.format_equations(model), end="\n\n")
         axis.plot(t, run[:, 0], **style, label=f"{method.__name__}: {off:.3g} %")
     low, high = x[:, 0].min(), x[:, 0].max()
-    axis.set(title=name, ylabel=names[0], xlim=t[[0, -1]], ylim=(low - 0.2 * (high - low), None))
-    axis.set_ylim(top=high + 0.5 * (high - low))
+    limits = low - 0.2 * (high - low), high + 0.5 * (high - low)
+    axis.set(title=name, ylabel=names[0], xlim=t[[0, -1]], ylim=limits)
     axis.legend(loc="upper right", ncols=3)
-    axis.spines[["top", "right"]].set_visible(False)
 plt.show()

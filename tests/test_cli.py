@@ -257,7 +257,7 @@ WRONG = {
     "wrong position": (["loop", "FILE", "--equation", "q=-k*q", "--position", "v"], "Sort or add"),
     "not its derivative": (
         ["loop", "FILE", "--equation", "q=w", "--equation", "v=-k*q", "--position", "q"],
-        "must be 'q = v', as v is derived from q; got 'q = w'",
+        "must be 'q = v', as v is derived from q; got another one",
     ),
     "known": (["loop", "FILE", "--equation", "q=-k*q", "--known", "k=a"], "numbers as values"),
     "twins": (["loop", "FILE", "--equation", "q=-k*q", "--twins", "3"], "at least 59"),

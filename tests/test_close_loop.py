@@ -269,7 +269,7 @@ def test_interrupt_after_a_name_keeps_it(monkeypatch):
 def test_interrupt_while_terms_grow_keeps_the_names(monkeypatch):
     """Growing alone could go on with what it has; the loop ends and says so."""
 
-    def interrupted(*_):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("pysindy_evolve.evolution.solve_elastic_net", interrupted)

@@ -105,7 +105,7 @@ def loop(given: Namespace) -> bool:
             f"{', '.join(sides)}. Join the terms of a state in one equation."
         )
     declared = DeclaredModel(sides, inputs=given.inputs, known=dict(given.known))
-    given.order = order_of(sides, given.position)
+    given.order = order_of(declared, given.position)
     train, test = read_all(given, given.files, sides), read_all(given, given.test, sides)
     say(f"Free parameters: {', '.join(declared.parameters) or 'none'}\n")
     report = close_loop(

@@ -49,7 +49,7 @@ def print_errors(equations: Equations, records: Sequence[Record]) -> None:
     for state, *errors in rows:
         cells = [f"{value:.3g}" if np.isfinite(value) else "diverges" for value in errors]
         say(f"    {state:<8}" + "".join(f"{cell:>12}" for cell in cells))
-    if np.max(derivative) > POOR and not np.max(simulation) <= POOR:
+    if not np.max(derivative) <= POOR and not np.max(simulation) <= POOR:  # so too for NaN
         say(
             "\nThese equations do not predict what they were not fitted on: do not trust them. A "
             "longer record,\nother --operators or a smaller --max-terms may help; so does a model "

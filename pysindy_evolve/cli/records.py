@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from ..loop import DeclaredModel
 from ..loop.records import split_records
 from ..signals import Record, prepare, read_csv
 
@@ -21,11 +22,11 @@ def derived_names(positions: Sequence[str], order: int) -> tuple[str, ...]:
     return tuple(name + ending for name in positions for ending in endings)
 
 
-def order_of(sides: Mapping[str, str], positions: Sequence[str]) -> int:
+def order_of(declared: DeclaredModel, positions: Sequence[str]) -> int:
     """Return how many states there are for each measured position; 1 if all are measured."""
     if not positions:
         return 1
-    states = list(sides)
+    states, design = declared.states, declared.design()
     order, rest = divmod(len(states), len(positions))
     if rest or tuple(states[::order]) != tuple(positions):
         raise ValueError(
@@ -33,12 +34,11 @@ def order_of(sides: Mapping[str, str], positions: Sequence[str]) -> int:
             f"{', '.join(states)} for --position {','.join(positions)}. Sort or add equations."
         )
     for place, state in enumerate(states):
-        following = states[place + 1] if (place + 1) % order else None
-        if following is not None and sides[state].strip() != following:
+        if (place + 1) % order and design.derivative_of(place) != place + 1:
             raise ValueError(
-                f"--equation of {state} must be '{state} = {following}', as {following} is derived "
-                f"from {state}; got '{state} = {sides[state]}'. Correct it, or measure both and "
-                "leave out --position."
+                f"--equation of {state} must be '{state} = {states[place + 1]}', as "
+                f"{states[place + 1]} is derived from {state}; got another one. Correct it, or "
+                "measure both and leave out --position."
             )
     return order
 

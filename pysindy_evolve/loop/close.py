@@ -195,14 +195,17 @@ class _Search:
             garden = Garden(declared, records, part, rules, operators, rng)
         n_searches = 1
         if not self.findings:
-            chance = structure_chance(declared, records, part, rules, rng)
-            self.has_structure = chance <= rules.level
+            # Not on the pieces that grown terms are tested on: their number would depend on those.
+            chance = structure_chance(declared, records, garden.seen, rules, rng)
             n_searches = N_SEARCHES if chance <= LIKELY else 1
         while len(self.findings) < rules.max_effects:
             found = garden.find(_with(declared, self.findings), n_searches)
             if not found:
                 break
             self.findings = [*self.findings, *_numbered(found, self.findings)]
+        if not self.findings:
+            chance = structure_chance(declared, records, part, rules, rng)
+            self.has_structure = chance <= rules.level
 
 
 def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:

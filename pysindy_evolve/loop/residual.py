@@ -142,8 +142,8 @@ def respond(
 
     Trapezoidal in the force, third order in J dt. Every `keep`-th sample of the windows is
     returned, in units of the scale of each state, as shapes (n_windows, rows, n_states) and
-    (n_windows, rows, n_columns). Jumps, (n_windows, n, n_states), are factors of the deviation at
-    the end of each step.
+    (n_windows, rows, n_columns). Jumps, (n_windows, n - 1, n_states, n_states), multiply the
+    deviation at the end of each step.
     """
     n_windows, _, n_states, n_columns = driven.shape
     with np.errstate(over="ignore", invalid="ignore"):
@@ -178,6 +178,7 @@ def _over_blocks(
     step = eye + a @ (eye + a @ (eye + a / 3.0) / 2.0)
     before, after = driven[:, here], driven[:, 1 : n_blocks * keep + 1]
     before, after = (0.5 * dt * half.reshape(*blocks, n_columns) for half in (before, after))
+    jumps = None if jumps is None else jumps[:, here].reshape(*blocks, n_states)
     deviation = np.zeros((n_windows, n_blocks, n_states, n_states + n_columns))
     deviation[..., :n_states] = eye
     for i in range(keep):
@@ -185,7 +186,7 @@ def _over_blocks(
         deviation = step[:, :, i] @ deviation
         deviation[..., n_states:] += after[:, :, i]
         if jumps is not None:
-            deviation *= jumps[:, here].reshape(blocks)[:, :, i, :, None]
+            deviation = jumps[:, :, i] @ deviation
     return deviation[..., :n_states], deviation[..., n_states:]
 
 

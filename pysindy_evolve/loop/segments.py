@@ -57,7 +57,10 @@ class Segments:
 
     def every_other(self, start: int) -> Segments:
         """Return every second piece, beginning with the one numbered `start`."""
-        pick = slice(start, None, 2)
+        return self.picked(slice(start, None, 2))
+
+    def picked(self, pick: slice) -> Segments:
+        """Return some of the pieces."""
         return replace(
             self,
             z=self.z[pick],

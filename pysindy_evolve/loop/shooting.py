@@ -9,8 +9,6 @@ References
 ----------
 Bock, Recent advances in parameter identification techniques for O.D.E., in: Numerical Treatment of
 Inverse Problems in Differential and Integral Equations (1983), 95-121: multiple shooting.
-Leine, Nijmeijer, Dynamics and Bifurcations of Non-Smooth Mechanical Systems (2004), chapter 7: what
-a switch does to a deviation, the saltation matrix.
 
 ======  ==============================================  ======================================
 symbol  shape                                           meaning
@@ -32,20 +30,19 @@ from ..signals import Record
 from .design import Design
 from .fit import Fit, derivative_square
 from .residual import MAX_GROWTH, forces, jacobian, respond
-from .runs import free_run, stretch_misses
+from .runs import free_run
+from .saltation import saltation
 from .segments import Segments, segments
 
 __all__ = ["shot"]
 
 N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
-JUDGED = 16  # stretches of each record, from measured states, by which a change is judged
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little
 ROWS = 2000  # of the runs that a step looks at
 MAX_STEPS = 6  # of Gauss-Newton; two or three are the rule
 SHORTENED = (1.0, 0.5, 0.25)  # a step that makes the error larger is tried again
 SETTLED = 1e-3  # relative gain of a step after which no other one is taken
-LARGEST_JUMP = 10.0  # of a deviation at a switch: after a grazing one nothing is linear
 
 
 def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
@@ -63,42 +60,59 @@ def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
     Returns
     -------
     Fit
-        The same one where the model cannot follow the records, or where neither short stretches
-        nor the derivative speak for a change.
+        The same one where the model cannot follow the records, or where what every second stretch
+        says does not hold on those between.
     """
     if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
         return fitted
     shooting = _begun(design, fitted.coef, records)
     if shooting is None:
         return fitted
-    coef = shooting.settled().coef
-    before, after = (_judged(design, c, records) for c in (fitted.coef, coef))
-    if not after < before:
+    if not _holds(shooting):
         return fitted
+    coef = shooting.settled().coef
     intervals = fitted.intervals + (coef - fitted.coef)[:, None]
     return Fit(coef, intervals, "simulation")
 
 
-def _judged(design: Design, coef: np.ndarray, records: Sequence[Record]) -> float:
-    """Return the product of both square errors: what one loses the other must gain, and more.
-
-    Where a model lacks something, runs can be bettered by coefficients that are wrong.
-    """
-    misses = stretch_misses(design.equations(coef), records, JUDGED)
-    return misses * derivative_square(design, records, coef)
-
-
 def _begun(design: Design, coef: np.ndarray, records: Sequence[Record]) -> _Shooting | None:
     """Run over the longest stretches that a model can follow; None if there are none."""
+    length = 0
     for n_stretches in N_STRETCHES:
         part = segments(records, design.velocities, n_stretches, max_rows=None)
+        if part.z.shape[1] == length:
+            continue  # many short records are cut alike
+        length = part.z.shape[1]
         starts = part.z[:, 0, : part.n_states]
         x = _run(design, coef, starts, part, records)
         missed = np.sqrt(np.mean((part.z[:, :, : part.n_states] - x) ** 2, axis=(0, 1)))
-        if np.all(missed < FAITHFUL * part.state_scale):  # False for NaN too
-            scale = np.maximum(missed, 1e-9 * part.state_scale)
-            return _Shooting(design, tuple(records), part, scale, coef, starts, x)
+        if not np.all(missed < FAITHFUL * part.state_scale):  # so too for NaN
+            continue
+        scale = np.maximum(missed, 1e-9 * part.state_scale)
+        shooting = _Shooting(design, tuple(records), part, scale, coef, starts, x)
+        if np.max(np.abs(shooting.sensitivities(keep=shooting.keep)[0])) <= MAX_GROWTH:
+            return shooting
     return None
+
+
+def _holds(shooting: _Shooting) -> bool:
+    """Tell whether steps on one half of the stretches better the other half, and the reverse.
+
+    Where a model lacks something, runs can be bettered by coefficients that are wrong. So what the
+    derivative loses counts against what the runs gain.
+    """
+    if len(shooting.x) < 2:
+        return False
+    before, after = 0.0, 0.0
+    halves = [shooting.of(slice(k, None, 2)) for k in (0, 1)]
+    for seen, judged in (halves, halves[::-1]):
+        coef = seen.settled().coef
+        losses = [
+            derivative_square(shooting.design, shooting.records, c) for c in (shooting.coef, coef)
+        ]
+        before += judged.error * losses[0]
+        after += judged.moved_to(coef, judged.starts).error * losses[1]
+    return after < before
 
 
 def _run(
@@ -138,6 +152,20 @@ class _Shooting:
     def error(self) -> float:
         return float(np.sum(self.miss**2))
 
+    @property
+    def keep(self) -> int:
+        """Every so many samples a step looks at."""
+        return max(1, self.x.shape[0] * self.x.shape[1] // ROWS)
+
+    def of(self, pick: slice) -> _Shooting:
+        """Return some of the stretches."""
+        return replace(self, part=self.part.picked(pick), starts=self.starts[pick], x=self.x[pick])
+
+    def moved_to(self, coef: np.ndarray, starts: np.ndarray) -> _Shooting:
+        """Run with other coefficients from other starts."""
+        x = _run(self.design, coef, starts, self.part, self.records)
+        return replace(self, coef=coef, starts=starts, x=x)
+
     def settled(self) -> _Shooting:
         """Take steps until they gain nothing more."""
         now = self
@@ -159,8 +187,7 @@ class _Shooting:
             coef, starts = (
                 old + share * new for old, new in zip((self.coef, self.starts), change, strict=True)
             )
-            x = _run(self.design, coef, starts, self.part, self.records)
-            after = replace(self, coef=coef, starts=starts, x=x)
+            after = self.moved_to(coef, starts)
             if after.error < self.error:  # False for NaN
                 return after
         return None
@@ -168,7 +195,7 @@ class _Shooting:
     def gauss_newton(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Return changes of coefficients and starts; None if the runs forget how they began."""
         n_stretches, length, _ = self.x.shape
-        keep = max(1, n_stretches * length // ROWS)
+        keep = self.keep
         free, response = self.sensitivities(keep)
         if np.max(np.abs(free)) > MAX_GROWTH:
             return None
@@ -188,24 +215,8 @@ class _Shooting:
         """Return what the runs owe to their starts and to the coefficients, as in `respond`."""
         inputs = self.part.z[:, :, self.part.n_states :]
         along = replace(self.part, z=np.concatenate([self.x, inputs], axis=2))
-        slopes = jacobian(self.design.equations(self.coef), along.z, self.part.state_scale)
+        equations, scale, dt = self.design.equations(self.coef), self.part.state_scale, self.part.dt
+        slopes = jacobian(equations, along.z, scale)
         driven = forces(along, self.design, self.design.columns, weighed=False)[..., :-1]
-        return respond(slopes, driven, self.part.dt, self.scale, keep, _jumps(self.x, self.part))
-
-
-def _jumps(x: np.ndarray, part: Segments) -> np.ndarray:
-    """Return what becomes of a deviation where a velocity goes through zero, as factors.
-
-    The friction turns sooner or later than without the deviation, which the ratio of the
-    accelerations after and before multiplies. Of a body that sticks no deviation is left.
-    """
-    jumps = np.ones_like(x)
-    for state in part.velocities:
-        v = x[:, :, state]
-        rate = np.diff(v, axis=1)
-        turns = (v[:, 1:-2] * v[:, 2:-1] <= 0.0) & (v[:, 1:-2] != 0.0)
-        before = np.where(rate[:, :-2] == 0.0, 1e-300, rate[:, :-2])
-        ratio = np.clip(rate[:, 2:] / before, 0.0, LARGEST_JUMP)
-        jumps[:, 1:-2, state] = np.where(turns, ratio, 1.0)
-        jumps[:, :, state][v == 0.0] = 0.0
-    return jumps
+        jumps = saltation(equations, along.z, scale, dt)
+        return respond(slopes, driven, dt, self.scale, keep, jumps)

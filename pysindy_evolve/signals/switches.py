@@ -53,7 +53,7 @@ def is_decided(record: Record) -> NDArray[np.bool_]:
     everything, made = np.ones(len(record), dtype=bool), record.preparation
     if made is None or made.cutoff is None or made.order < 2:
         return everything
-    velocities = np.delete(record.x, np.s_[:: made.order], axis=1)
+    velocities = record.x[:, 1 :: made.order]
     turns = np.zeros(len(record), dtype=bool)
     turns[1:] = np.any(np.diff(np.sign(velocities), axis=0) != 0.0, axis=1)
     reach = int(np.ceil(1.0 / (made.cutoff * record.dt)))
