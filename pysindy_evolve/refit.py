@@ -70,12 +70,13 @@ def refit(
         support = parsimony.frugal(whole, front)[0]
         left = _residual(problem, *_equation(terms, whole, support, scale))
         n_before, n_effective = n_effective, regression.effective_size(left)
-    n_free = np.array([len(term.constants) for term in terms])
-    support = parsimony.plainer(whole, support, n_free)
     if folds:
         support = parsimony.stable(whole, folds, support)
     least = blurred_power(problem, *_equation(terms, whole, support, scale))
-    kept = sorted(parsimony.material(whole, support, least), key=lambda j: terms[j].size)
+    support = parsimony.material(whole, support, least)
+    n_free = np.array([len(term.constants) for term in terms])
+    support = parsimony.plainer(whole, support, cost, n_free)
+    kept = sorted(support, key=lambda j: terms[j].size)
     return _equation(terms, whole, kept, scale)
 
 

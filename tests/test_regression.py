@@ -7,6 +7,11 @@ from pysindy_evolve import parsimony, regression
 from pysindy_evolve.regression import Gram
 
 
+@pytest.fixture
+def rng():
+    return np.random.default_rng(0)
+
+
 def test_supports_hold_the_true_terms(sparse_problem):
     theta, coef, y = sparse_problem
     found = regression.supports(regression.gram(theta, y), 8)
@@ -55,3 +60,45 @@ def test_columns_of_zeros_and_no_columns_do_no_harm():
     none = Gram(np.empty((0, 0)), np.empty(0), 1.0, 50)
     assert [s.tolist() for s in regression.front(none, [np.arange(0)])] == [[]]
     assert all(len(support) == 0 for support in regression.supports(none, 5))
+
+
+def equation_gram(columns, y):
+    """Inner products of columns of unit RMS."""
+    theta = np.column_stack(columns)
+    return regression.gram(theta / np.sqrt(np.mean(theta**2, axis=0)), y)
+
+
+def test_a_term_makes_way_for_a_cheaper_one_that_says_the_same(rng):
+    q, v = 0.01 * rng.standard_normal(2000), rng.standard_normal(2000)
+    y = v + 0.05 * rng.standard_normal(2000)
+    gram = equation_gram([v / (1.0 + q * v), v, q], y)
+    cost, n_free = np.array([20.0, 10.0, 10.0]), np.zeros(3, dtype=int)
+    assert parsimony.plainer(gram, [0], cost, n_free).tolist() == [1]
+    assert parsimony.plainer(gram, [1], cost, n_free).tolist() == [1]
+
+
+def test_a_term_stays_where_a_cheaper_one_leaves_more(rng):
+    q = rng.uniform(-1.5, 1.5, 2000)
+    y = np.sin(q) + 0.02 * rng.standard_normal(2000)
+    gram = equation_gram([np.sin(q), q], y)
+    assert parsimony.plainer(gram, [0], np.array([12.0, 10.0]), np.zeros(2, dtype=int)) == [0]
+    exact = equation_gram([np.sin(q), q], np.sin(q))
+    assert parsimony.plainer(exact, [0], np.array([12.0, 10.0]), np.zeros(2, dtype=int)) == [0]
+
+
+def test_terms_that_cancel_are_dearer_than_one_that_does_not(rng):
+    q, s = 0.01 * rng.standard_normal(2000), np.sign(rng.standard_normal(2000))
+    y = q**2 * s + 1e-6 * rng.standard_normal(2000)
+    gram = equation_gram([1.0 / (s - q), s, q, q**2 * s], y)
+    cost = np.array([15.0, 10.0, 10.0, 20.0])
+    assert 3 in parsimony.plainer(gram, [0, 1, 2], cost, np.zeros(4, dtype=int))
+
+
+def test_a_free_constant_makes_way_for_a_term_that_fits_as_well_as_a_derivative_is_known(rng):
+    x = rng.uniform(-2.0, 2.0, 2000)
+    # The cube stands for the error of a finite difference.
+    y = x + 1e-5 * x**3 + 1e-5 * rng.standard_normal(2000)
+    gram = equation_gram([x * np.cosh(0.00447 * x), x], y)
+    cost = np.array([20.0, 10.0])
+    assert parsimony.plainer(gram, [0], cost, np.array([1, 0])).tolist() == [1]
+    assert parsimony.plainer(gram, [0], cost, np.array([0, 0])).tolist() == [0]
