@@ -19,6 +19,7 @@ import time
 import warnings
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from tqdm.auto import tqdm
@@ -30,8 +31,9 @@ from .dictionary import Dictionary, Problem, Project, build_dictionary, price
 from .genetics import Genetics
 from .operators import Operator
 from .plateau import Plateau
-from .refit import refit
+from .refit import leaves_nothing, refit
 from .relatives import relatives
+from .selection import Selection, select
 from .terms import ONE, Product, Variable
 
 __all__ = ["Evolution", "Generation", "Settings", "evolve"]
@@ -193,21 +195,21 @@ def generations(
     leaves = (ONE, *(Product(((Variable(i), 1),)) for i in range(problem.x.shape[1])))
 
     survivors: tuple[Product, ...] = leaves
-    population = genetics.random_terms(settings.population_size, known=leaves)
+    # Where the leaves say it all, as in q' = v, nothing has to grow.
+    enough = leaves_nothing(problem.sample(ROWS, np.random.default_rng(0)), leaves)
+    population = [] if enough else genetics.random_terms(settings.population_size, known=leaves)
     known: set[Hashable] = set()
     for number in range(1, settings.n_generations + 1):
         sample = problem.sample(ROWS, rng)
         dictionary = build_dictionary(sample, [*survivors, *population])
-        front, n_effective = solve_elastic_net(
-            dictionary, survivors, settings.max_terms, alike=genetics.smooth
-        )
-        around = with_exchanges(front) if genetics.smooth else front
-        fitness, partners = rate(dictionary, around, n_effective)
+        found = solve_elastic_net(dictionary, survivors, settings.max_terms, alike=genetics.smooth)
+        around = with_exchanges(found.front) if genetics.smooth else found.front
+        fitness, partners = rate(dictionary, around, found.n_effective)
 
-        ranking = _ranking(dictionary, front[0], fitness)
+        ranking = _ranking(dictionary, found.best, fitness)
         plain = [leaf for leaf in leaves if leaf in dictionary.terms]  # always weighed at the end
         finalists = _unique([*ranking[:FINALISTS], *plain])
-        yield _record(dictionary, front[0], number, start), finalists
+        yield _record(dictionary, found.best, number, start), finalists
         tuned = tune_constants(dictionary, around, fitness, partners, known, alike=genetics.smooth)
         survivors = _unique([*tuned, *ranking[:FINALISTS], *leaves])
         population = genetics.offspring(
@@ -217,37 +219,32 @@ def generations(
             crossover_rate=settings.crossover_rate,
             mutation_rate=settings.mutation_rate,
         )
-        population += relatives([dictionary.terms[j] for j in front[0]], operators)
+        population += relatives([dictionary.terms[j] for j in found.best], operators)
 
 
 def solve_elastic_net(
     dictionary: Dictionary, survivors: Sequence[Product], max_terms: int, alike: bool = False
-) -> tuple[list[np.ndarray], float]:
+) -> Selection:
     """Find the best equations that the dictionary holds: the best first, then smaller ones.
 
     The elastic net proposes supports, along with what survived; each is pruned by the information
-    criterion, first as if rows were independent, then for as many rows as the residual shows.
-    Smooth terms are `alike` over a record, and small equations of them are searched as well.
+    criterion. Smooth terms are `alike` over a record, and small equations of them are searched as
+    well.
     """
     gram, terms = dictionary.gram, dictionary.terms
     known = {term: j for j, term in enumerate(terms)}
     old = np.array([known[t] for t in survivors if t in known], dtype=int)
     proposals = [*regression.supports(gram, 2 * max_terms), old]
     scaled = gram.scaled(gram.scale)
-    n_effective = float(gram.n)
-    for _ in range(2):
-        cost = price(terms, n_effective)
-        if alike:
-            proposals += best_subsets(scaled, cost, n_effective, max_terms)
-        front = regression.front(gram, proposals, cost, n_effective, max_terms)
-        front = parsimony.frugal(gram, front)
-        residual = dictionary.residual(front[0])
-        if residual @ residual <= parsimony.PERFECT * (dictionary.y @ dictionary.y):
-            break  # what is left is rounding
-        n_before, n_effective = n_effective, regression.effective_size(residual)
-        if n_effective == n_before:
-            break  # as white noise leaves it: the next look would be the same
-    return front, n_effective
+    return select(
+        gram,
+        proposals,
+        partial(price, terms),
+        dictionary.residual,
+        float(dictionary.y @ dictionary.y),
+        max_terms,
+        propose=partial(best_subsets, scaled, max_terms=max_terms) if alike else None,
+    )
 
 
 def rate(

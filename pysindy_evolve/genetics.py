@@ -58,6 +58,7 @@ class Genetics:
         self._arities = {0, *(operator.arity for operator in operators)}
         self._scale = [float(size) for size in scale]
         self.smooth = any(name not in LINEAR for name in self._operators)
+        self._curves = any(name in CURVED for name in self._operators)
         self._deap = _deap_drawing_from(self.random)
         self._pset = self._primitive_set()
         self._memo: dict[tuple[Any, ...], Sum] = {}
@@ -175,7 +176,7 @@ class Genetics:
 
     def _fits(self, term: Product) -> bool:
         small = term.size <= NODES_PER_LEVEL * self.max_depth and term.depth <= self.max_depth
-        if not small or not term.variables or _is_nested(term):
+        if not small or not term.variables or (self._curves and _is_nested(term)):
             return False
         return not any(map(_is_mask, term.factors))
 

@@ -6,11 +6,14 @@ Objective, equation (11) of the paper: ||theta coef - x_dot||^2 + lambda1 ||coef
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from . import parsimony, regression
+from .selection import select
 
 __all__ = ["ElasticNet"]
 
@@ -164,16 +167,13 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
             return self._support_at(whole)
         weights = regression.LAMBDA2 if self.lambda2 is None else (self.lambda2,)
         proposals = regression.supports(whole, min(self.max_terms, len(scale)), weights)
-        support, n_before, n_effective = np.arange(0), 0.0, float(whole.n)
-        for _ in range(2):
-            if n_effective == n_before:
-                break  # as white noise leaves it: the next look would be the same
-            cost = regression.default_penalty(whole, n_effective)
-            front = regression.front(whole, proposals, cost, n_effective)
-            support = parsimony.frugal(whole, front)[0]
+
+        def left(support: np.ndarray) -> np.ndarray:
             coef = regression.least_squares(whole, support) / scale
-            left = regression.residual(lambda rows: theta[rows], y, coef)
-            n_before, n_effective = n_effective, regression.effective_size(left)
+            return regression.residual(lambda rows: theta[rows], y, coef)
+
+        price = partial(regression.default_penalty, whole)
+        support = select(whole, proposals, price, left, whole.yy).best
         if len(blocks) > 1:
             support = parsimony.stable(whole, folds, support)
         return parsimony.material(whole, support)

@@ -26,7 +26,7 @@ from .terms import Product
 __all__ = ["Plateau", "likeness"]
 
 PATIENCE_IF_PERFECT = 2  # there may be a shorter way to say it
-PATIENCE_IF_NOISE = 3
+PATIENCE_IF_NOISE = 2
 ROWS = 10_000  # with ten neighbors each, one percent of the residual's power shows at two sigma
 SHARP = 0.005  # largest standard error of a test that may end a search; few rows cannot judge
 N_NEIGHBORS = 10

@@ -6,6 +6,7 @@ A generation sees some thousand rows; here every row counts, in chunks, so memor
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -14,9 +15,10 @@ from .blur import blurred_power
 from .constants import tune
 from .dictionary import Problem, price
 from .gram import Gram, residual
+from .selection import select
 from .terms import Product
 
-__all__ = ["refit"]
+__all__ = ["leaves_nothing", "refit"]
 
 N_BLOCKS = 12  # parts of the record that a coefficient must agree on
 ROWS_PER_BLOCK = 20  # at least
@@ -55,27 +57,27 @@ def refit(
         Their coefficients by least squares, in units of the target per unit of the term.
     """
     best = _tuned_together(problem, finalists[:n_best])
-    is_all = perfect and _leaves_nothing(problem, best)
+    is_all = perfect and leaves_nothing(problem, best)
     terms = [*best, *([] if is_all else finalists[n_best:])]
     terms, whole, folds, scale = _grams(problem, terms)
     if not terms:
         return (), ()
     proposals = [*regression.supports(whole, max_terms), np.arange(len(terms))]
-    n_before, n_effective = 0.0, float(whole.n)
-    for _ in range(2):
-        if n_effective == n_before:
-            break  # as white noise leaves it: the next look would be the same
-        cost = price(terms, n_effective)
-        front = regression.front(whole, proposals, cost, n_effective, max_terms)
-        support = parsimony.frugal(whole, front)[0]
-        left = _residual(problem, *_equation(terms, whole, support, scale))
-        n_before, n_effective = n_effective, regression.effective_size(left)
+    chosen = select(
+        whole,
+        proposals,
+        partial(price, terms),
+        lambda support: _residual(problem, *_equation(terms, whole, support, scale)),
+        whole.yy,
+        max_terms,
+    )
+    support = chosen.best
     if folds:
         support = parsimony.stable(whole, folds, support)
     least = blurred_power(problem, *_equation(terms, whole, support, scale))
     support = parsimony.material(whole, support, least)
     n_free = np.array([len(term.constants) for term in terms])
-    support = parsimony.plainer(whole, support, cost, n_free)
+    support = parsimony.plainer(whole, support, chosen.cost, n_free)
     kept = sorted(support, key=lambda j: terms[j].size)
     return _equation(terms, whole, kept, scale)
 
@@ -109,7 +111,8 @@ def _grams(
     return kept, whole.scaled(scale).without(n_fixed), folds, scale[n_fixed:]
 
 
-def _leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
+def leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
+    """Tell whether least squares on the terms leaves nothing but rounding on all rows."""
     (whole,) = problem.blocks(terms, 1)
     left = whole.without(problem.fixed.shape[1])
     coef = regression.least_squares(left, np.arange(len(left.xy)))

@@ -13,7 +13,7 @@ LAYERS = (
     {"checks", "lazily", "operators", "terms"},
     {"equations", "text", "grammar", "names", "substitution"},
     {"tracing", "library_terms"},
-    {"gram", "elimination", "beam", "independence", "regression", "parsimony"},
+    {"gram", "elimination", "beam", "independence", "regression", "parsimony", "selection"},
     {"signals", "simulation", "memory", "hidden"},
     {"genetics", "relatives", "refit", "constants", "dictionary", "plateau", "blur", "denoise"},
     {"evolution"},

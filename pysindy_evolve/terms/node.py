@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -29,8 +30,8 @@ class Node:
 
     @lazily
     def _hash(self) -> int:
-        # __match_args__ are the fields of a dataclass, five times faster to reach than fields().
-        return hash(tuple(getattr(self, name) for name in self.__match_args__))  # type: ignore[attr-defined]
+        # __match_args__ are the fields of a dataclass, many times faster to reach than fields().
+        return hash(attrgetter(*self.__match_args__)(self))  # type: ignore[attr-defined]
 
     def __hash__(self) -> int:
         return self._hash
@@ -48,24 +49,23 @@ class Node:
 class _PrintedForm:
     """A node's printed form in a sort key, written only where nothing before it decides."""
 
-    __slots__ = ("node",)
-
     def __init__(self, node: Any) -> None:
         self.node = node
 
+    @lazily
     def text(self) -> str:
         return self.node.name(_COLUMN_NAMES)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, _PrintedForm):
             return NotImplemented
-        return self.node is other.node or self.text() == other.text()
+        return self.node is other.node or self.text == other.text
 
     def __hash__(self) -> int:
-        return hash(self.text())
+        return hash(self.text)
 
     def __lt__(self, other: _PrintedForm) -> bool:
-        return self.text() < other.text()
+        return self.text < other.text
 
 
 class _ColumnNames(Sequence[str]):
