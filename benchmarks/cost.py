@@ -1,13 +1,15 @@
 """What a fit costs: time and memory over rows, variables, population, generations and targets.
 
     OMP_NUM_THREADS=1 python benchmarks/cost.py [rows variables population generations targets
-                                                 brute mapped] [--most-rows 3000000]
+                                                 brute mapped]
+                                                [--most-rows 3000000] [--most-columns 3200]
 
 Each figure comes from a process of its own, as a process never gives its peak back. The data are
 oscillations with slowly changing frequencies; the equation sought has four terms, one of them
-q^2 sgn(v), and 20 dB of noise. `search` is the processor time until the equation stands, `refit`
-what the last step on all rows takes, `whole` all of ``EvolvingLibrary.fit``. Memory is the peak
-above what the process held with the data in it, as a multiple of the data. See docs/cost.md.
+q^2 sgn(v), and 20 dB of noise. `read` is the processor time of the checks of all rows, `search`
+that of the generations, `refit` that of the last step on all rows, `whole` all of
+``EvolvingLibrary.fit``. Memory is the peak above what the process held with the data in it, as a
+multiple of the data. See docs/cost.md.
 """
 
 from __future__ import annotations
@@ -36,7 +38,6 @@ STUDIES = {
 }
 BRUTE_ROWS = 100_000
 N_THRESHOLDS = 9  # of a sweep, each of which costs as much as the one that is run
-MOST_COLUMNS = 600  # a brute-force library with more would take minutes
 MAPPED_ROWS = 30_000_000
 MEBI = 1 << 20
 
@@ -66,39 +67,46 @@ def peak() -> float:
 
 def run_search(case: dict) -> dict:
     """Fit one case in this process."""
-    import pysindy_evolve.evolution as evolution
-    from pysindy_evolve import EvolvingLibrary
+    from pysindy_evolve import EvolvingLibrary, evolution, library
 
     x = signals(case["rows"], case["variables"])
     rng = np.random.default_rng(case["seed"])
     y = np.empty((len(x), case["targets"]))
     for k in range(case["targets"]):
         y[:, k] = target(x[:, :], k, rng)
-    refit, spent = evolution.refit, []
-
-    def timed(*arguments):
-        start = time.process_time()
-        result = refit(*arguments)
-        spent.append(time.process_time() - start)
-        return result
-
-    evolution.refit = timed
-    library = EvolvingLibrary(
+    library.evolve, evolving = timed(library.evolve)
+    evolution.refit, refitting = timed(evolution.refit)
+    fitted = EvolvingLibrary(
         OPERATORS, population_size=case["population"], n_generations=case["generations"],
         random_state=case["seed"],
     )  # fmt: skip
     warm = EvolvingLibrary(OPERATORS, population_size=5, n_generations=1, random_state=0)
     warm.fit(x[:1000], y[:1000])  # imports and first calls are no cost of a row
-    spent.clear()
+    evolving.clear()
+    refitting.clear()
     held, start = peak(), time.process_time()
-    library.fit(x, y)
+    fitted.fit(x, y)
     whole = time.process_time() - start
     data = x.nbytes + y.nbytes
     return {
-        "whole": whole, "refit": sum(spent), "search": whole - sum(spent),
-        "generations": max(len(h) for h in library.history_), "memory": (peak() - held) / data,
-        "mebibytes": (peak() - held) / MEBI, "terms": len(library.terms_),
+        "whole": whole, "refit": sum(refitting), "search": sum(evolving) - sum(refitting),
+        "read": whole - sum(evolving), "generations": max(len(h) for h in fitted.history_),
+        "memory": (peak() - held) / data, "mebibytes": (peak() - held) / MEBI,
+        "terms": len(fitted.terms_),
     }  # fmt: skip
+
+
+def timed(function):
+    """Return the function, and a list to which each call adds its processor time."""
+    spent = []
+
+    def call(*arguments, **options):
+        start = time.process_time()
+        result = function(*arguments, **options)
+        spent.append(time.process_time() - start)
+        return result
+
+    return call, spent
 
 
 def run_brute(case: dict) -> dict:
@@ -165,7 +173,7 @@ def exponent(sizes, costs) -> float:
 
 
 def study(name: str, sizes) -> None:
-    head = "search s  refit s  whole s  generations  memory / data     MiB  terms"
+    head = "read s  search s  refit s  whole s  generations  memory / data     MiB  terms"
     print(f"\n{name:>12}  {head}", flush=True)
     found = {}
     for size in sizes:
@@ -175,19 +183,21 @@ def study(name: str, sizes) -> None:
             continue
         found[size] = cost
         print(
-            f"{size:12}{cost['search']:10.2f}{cost['refit']:9.2f}{cost['whole']:9.2f}"
+            f"{size:12}{cost['read']:8.2f}{cost['search']:10.2f}{cost['refit']:9.2f}{cost['whole']:9.2f}"
             f"{cost['generations']:13}{cost['memory']:15.2f}{cost['mebibytes']:8.0f}"
             f"{cost['terms']:7}", flush=True,
         )  # fmt: skip
     if len(found) > 1:
         powers = {
             key: exponent(list(found), [c[key] for c in found.values()])
-            for key in ("search", "refit", "whole")
+            for key in ("read", "search", "refit", "whole")
         }
+        each = [cost["search"] / cost["generations"] for cost in found.values()]
+        powers["search of a generation"] = exponent(list(found), each)
         print("   grows with" + "".join(f"  {k} ^{p:.2f}" for k, p in powers.items()))
 
 
-def study_brute() -> None:
+def study_brute(most_columns: int) -> None:
     print(f"\nbrute force: polynomials x {{1, sgn of each variable}}, {BRUTE_ROWS} rows")
     print(
         "variables  degree  columns  one threshold s  nine s     MiB"
@@ -196,7 +206,7 @@ def study_brute() -> None:
     for variables, degree in [*((v, 3) for v in range(3, 11)), (3, 4), (3, 5), (5, 4), (5, 5)]:
         columns = comb(variables + degree, degree) * (1 + variables)
         line = f"{variables:9}{degree:8}{columns:9}"
-        if columns > MOST_COLUMNS:
+        if columns > most_columns:
             bytes_ = 8.0 * BRUTE_ROWS * columns / MEBI
             print(f"{line}  not run: theta alone takes {bytes_:.0f} MiB", flush=True)
             continue
@@ -234,6 +244,7 @@ def main() -> None:
     names = ["rows", *STUDIES, "brute", "mapped"]
     parser.add_argument("studies", nargs="*", help=f"of {', '.join(names)}; all by default")
     parser.add_argument("--most-rows", type=int, default=ROWS[-1])
+    parser.add_argument("--most-columns", type=int, default=3200, help="of a brute-force library")
     parser.add_argument("--case", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.case:
@@ -244,7 +255,7 @@ def main() -> None:
         if name == "rows":
             study(name, [n for n in ROWS if n <= arguments.most_rows])
         elif name == "brute":
-            study_brute()
+            study_brute(arguments.most_columns)
         elif name == "mapped":
             study_mapped(MAPPED_ROWS)
         elif name in STUDIES:
