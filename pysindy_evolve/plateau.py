@@ -25,8 +25,7 @@ from .terms import Product
 
 __all__ = ["Plateau", "likeness"]
 
-PATIENCE_IF_PERFECT = 2  # there may be a shorter way to say it
-PATIENCE_IF_NOISE = 2
+PATIENCE_IF_DONE = 2  # generations: what leaves nothing, or noise, may be said in a shorter way
 ROWS = 10_000  # with ten neighbors each, one percent of the residual's power shows at two sigma
 SHARP = 0.005  # largest standard error of a test that may end a search; few rows cannot judge
 N_NEIGHBORS = 10
@@ -75,10 +74,10 @@ class Plateau:
         self._seen |= shapes
         if generation.fitness <= PERFECT:
             size = sum(term.size for term in generation.terms)
-            return size <= 1 or self._stale >= min(self.patience, PATIENCE_IF_PERFECT)
+            return size <= 1 or self._stale >= min(self.patience, PATIENCE_IF_DONE)
         if self._stale >= self.patience:
             return True
-        return self._stale >= PATIENCE_IF_NOISE and self._leaves_noise(generation, shapes)
+        return self._stale >= PATIENCE_IF_DONE and self._leaves_noise(generation, shapes)
 
     def _leaves_noise(self, generation: _Found, shapes: frozenset[Product]) -> bool:
         if self.problem.project is not None:

@@ -33,9 +33,9 @@ def lasts(plateau, *found):
     return None
 
 
-def test_a_search_that_leaves_noise_ends_after_three_stale_generations(walk):
+def test_a_search_that_leaves_noise_ends_after_two_stale_generations(walk):
     x, noise = walk
-    assert lasts(Plateau(problem(x, 9 * x[:, 0] + 0.5 * noise), 10), generation(Q)) == 4
+    assert lasts(Plateau(problem(x, 9 * x[:, 0] + 0.5 * noise), 10), generation(Q)) == 3
 
 
 def test_a_search_that_leaves_structure_goes_on_until_its_patience_ends(walk):
