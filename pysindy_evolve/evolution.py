@@ -31,7 +31,7 @@ from .dictionary import Dictionary, Problem, Project, build_dictionary, price
 from .genetics import Genetics
 from .operators import Operator
 from .plateau import Plateau
-from .refit import leaves_nothing, refit
+from .refit import refit
 from .relatives import relatives
 from .selection import Selection, select
 from .terms import ONE, Product, Variable
@@ -196,7 +196,7 @@ def generations(
 
     survivors: tuple[Product, ...] = leaves
     # Where the leaves say it all, as in q' = v, nothing has to grow.
-    enough = leaves_nothing(problem.sample(ROWS, np.random.default_rng(0)), leaves)
+    enough = _leave_nothing(leaves, problem)
     population = [] if enough else genetics.random_terms(settings.population_size, known=leaves)
     known: set[Hashable] = set()
     for number in range(1, settings.n_generations + 1):
@@ -304,6 +304,13 @@ def tune_constants(
             project=problem.project,
         )
     return tuned
+
+
+def _leave_nothing(terms: Sequence[Product], problem: Problem) -> bool:
+    sample = problem.sample(ROWS, np.random.default_rng(0))
+    dictionary = build_dictionary(sample, terms)
+    left = dictionary.residual(np.arange(len(dictionary.terms)))
+    return bool(left @ left <= parsimony.PERFECT * (dictionary.y @ dictionary.y))
 
 
 def _ranking(

@@ -18,7 +18,7 @@ from .gram import Gram, residual
 from .selection import select
 from .terms import Product
 
-__all__ = ["leaves_nothing", "refit"]
+__all__ = ["refit"]
 
 N_BLOCKS = 12  # parts of the record that a coefficient must agree on
 ROWS_PER_BLOCK = 20  # at least
@@ -57,7 +57,7 @@ def refit(
         Their coefficients by least squares, in units of the target per unit of the term.
     """
     best = _tuned_together(problem, finalists[:n_best])
-    is_all = perfect and leaves_nothing(problem, best)
+    is_all = perfect and _leaves_nothing(problem, best)
     terms = [*best, *([] if is_all else finalists[n_best:])]
     terms, whole, folds, scale = _grams(problem, terms)
     if not terms:
@@ -111,8 +111,7 @@ def _grams(
     return kept, whole.scaled(scale).without(n_fixed), folds, scale[n_fixed:]
 
 
-def leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
-    """Tell whether least squares on the terms leaves nothing but rounding on all rows."""
+def _leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
     (whole,) = problem.blocks(terms, 1)
     left = whole.without(problem.fixed.shape[1])
     coef = regression.least_squares(left, np.arange(len(left.xy)))

@@ -116,4 +116,10 @@ def hidden_effects() -> list[Hidden]:
         oscillator("input gain", "", "-k*q - c*v"),
         oscillator("drift", "+ 0.1*t", "-k*q - c*v + b*F + o"),
         oscillator("periodic forcing", "+ 2*sin(21.3*t + 0.4)"),
+        Hidden(
+            "position-periodic ripple",
+            {"q": "v", "v": "-2*v + F + 1.5*sin(12*q + 0.4)"},
+            {"q": "v", "v": "-c*v + b*F"},
+            options={"size": 8.0},
+        ),
     ]

@@ -1,9 +1,9 @@
-"""Periodic forcing: which frequencies of a residual are proposed, and which are not its own."""
+"""Forcing and ripple: which lines of a residual are proposed, and which are not its own."""
 
 import numpy as np
 import pytest
 
-from pysindy_evolve.loop.periodic import periodic_candidates
+from pysindy_evolve.loop.periodic import periodic_candidates, ripple_candidates
 
 STILL = np.empty((1000, 0))  # no inputs
 
@@ -54,3 +54,36 @@ def test_slow_drift_is_no_periodic_forcing():
     for candidate in periodic_candidates(0, 1, 0.3 * t, STILL, 0.02):
         periods = candidate.terms[0].constants[0] * t[-1] / (2 * np.pi)
         assert periods > 2.5
+
+
+@pytest.fixture
+def travel():
+    """A position that goes to and fro within a stroke of two, never twice at the same pace."""
+    t = np.arange(0.0, 40.0, 0.01)
+    return np.sin(0.9 * t) * np.cos(0.13 * t), np.random.default_rng(0).standard_normal(len(t))
+
+
+@pytest.mark.parametrize("wave_number", [15.0, 50.0, 200.0])
+def test_wave_number_of_a_ripple_is_proposed_within_a_percent(travel, wave_number):
+    q, noise = travel
+    (ripple,) = ripple_candidates(1, 0, np.cos(wave_number * q + 0.3) + noise, q)
+    assert ripple.name == "position-periodic ripple"
+    assert ripple.terms[0].constants[0] == pytest.approx(wave_number, rel=0.01)
+    assert ripple.terms[0].variables == {0}
+
+
+@pytest.mark.parametrize("power", [0, 1, 2, 3])
+def test_noise_and_springs_are_no_ripple(travel, power):
+    q, noise = travel
+    assert ripple_candidates(1, 0, q**power + 0.3 * noise, q) == []
+
+
+@pytest.mark.parametrize("q", [np.zeros(500), np.linspace(0.0, 1.0, 40)])
+def test_a_position_that_rests_or_has_few_samples_has_no_ripple(q):
+    assert ripple_candidates(1, 0, np.sin(40.0 * q), q) == []
+
+
+def test_a_wave_number_may_be_tuned_by_half_a_period_of_the_stroke_and_no_further(travel):
+    q, noise = travel
+    (ripple,) = ripple_candidates(1, 0, np.cos(50.0 * q) + noise, q)
+    assert ripple.shape.reach == pytest.approx(0.5 / (50.0 * np.ptp(q) / (2 * np.pi)), rel=0.02)

@@ -77,7 +77,7 @@ def hysteretic(v: Sum, x: Sum, sign: float, width: float, slant: float) -> Sum:
 def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through frictions whose sign is rounded off."""
     for width in (w for w in WIDTHS if w):
-        smooth = Shape(partial(rounded_sign, variable(v)), width * float(scales[v]))
+        smooth = Shape(width * float(scales[v]), (partial(rounded_sign, variable(v)),))
         yield effect("Coulomb friction", shape=smooth)
 
 
@@ -88,4 +88,4 @@ def yields(effect: CandidateMaker, x: int, v: int, scales: np.ndarray) -> Iterat
         for sign in (1.0, -1.0):
             build = partial(hysteretic, variable(v), variable(x), sign, width * speed)
             for slant in SLANTS:
-                yield effect("hysteresis", shape=Shape(build, slant * speed / reach))
+                yield effect("hysteresis", shape=Shape(slant * speed / reach, (build,)))

@@ -10,14 +10,24 @@ from ..terms import ONE, Sum
 __all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape"]
 
 OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
+REACH = 1.2  # of the logarithm of a shape about its place on the grid: a factor of three
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A number that a term depends on other than linearly, and how to build the term from it."""
+    """A number that terms depend on other than linearly, and how to build each term from it.
 
-    build: Callable[[float], Sum]
+    `reach` is how far the logarithm of the number may be tuned to both sides.
+    """
+
     value: float
+    builds: tuple[Callable[[float], Sum], ...]
+    reach: float = REACH
+
+    @property
+    def terms(self) -> tuple[Sum, ...]:
+        """The terms for this value."""
+        return tuple(build(self.value) for build in self.builds)
 
 
 @dataclass(frozen=True)
@@ -61,6 +71,6 @@ class CandidateMaker:
         shape: Shape | None = None,
         whole: bool = False,
     ) -> Candidate:
-        """Return a candidate; the column of one with a shape is built from the shape."""
-        columns = terms if shape is None else (shape.build(shape.value),)
+        """Return a candidate; the columns of one with a shape are built from it."""
+        columns = terms if shape is None else shape.terms
         return Candidate(name, self.state, columns, parents, shape, whole)

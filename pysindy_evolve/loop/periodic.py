@@ -1,18 +1,25 @@
-"""Periodic forcing: sines and cosines at the frequencies at which a residual has a line."""
+"""Periodic forcing and ripple: sines and cosines where a residual has a line in its spectrum."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+
 import numpy as np
 from scipy import fft
+from scipy.stats import binned_statistic
 
 from ..operators import BUILTIN
-from ..terms import call, constant, mul, variable
-from .candidate import Candidate
+from ..terms import Sum, call, constant, mul, variable
+from .candidate import Candidate, CandidateMaker, Shape
 
-__all__ = ["periodic_candidates"]
+__all__ = ["periodic_candidates", "ripple_candidates"]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
+PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
+PERIODS_IN_SPACE = 4  # fewer within the stroke look like a spring or a slope
+SAMPLES_PER_BIN = 8  # of the stroke, on average: as fine as the record can tell
 
 
 def periodic_candidates(
@@ -23,7 +30,7 @@ def periodic_candidates(
     dt: float,
     n_peaks: int = 2,
 ) -> list[Candidate]:
-    """Return sines and cosines at the strongest frequencies of a residual.
+    """Return sines and cosines of time at the strongest frequencies of a residual.
 
     A line that an input has too is no forcing of its own, but a response to the input that the
     model gets wrong, and is left out.
@@ -47,22 +54,83 @@ def periodic_candidates(
     -------
     list of Candidate
     """
-    n_fine = FINENESS * fft.next_fast_len(len(residual), real=True)
-    spectrum = _fine_spectrum(residual, n_fine)
-    inputs = [_fine_spectrum(column, n_fine) for column in drivers.T]
-    lowest = FINENESS * 8  # fewer than eight periods in the record look like slow disturbances
-    found: list[Candidate] = []
-    while len(spectrum) > lowest + 1 and len(found) < n_peaks:
+    effect = CandidateMaker(state)
+    lines = _lines(residual, drivers.T, PERIODS_IN_TIME, n_peaks)
+    return [
+        effect("periodic forcing", *(wave(2 * np.pi * cycles / dt) for wave in _waves(time)))
+        for cycles in lines
+    ]
+
+
+def ripple_candidates(
+    state: int, position: int, residual: np.ndarray, q: np.ndarray, n_peaks: int = 1
+) -> list[Candidate]:
+    """Return sines and cosines of a position at the strongest wave numbers of a residual.
+
+    Cogging of a motor, teeth of a gear and the pitch of a screw come again at the same places,
+    whenever the machine passes there. So the residual is averaged over short pieces of the stroke
+    first.
+
+    Parameters
+    ----------
+    state : int
+        Equation that the residual belongs to.
+    position : int
+        Column of the variables that holds the position.
+    residual : ndarray of shape (n_samples,)
+        What the model leaves.
+    q : ndarray of shape (n_samples,)
+        Position.
+    n_peaks : int
+        How many wave numbers to propose.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    n_bins = len(q) // SAMPLES_PER_BIN
+    if n_bins < 2 * PERIODS_IN_SPACE or np.ptp(q) == 0.0:
+        return []
+    mean, edges, _ = binned_statistic(q, residual, "mean", n_bins)
+    seen = np.isfinite(mean)
+    mean = np.interp(np.arange(n_bins), np.flatnonzero(seen), mean[seen])
+    lines = _lines(mean, (), PERIODS_IN_SPACE, n_peaks)
+    effect, width = CandidateMaker(state), float(edges[1] - edges[0])
+    return [
+        effect(
+            "position-periodic ripple",
+            # Pieces that were passed less often bend the line; it is half a period wide each way.
+            shape=Shape(2 * np.pi * cycles / width, _waves(position), 0.5 / (n_bins * cycles)),
+        )
+        for cycles in lines
+    ]
+
+
+def _waves(column: int) -> tuple[Callable[[float], Sum], ...]:
+    """Return what builds a sine and a cosine of a variable from a frequency, radians a unit."""
+    return partial(_wave, "sin", column), partial(_wave, "cos", column)
+
+
+def _wave(function: str, column: int, frequency: float) -> Sum:
+    return call(BUILTIN[function], mul(constant(frequency), variable(column)))
+
+
+def _lines(
+    signal: np.ndarray, others: Sequence[np.ndarray] | np.ndarray, n_periods: int, n_peaks: int
+) -> Iterator[float]:
+    """Yield frequencies of lines that no other signal has, cycles a sample, the strongest first."""
+    n_fine = FINENESS * fft.next_fast_len(len(signal), real=True)
+    spectrum = _fine_spectrum(signal, n_fine)
+    inputs = [_fine_spectrum(column, n_fine) for column in others]
+    lowest, n_found = FINENESS * n_periods, 0
+    while len(spectrum) > lowest + 1 and n_found < n_peaks:
         peak = lowest + int(np.argmax(spectrum[lowest:]))
         if _prominence(spectrum, peak) < LINE:
             break
         if all(_prominence(driver, peak) < LINE for driver in inputs):
-            cycles = _vertex(spectrum, peak) / (n_fine * dt)
-            phase = mul(constant(2 * np.pi * cycles), variable(time))
-            terms = (call(BUILTIN["sin"], phase), call(BUILTIN["cos"], phase))
-            found.append(Candidate("periodic forcing", state, terms))
+            yield _vertex(spectrum, peak) / n_fine
+            n_found += 1
         spectrum[max(peak - 2 * FINENESS, 0) : peak + 2 * FINENESS + 1] = 0.0
-    return found
 
 
 def _fine_spectrum(signal: np.ndarray, n_fine: int) -> np.ndarray:

@@ -10,11 +10,11 @@ from scipy.optimize import minimize_scalar
 
 from ..equations import Equations
 from ..signals import Record
-from .candidate import Candidate, Shape
+from .candidate import Candidate
 from .design import Column, Design, in_state
 from .effects import candidates, standing
 from .linear import solve_gram
-from .periodic import periodic_candidates
+from .periodic import periodic_candidates, ripple_candidates
 from .residual import derivative_grams
 from .segments import Segments, ranges, variables_of
 from .spectral import spectral_grams
@@ -33,7 +33,6 @@ __all__ = [
 ]
 
 MARGIN = 0.02  # of the log error: names do not change for less
-REACH = 1.2  # of the logarithm of a shape about its place on the grid: a factor of three
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
@@ -43,7 +42,7 @@ def quick_fit(design: Design, part: Segments) -> Equations:
 
 
 def propose(design: Design, equations: Equations, records: Sequence[Record]) -> list[Candidate]:
-    """Return what may be missing: the vocabulary, and the frequencies of the residual."""
+    """Return what may be missing: the vocabulary, and waves over time and position."""
     variables = np.concatenate([variables_of(record) for record in records])
     proposed = candidates(design, *ranges(variables))
     longest = max(records, key=len)
@@ -52,6 +51,11 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
     for state in design.open_states:
         drivers = longest.x[:, :0] if longest.u is None else longest.u
         proposed += periodic_candidates(state, time, residual[:, state], drivers, longest.dt)
+        position = design.position_of(state)
+        if position is not None:
+            proposed += ripple_candidates(
+                state, position, residual[:, state], longest.x[:, position]
+            )
     return proposed
 
 
@@ -95,17 +99,16 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
         return candidate
 
     def at(log_value: float) -> Candidate:
-        value = float(np.exp(log_value))
-        return replace(candidate, terms=(shape.build(value),), shape=Shape(shape.build, value))
+        there = replace(shape, value=float(np.exp(log_value)))
+        return replace(candidate, terms=there.terms, shape=there)
 
     def loss(log_value: float) -> float:
         scores = score(design, part, [at(log_value)], pairs=False)
         return -scores[0].value if scores else 0.0
 
     start = float(np.log(shape.value))
-    best = minimize_scalar(
-        loss, bounds=(start - REACH, start + REACH), method="bounded", options={"maxiter": 16}
-    )
+    bounds = start - shape.reach, start + shape.reach
+    best = minimize_scalar(loss, bounds=bounds, method="bounded", options={"maxiter": 16})
     return at(float(best.x)) if best.fun < loss(start) else candidate
 
 

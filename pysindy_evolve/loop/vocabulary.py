@@ -127,7 +127,7 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
     yield effect("Coulomb friction", _sgn(v))
     yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
     for share in STRIBECK_SPEEDS:
-        shape = Shape(partial(_stribeck, v), share * speed)
+        shape = Shape(share * speed, (partial(_stribeck, v),))
         yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
     yield effect("quadratic drag", mul(v, _abs(v)))
     yield effect("nonlinear damping", power(v, 3))
@@ -139,7 +139,7 @@ def _springs(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[C
     yield effect("cubic stiffness", power(q, 3))
     yield effect("quintic stiffness", power(q, 5))
     for share in DEAD_ZONES:
-        yield effect("dead zone", shape=Shape(partial(_beyond, q), share * reach))
+        yield effect("dead zone", shape=Shape(share * reach, (partial(_beyond, q),)))
     yield effect("gravity", call(BUILTIN["sin"], q))
     yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,), whole=True)
     yield effect("nonlinear damping", mul(power(q, 2), v))
@@ -173,4 +173,4 @@ def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Ite
     yield effect("input nonlinearity", mul(u, _abs(u)))
     yield effect("input nonlinearity", power(u, 3))
     for share in SATURATIONS:
-        yield effect("saturation", shape=Shape(partial(_clipped, u), share * reach))
+        yield effect("saturation", shape=Shape(share * reach, (partial(_clipped, u),)))
