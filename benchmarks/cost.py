@@ -37,6 +37,7 @@ STUDIES = {
     "targets": (1, 2, 4, 8),
 }
 BRUTE_ROWS = 100_000
+N_SEEDS = 3  # of the noise and of the search, of which the median is shown
 N_THRESHOLDS = 9  # of a sweep, each of which costs as much as the one that is run
 MAPPED_ROWS = 30_000_000
 MEBI = 1 << 20
@@ -177,15 +178,17 @@ def study(name: str, sizes) -> None:
     print(f"\n{name:>12}  {head}", flush=True)
     found = {}
     for size in sizes:
-        cost = child("search", **{**ONE_CASE, name: size})
-        if "error" in cost:
-            print(f"{size:12}  {cost['error']}", flush=True)
+        runs = [child("search", **{**ONE_CASE, name: size}, seed=seed) for seed in range(N_SEEDS)]
+        errors = [run["error"] for run in runs if "error" in run]
+        if errors:
+            print(f"{size:12}  {errors[0]}", flush=True)
             continue
+        cost = {key: float(np.median([run[key] for run in runs])) for key in runs[0]}
         found[size] = cost
         print(
             f"{size:12}{cost['read']:8.2f}{cost['search']:10.2f}{cost['refit']:9.2f}{cost['whole']:9.2f}"
-            f"{cost['generations']:13}{cost['memory']:15.2f}{cost['mebibytes']:8.0f}"
-            f"{cost['terms']:7}", flush=True,
+            f"{cost['generations']:13.0f}{cost['memory']:15.2f}{cost['mebibytes']:8.0f}"
+            f"{cost['terms']:7.0f}", flush=True,
         )  # fmt: skip
     if len(found) > 1:
         powers = {

@@ -191,12 +191,13 @@ def generations(
 ) -> Iterator[tuple[Generation, tuple[Product, ...]]]:
     """Algorithm 1. Yield each generation's record, and the terms to weigh on all rows."""
     start = time.perf_counter()
-    genetics = Genetics(operators, _typical(problem.x), max_depth=settings.max_depth, rng=rng)
+    first = problem.sample(ROWS, np.random.default_rng(0))
+    genetics = Genetics(operators, _typical(first.x), max_depth=settings.max_depth, rng=rng)
     leaves = (ONE, *(Product(((Variable(i), 1),)) for i in range(problem.x.shape[1])))
 
     survivors: tuple[Product, ...] = leaves
     # Where the leaves say it all, as in q' = v, nothing has to grow.
-    enough = _leave_nothing(leaves, problem)
+    enough = _leaves_nothing(build_dictionary(first, leaves))
     population = [] if enough else genetics.random_terms(settings.population_size, known=leaves)
     known: set[Hashable] = set()
     for number in range(1, settings.n_generations + 1):
@@ -306,9 +307,7 @@ def tune_constants(
     return tuned
 
 
-def _leave_nothing(terms: Sequence[Product], problem: Problem) -> bool:
-    sample = problem.sample(ROWS, np.random.default_rng(0))
-    dictionary = build_dictionary(sample, terms)
+def _leaves_nothing(dictionary: Dictionary) -> bool:
     left = dictionary.residual(np.arange(len(dictionary.terms)))
     return bool(left @ left <= parsimony.PERFECT * (dictionary.y @ dictionary.y))
 

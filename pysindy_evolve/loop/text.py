@@ -89,7 +89,7 @@ def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str
 
 def _is_rated(report: LoopReport, state: int) -> bool:
     """Leave out equations such as q' = v, whose error is zero by definition."""
-    return bool(report.before.derivative_error[state] > 1e-6)
+    return bool(report.before.derivative_error[state] > 0.0)
 
 
 def _percent(value: float) -> str:
