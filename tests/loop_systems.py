@@ -85,6 +85,8 @@ def hidden_effects() -> list[Hidden]:
     """Return one machine for each static or time-dependent effect of the vocabulary."""
     two = {"q1": "v1", "v1": "-40*q1 - 0.8*v1 + F", "q2": "v2", "v2": "-90*q2 - 1.1*v2 + 20*q1"}
     apart = {"q1": "v1", "v1": "-k*q1 - c*v1 + b*F", "q2": "v2", "v2": "-m*q2 - d*v2"}
+    driven = {"q1": "v1", "v1": "-40*q1 - 0.8*v1 + F", "q2": "v2"}  # q2 feels q1, not the reverse
+    linear = {**apart, "v2": "-k2*(q2 - q1) - d*(v2 - v1)"}
     rubbed = "-k*q - c*v + b*F - f*sgn(v)"
     return [
         oscillator("Coulomb friction", "- 2*sgn(v)"),
@@ -112,6 +114,21 @@ def hidden_effects() -> list[Hidden]:
         ),
         oscillator("constant offset", "+ 1.5"),
         Hidden("coupling", two, apart, "v2"),
+        Hidden(
+            "nonlinear damping",  # a damper that is stiffer in rebound
+            {**driven, "v2": "-90*(q2 - q1) - 3*(v2 - v1) - 2*abs(v2 - v1)"},
+            {**linear, "v2": linear["v2"] + " + o"},
+            "v2",
+        ),
+        Hidden(
+            "dead zone",  # backlash
+            {
+                **driven,
+                "v2": "-90*(q2 - q1) - 3*(v2 - v1) + 45*(abs(q2 - q1 + 0.1) - abs(q2 - q1 - 0.1))",
+            },
+            linear,
+            "v2",
+        ),
         oscillator("input nonlinearity", "- 0.0004*F^3"),
         oscillator("input gain", "", "-k*q - c*v"),
         oscillator("drift", "+ 0.1*t", "-k*q - c*v + b*F + o"),

@@ -15,7 +15,10 @@ __all__ = ["candidates", "standing"]
 
 
 def candidates(
-    design: Design, scales: np.ndarray, signed: np.ndarray | None = None
+    design: Design,
+    scales: np.ndarray,
+    signed: np.ndarray | None = None,
+    apart: np.ndarray | None = None,
 ) -> list[Candidate]:
     """Return the effects that may be missing from a design.
 
@@ -28,6 +31,8 @@ def candidates(
     signed : ndarray of bool of shape (n_variables,), optional
         Which variables change their sign; by default all. The powers of one that does not pose
         as an offset no more than itself, and need none beside them.
+    apart : ndarray of shape (n_variables, n_variables), optional
+        Largest magnitude of the difference of each two variables; by default the sum of theirs.
 
     Returns
     -------
@@ -35,11 +40,12 @@ def candidates(
         Effects whose terms all stand in the equation already are left out.
     """
     present = standing(design)
+    apart = np.add.outer(scales, scales) if apart is None else apart
     free = set() if signed is None else {int(v) for v in np.flatnonzero(~signed)}
     return [
         _freed(candidate, design, free)
         for state in design.open_states
-        for candidate in of_equation(design, state, scales)
+        for candidate in of_equation(design, state, scales, apart)
         if not all((state, _bare(term)) in present for term in candidate.terms)
         # A dead zone lies about zero, and a position that never is there knows nothing of it.
         and not (candidate.name == "dead zone" and candidate.terms[0].variables & free)

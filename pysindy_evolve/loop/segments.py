@@ -131,10 +131,11 @@ def variables_of(record: Record) -> np.ndarray:
     return stack(record.x, record.u, record.t)
 
 
-def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest magnitude of each variable, and whether it changes its sign."""
+def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the largest magnitudes of variables, whether they change sign, how far two differ."""
     low, high = variables.min(axis=0), variables.max(axis=0)
-    return np.maximum(np.abs(low), np.abs(high)), (low < 0.0) & (high > 0.0)
+    apart = [np.abs(variables - column[:, None]).max(axis=0) for column in variables.T]
+    return np.maximum(np.abs(low), np.abs(high)), (low < 0.0) & (high > 0.0), np.array(apart)
 
 
 def _cut(

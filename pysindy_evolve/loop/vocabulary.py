@@ -80,7 +80,9 @@ def _stribeck(v: Sum, speed: float) -> Sum:
     return mul(_sgn(v), bell)
 
 
-def of_equation(design: Design, state: int, scales: np.ndarray) -> Iterator[Candidate]:
+def of_equation(
+    design: Design, state: int, scales: np.ndarray, apart: np.ndarray
+) -> Iterator[Candidate]:
     """Go through the vocabulary for one equation, simple effects before composed ones."""
     effect = CandidateMaker(state)
     n_states, n_inputs = len(design.states), len(design.inputs)
@@ -95,6 +97,7 @@ def of_equation(design: Design, state: int, scales: np.ndarray) -> Iterator[Cand
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, design, state, other)
+            yield from _between(effect, design, state, other, apart)
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
@@ -156,13 +159,28 @@ def _couplings(
     yield effect("coupling", w)
     yield effect("coupling", mul(own, w), parents=(OFFSET,))
     yield effect("coupling", power(w, 2), parents=(OFFSET,))
-    velocity = design.position_of(state) is not None
-    if velocity and design.position_of(other) is not None:
-        yield effect("Coulomb friction", _sgn(sub(own, w)))
+
+
+def _between(
+    effect: CandidateMaker, design: Design, state: int, other: int, apart: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through the forces between two bodies, which their relative motion makes."""
     position = design.position_of(state)
-    if position is not None and design.derivative_of(other) is not None:
-        stretch = sub(variable(position), w)
+    if position is None:
+        return
+    if design.position_of(other) is not None:
+        slip = sub(variable(state), variable(other))
+        yield effect("Coulomb friction", _sgn(slip))
+        yield effect("nonlinear damping", _abs(slip), parents=(OFFSET,))
+        yield effect("quadratic drag", mul(slip, _abs(slip)))
+        yield effect("nonlinear damping", power(slip, 3))
+    if design.derivative_of(other) is not None:
+        stretch = sub(variable(position), variable(other))
+        yield effect("quadratic stiffness", power(stretch, 2), parents=(OFFSET,))
         yield effect("cubic stiffness", power(stretch, 3))
+        for share in DEAD_ZONES:
+            shape = Shape(share * float(apart[position, other]), (partial(_beyond, stretch),))
+            yield effect("dead zone", shape=shape)
 
 
 def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:
