@@ -31,6 +31,7 @@ STATIC = {
     "input nonlinearity",
     "input gain",
     "drift",
+    "hysteresis",
 }
 
 

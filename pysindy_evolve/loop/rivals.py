@@ -8,11 +8,11 @@ from functools import reduce
 import numpy as np
 
 from ..terms import Call, Sum, add, as_sum, constant, mul, power
-from .algebraic import rounded_sign
 from .candidate import Candidate
 from .design import Design
 from .effects import candidates, standing
 from .encompassing import chance
+from .hysteresis import rounded_sign
 from .scoring import columns_of
 from .segments import Segments, ranges
 from .spectral import spectral_grams

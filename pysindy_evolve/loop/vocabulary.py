@@ -14,9 +14,9 @@ import numpy as np
 
 from ..operators import BUILTIN
 from ..terms import Sum, add, call, constant, mul, power, sub, variable
-from .algebraic import rounded, yields
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape
 from .design import Design
+from .hysteresis import rounded, yields
 
 __all__ = ["VOCABULARY", "of_equation"]
 
@@ -94,6 +94,7 @@ def of_equation(
     yield from _frictions(effect, v, float(scales[state]))
     if position is not None:
         yield from _springs(effect, variable(position), v, float(scales[position]))
+        yield from yields(effect, position, state, scales, coarse=True)
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, design, state, other)
