@@ -87,3 +87,11 @@ def test_a_wave_number_may_be_tuned_by_half_a_period_of_the_stroke_and_no_furthe
     q, noise = travel
     (ripple,) = ripple_candidates(1, 0, np.cos(50.0 * q) + noise, q)
     assert ripple.shape.reach == pytest.approx(0.5 / (50.0 * np.ptp(q) / (2 * np.pi)), rel=0.02)
+
+
+def test_a_ripple_as_fine_as_the_steps_of_an_encoder_is_none_of_the_machine(travel):
+    q, noise = travel
+    step = 2 * np.pi / 200.0
+    residual = np.cos(200.0 * q) + noise
+    assert ripple_candidates(1, 0, residual, q, noise=step / np.sqrt(12)) == []
+    assert len(ripple_candidates(1, 0, residual, q, noise=step / 20)) == 1

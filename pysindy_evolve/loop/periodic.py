@@ -63,13 +63,19 @@ def periodic_candidates(
 
 
 def ripple_candidates(
-    state: int, position: int, residual: np.ndarray, q: np.ndarray, n_peaks: int = 1
+    state: int,
+    position: int,
+    residual: np.ndarray,
+    q: np.ndarray,
+    noise: float = 0.0,
+    n_peaks: int = 1,
 ) -> list[Candidate]:
     """Return sines and cosines of a position at the strongest wave numbers of a residual.
 
     Cogging of a motor, teeth of a gear and the pitch of a screw come again at the same places,
     whenever the machine passes there. So the residual is averaged over short pieces of the stroke
-    first.
+    first. What is finer than the noise of the position is no place: the steps of an encoder come
+    again at the same places as well, in its readings.
 
     Parameters
     ----------
@@ -81,6 +87,8 @@ def ripple_candidates(
         What the model leaves.
     q : ndarray of shape (n_samples,)
         Position.
+    noise : float
+        Standard deviation of the noise of the sensor of the position.
     n_peaks : int
         How many wave numbers to propose.
 
@@ -94,8 +102,9 @@ def ripple_candidates(
     mean, edges, _ = binned_statistic(q, residual, "mean", n_bins)
     seen = np.isfinite(mean)
     mean = np.interp(np.arange(n_bins), np.flatnonzero(seen), mean[seen])
-    lines = _lines(mean, (), PERIODS_IN_SPACE, n_peaks)
     effect, width = CandidateMaker(state), float(edges[1] - edges[0])
+    finest = width / (2 * np.pi * noise) if noise > 0.0 else np.inf
+    lines = _lines(mean, (), PERIODS_IN_SPACE, n_peaks, finest)
     return [
         effect(
             "position-periodic ripple",
@@ -116,13 +125,18 @@ def _wave(function: str, column: int, frequency: float) -> Sum:
 
 
 def _lines(
-    signal: np.ndarray, others: Sequence[np.ndarray] | np.ndarray, n_periods: int, n_peaks: int
+    signal: np.ndarray,
+    others: Sequence[np.ndarray] | np.ndarray,
+    n_periods: int,
+    n_peaks: int,
+    highest: float = np.inf,
 ) -> Iterator[float]:
     """Yield frequencies of lines that no other signal has, cycles a sample, the strongest first."""
     n_fine = FINENESS * fft.next_fast_len(len(signal), real=True)
     spectrum = _fine_spectrum(signal, n_fine)
     inputs = [_fine_spectrum(column, n_fine) for column in others]
     lowest, n_found = FINENESS * n_periods, 0
+    spectrum = spectrum[: int(min(highest * n_fine, len(spectrum)))]
     while len(spectrum) > lowest + 1 and n_found < n_peaks:
         peak = lowest + int(np.argmax(spectrum[lowest:]))
         if _prominence(spectrum, peak) < LINE:

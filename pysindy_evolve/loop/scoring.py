@@ -53,9 +53,9 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
         proposed += periodic_candidates(state, time, residual[:, state], drivers, longest.dt)
         position = design.position_of(state)
         if position is not None:
-            proposed += ripple_candidates(
-                state, position, residual[:, state], longest.x[:, position]
-            )
+            made, q = longest.preparation, longest.x[:, position]
+            noise = 0.0 if made is None else float(made.noise[position // made.order])
+            proposed += ripple_candidates(state, position, residual[:, state], q, noise)
     return proposed
 
 
