@@ -6,7 +6,11 @@ kind                 hidden state w                                  what acts
 ``"input delay"``    none                                            u(t - d)
 ``"actuator lag"``   T w' = u - w                                    w
 ``"hidden state"``   T w' = u - sqrt(w), a vessel that runs out      sqrt(w)
+the same, with brim  T w' = u - sqrt(w) - o, o = 100 max(w - b, 0)   sqrt(w) + s o
 ===================  ==============================================  =====================
+
+What rises above the brim b of a vessel runs over in a hundredth of its time constant, and the share
+s of it arrives where the outlet leads.
 
 Each has the gain one, so the coefficients of a model keep their meaning. Before a record begins,
 the input is taken to have stood still at its first value, and the hidden state to be in balance.
@@ -25,7 +29,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from .operators import BUILTIN
-from .terms import Sum, call, constant, mul, power, sub
+from .terms import Sum, add, call, constant, mul, power, sub
 
 if TYPE_CHECKING:
     from .signals import Record
@@ -34,6 +38,7 @@ __all__ = ["DELAY", "LAG", "VESSEL", "Memory", "acting", "balance", "rate", "rem
 
 DELAY, LAG, VESSEL = "input delay", "actuator lag", "hidden state"
 N_SUBSTEPS = 4  # of a vessel, in each sample
+OVERFLOW = 100.0  # rate at which a vessel runs over, in units of 1/T
 
 
 @dataclass(frozen=True)
@@ -47,7 +52,8 @@ class Memory:
     column : int
         Which input.
     values : tuple of float
-        Delay or time constant, units of t.
+        Delay or time constant, units of t; of a vessel with a brim also its height, in squared
+        units of u, and the share of what runs over that arrives.
     """
 
     kind: str
@@ -88,14 +94,23 @@ class Memory:
         changed[:, self.column] = self.response(t, u[:, self.column])
         return changed
 
-    def state(self, acts: np.ndarray) -> np.ndarray:
-        """Return the hidden state from what acts."""
-        return acts**2 if self.kind == VESSEL else acts
+    def state(self, record: Record) -> np.ndarray:
+        """Return the hidden state on a record whose input has not passed the memory yet."""
+        inner = replace(self, values=(*self.values[:2], 0.0)) if self.has_brim else self
+        acts = inner.apply(record).u
+        column = np.zeros(len(record)) if acts is None else acts[:, self.column]
+        return column**2 if self.kind == VESSEL else column
 
     @property
-    def quantity(self) -> str:
-        """What its value is."""
-        return "delay" if self.kind == DELAY else "time constant"
+    def has_brim(self) -> bool:
+        """Whether it is a vessel that can run over."""
+        return len(self.values) > 1
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What its values are."""
+        first = "delay" if self.kind == DELAY else "time constant"
+        return (first, "brim", "share of the overflow that arrives")[: len(self.values)]
 
     @property
     def suffix(self) -> str:
@@ -117,17 +132,37 @@ def remembered(record: Record, memories: Sequence[Memory]) -> Record:
 
 def rate(memory: Memory, state: Sum, source: Sum) -> Sum:
     """Return the right-hand side of a hidden state, from the state and what it is fed by."""
-    return mul(constant(1.0 / memory.values[0]), sub(source, acting(memory, state)))
+    leaving = add(_outflow(memory, state), _overflow(memory, state))
+    return mul(constant(1.0 / memory.values[0]), sub(source, leaving))
 
 
 def acting(memory: Memory, state: Sum) -> Sum:
     """Return what acts, from the hidden state."""
+    arriving = memory.values[2] if memory.has_brim else 0.0
+    return add(_outflow(memory, state), mul(constant(arriving), _overflow(memory, state)))
+
+
+def _outflow(memory: Memory, state: Sum) -> Sum:
     return call(BUILTIN["sqrt"], state) if memory.kind == VESSEL else state
+
+
+def _overflow(memory: Memory, state: Sum) -> Sum:
+    """Return 100 max(w - b, 0)."""
+    if not memory.has_brim:
+        return constant(0.0)
+    above = sub(state, constant(memory.values[1]))
+    return mul(constant(0.5 * OVERFLOW), add(above, call(BUILTIN["abs"], above)))
 
 
 def balance(memory: Memory, source: Sum) -> Sum:
     """Return the value of the hidden state at which it does not change."""
-    return power(source, 2) if memory.kind == VESSEL else source
+    if memory.kind != VESSEL:
+        return source
+    level = power(source, 2)
+    if not memory.has_brim:
+        return level
+    above = sub(level, constant(memory.values[1]))  # no further than the brim
+    return sub(level, mul(constant(0.5), add(above, call(BUILTIN["abs"], above))))
 
 
 def _delayed(t: np.ndarray, u: np.ndarray, delay: float) -> np.ndarray:
@@ -145,21 +180,34 @@ def _lagging(t: np.ndarray, u: np.ndarray, time_constant: float) -> np.ndarray:
     return np.asarray(u[0] + driven)
 
 
-def _running_out(t: np.ndarray, u: np.ndarray, time_constant: float) -> np.ndarray:
-    """Return sqrt(w) of T w' = u - sqrt(w), where the input is not negative."""
+def _running_out(
+    t: np.ndarray, u: np.ndarray, time_constant: float, brim: float = np.inf, share: float = 0.0
+) -> np.ndarray:
+    """Return sqrt(w) + s o of T w' = u - sqrt(w) - o, where the input is not negative."""
     n = len(t)
     fine = np.interp((np.arange(N_SUBSTEPS * (n - 1)) + 0.5) / N_SUBSTEPS, np.arange(n), u)
     ratio = float(t[-1] - t[0]) / (n - 1) / N_SUBSTEPS / time_constant
     out = np.empty(N_SUBSTEPS * (n - 1) + 1)
-    level = max(float(u[0]), 0.0) ** 2
+    level = min(max(float(u[0]), 0.0) ** 2, brim)
     out[0] = np.sqrt(level)
     for i, inflow in enumerate(fine.tolist()):
-        # Implicit in the outflow, which is the root of s^2 + ratio s = level + ratio inflow.
-        half = 0.5 * ratio
-        root = math.sqrt(max(level + ratio * inflow, 0.0) + half * half) - half
+        # Implicit in what leaves, which follows from the root s of s^2 + ratio s = level.
+        level += ratio * inflow
+        root = _root(level, ratio)
+        over = 0.0
+        if root * root > brim:
+            stiff = 1.0 + ratio * OVERFLOW
+            root = _root((level + ratio * OVERFLOW * brim) / stiff, ratio / stiff)
+            over = OVERFLOW * (root * root - brim)
         level = root * root
-        out[i + 1] = root
+        out[i + 1] = root + share * over
     return out[::N_SUBSTEPS]
+
+
+def _root(level: float, ratio: float) -> float:
+    """Return the root s of s^2 + ratio s = level."""
+    half = 0.5 * ratio
+    return math.sqrt(max(level, 0.0) + half * half) - half
 
 
 _RESPONSES: dict[str, Callable[..., np.ndarray]] = {

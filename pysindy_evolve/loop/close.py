@@ -12,9 +12,11 @@ from ..memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
 from .algebraic import as_algebraic
+from .by_runs import find_by_runs, limits_in, with_findings
 from .declared import DeclaredModel, design_of
 from .design import Design
 from .grow import OPERATORS, Garden
+from .limits import off_limits
 from .recall import find_or_recall, memories_of, resettled
 from .records import alike, check_records, split_records, widened
 from .rejected import Rejected
@@ -131,7 +133,7 @@ def close_loop(
     basis = resolve(operators, "close_loop") if operators else ()
     search, finished = _Search(), True
     try:
-        search.run(declared_design, wide, part, rules, basis, rng)
+        search.run(declared_design, fit_on, wide, part, rules, basis, rng)
     except KeyboardInterrupt:
         if not search.findings:
             raise
@@ -139,6 +141,7 @@ def close_loop(
     findings, verdict = search.findings, search.verdict
     finished = finished and len(findings) < rules.max_effects
     acted = part.of([remembered(record, memories_of(findings)) for record in wide])
+    acted = off_limits(acted, limits_in(findings))
     findings = contested(declared_design, findings, acted, rules.significance, rng.spawn(1)[0])
     report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rules, rng)
     return replace(report, rejected=search.rejected[-1] if search.rejected else None)
@@ -161,18 +164,22 @@ class _Search:
     def run(
         self,
         declared: Design,
+        plain: Sequence[Record],
         records: Sequence[Record],
         part: Segments,
         rules: Rules,
         operators: Sequence[Operator],
         rng: np.random.Generator,
     ) -> None:
-        """Find named effects until none passes, then grown terms."""
+        """Find named effects until none passes, then what only free runs show, then grown terms.
+
+        Runs are compared with the plain records, derivatives with those of a higher cutoff.
+        """
         source, whole = records, part  # as they are without memories
         garden = Garden(declared, records, part, rules, operators, rng)
         while len(self.findings) < rules.max_effects:
             before, present = self.findings, memories_of(self.findings)
-            design = _with(declared, before)
+            design = with_findings(declared, before)
             found = find_or_recall(
                 declared, design, records, part, rules, rng, present, self.rejected
             )
@@ -188,18 +195,28 @@ class _Search:
             self.findings = exchange(declared, [*before, *_numbered(found, before)], part)
         self.findings = merged(declared, prune(declared, self.findings, part), part)
         if memories_of(self.findings):
-            design = _with(declared, self.findings)
+            design = with_findings(declared, self.findings)
             self.findings = resettled(self.findings, design, source, whole)
             records = [remembered(record, memories_of(self.findings)) for record in source]
             part = whole.of(records)
             garden = Garden(declared, records, part, rules, operators, rng)
+        if not declared.algebraic:
+            child = rng.spawn(1)[0]
+            found = find_by_runs(
+                declared, self.findings, plain, source, rules, child, self.rejected
+            )
+            if len(found) > len(self.findings):
+                self.findings = found
+                records = [remembered(record, memories_of(found)) for record in source]
+                part = off_limits(whole.of(records), limits_in(found))
+                garden = Garden(declared, records, part, rules, operators, rng)
         n_searches = 1
         if not self.findings:
             # Not on the pieces that grown terms are tested on: their number would depend on those.
             chance = structure_chance(declared, records, garden.seen, rules, rng)
             n_searches = N_SEARCHES if chance <= LIKELY else 1
         while len(self.findings) < rules.max_effects:
-            found = garden.find(_with(declared, self.findings), n_searches)
+            found = garden.find(with_findings(declared, self.findings), n_searches)
             if not found:
                 break
             self.findings = [*self.findings, *_numbered(found, self.findings)]
@@ -211,7 +228,3 @@ class _Search:
 def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:
     step = 1 + max((finding.step for finding in before), default=0)
     return [replace(finding, step=step) for finding in found]
-
-
-def _with(declared: Design, findings: Sequence[Finding]) -> Design:
-    return declared.adding(column for finding in findings for column in finding.columns)

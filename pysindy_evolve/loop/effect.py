@@ -100,8 +100,12 @@ class Effect:
     rivals : tuple of Alternative
         The alternatives with their terms, and other forms of the effect itself.
     memory : Memory, optional
-        Of a memory of an input: its kind, and its delay or time constant, which then stands in
-        `coefficients`, too, in units of t.
+        Of a memory of an input: its kind and its numbers.
+    by_runs : bool
+        Whether free runs showed it; `explained` then is a share of the variance of their error.
+    quantities : tuple of str
+        What the `coefficients` are, if they multiply nothing: the delay or time constant of a
+        memory, in units of t, or the limit of a state.
     """
 
     name: str
@@ -117,6 +121,8 @@ class Effect:
     score: float
     rivals: tuple[Alternative, ...] = ()
     memory: Memory | None = None
+    by_runs: bool = False
+    quantities: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         intervals = zip(self.coefficients, self.confidence_intervals, strict=True)

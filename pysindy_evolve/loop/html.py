@@ -13,7 +13,6 @@ import numpy as np
 
 from ..export import format_number
 from ..export.mathml import equations_mathml, expression_mathml
-from ..terms import Sum
 from .advice import sentences, title
 from .remains import remains
 from .text import VERDICTS, free_parameters, table_cells
@@ -79,15 +78,16 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
 
 
 def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
-    parts = zip(effect.expressions, effect.coefficients, effect.confidence_intervals, strict=True)
+    parts = zip(effect.coefficients, effect.confidence_intervals, strict=True)
     return {
         "name": effect.name,
         "state": effect.state,
         "coefficients": [
-            (_shown_term(effect, expression, symbols), *map(format_number, (value, low, high)))
-            for expression, value, (low, high) in parts
+            (_shown_term(effect, k, symbols), *map(format_number, (value, low, high)))
+            for k, (value, (low, high)) in enumerate(parts)
         ],
         "share": f"{100 * effect.explained:.0f}",
+        "of_what": "free runs' error variance" if effect.by_runs else "residual variance",
         "p": f"{effect.p_value:.2g}",
         "n_twins": len(effect.twin_scores),
         "twins": _twins(effect.name, effect.twin_scores, effect.score),
@@ -103,11 +103,11 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
     }
 
 
-def _shown_term(effect: Effect, expression: Sum, symbols: Sequence[Any]) -> str:
-    """Return what a coefficient multiplies; of a memory, what its number is."""
-    if effect.memory is not None:
-        return f"{expression_mathml(effect.term)}, {effect.memory.quantity}"
-    return expression_mathml(expression.to_sympy(symbols))
+def _shown_term(effect: Effect, k: int, symbols: Sequence[Any]) -> str:
+    """Return what a coefficient multiplies, or what it is if it multiplies nothing."""
+    if effect.quantities:
+        return f"{expression_mathml(effect.term)}, {effect.quantities[k]}"
+    return expression_mathml(effect.expressions[k].to_sympy(symbols))
 
 
 def _shown(report: LoopReport) -> list[int]:

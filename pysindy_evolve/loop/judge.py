@@ -16,6 +16,7 @@ from .fit import Fit, derivative_errors, fit
 from .rules import Rules
 from .runs import simulation_errors
 from .shooting import shot
+from .tuning import fit_by_runs
 
 __all__ = ["judge"]
 
@@ -29,15 +30,19 @@ def judge(
     memories: Sequence[Memory] = (),
     *,
     final: bool = False,
+    by_runs: bool = False,
 ) -> tuple[Fit, Errors]:
     """Fit a design on all training rows and take both errors on held-out records.
 
     The bias of the coefficients is taken off a final model only: that of a model which lacks
-    something is of no interest. Memories are what the inputs go through before they act.
+    something is of no interest. Memories are what the inputs go through before they act. What only
+    free runs showed is also fitted to them, as the derivative does not know it.
     """
     train, test = ([remembered(r, memories) for r in records] for records in (train, test))
     fitted = fit(design, train, rng, rules.refine)
-    if final:
+    if by_runs:
+        fitted = fit_by_runs(design, fitted, train, rng)
+    elif final:
         fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
         fitted = shot(design, fitted, train) if rules.refine != "derivative" else fitted
     equations = design.equations(fitted.coef)

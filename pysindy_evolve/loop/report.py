@@ -13,17 +13,19 @@ import numpy as np
 import pysindy as ps
 
 from ..equations import Equations
-from ..hidden import MemoryEquations, with_memories
+from ..hidden import MemoryEquations
 from ..memory import Memory, remembered
 from ..signals import Record
 from ..terms import Sum
+from .by_runs import LimitFinding, with_findings
 from .design import Design
 from .effect import Alternative, Effect, Errors, Step
 from .experiment import Plan, plan
 from .fit import derivative_fit_errors
 from .judge import judge
 from .model import as_sindy
-from .recall import MemoryFinding, memories_of, memory_interval
+from .quantities import with_intervals, with_limit, with_memory, with_share_of_runs
+from .recall import MemoryFinding, memories_of
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
@@ -187,17 +189,23 @@ def make_report(
     design = declared
     fitted, errors = judge(declared, train, test, rules, rng)
     errors = replace(errors, parameters=_parameters(declared, fitted.coef))
-    before, effects, steps = errors, [], []
+    before, effects, steps, by_runs = errors, [], [], False
     memories: tuple[Memory, ...] = ()
     for _, group in groupby(findings, key=lambda finding: finding.step):
         found = list(group)
-        design = design.adding(column for finding in found for column in finding.columns)
+        design = with_findings(design, found)
         last = found[-1] is findings[-1]
         memories += memories_of(found)
-        fitted, errors = judge(design, train, test, rules, rng, memories, final=last)
+        by_runs = by_runs or any(finding.by_runs for finding in found)
+        earlier = errors
+        fitted, errors = judge(
+            design, train, test, rules, rng, memories, final=last, by_runs=by_runs
+        )
         errors = replace(errors, parameters=_parameters(declared, fitted.coef))
         for finding in found:
             effects.append(_effect(design, finding, train, test, memories))
+            if finding.by_runs:
+                effects[-1] = with_share_of_runs(effects[-1], finding, earlier, errors)
             steps.append(Step(finding.candidate.name, effects[-1].state, errors))
     place = len(declared.columns)
     for k, finding in enumerate(findings):
@@ -207,7 +215,11 @@ def make_report(
             effects[k], coefficients=fitted.coef[own], confidence_intervals=fitted.intervals[own]
         )
         if isinstance(finding, MemoryFinding):
-            effects[k] = _with_memory(effects[k], finding, design, fitted.coef, train, rng)
+            effects[k] = with_memory(effects[k], finding, design, fitted.coef, train, rng)
+        if isinstance(finding, LimitFinding):
+            effects[k] = with_limit(effects[k], finding, train)
+    if by_runs and memories:
+        effects = with_intervals(effects, findings, design, fitted.coef, train, rng)
     records = tuple(train), tuple(test)
     report = LoopReport(verdict, effects, before, errors, steps, *records, finished)
     return replace(report, rules=rules, design=design)
@@ -265,27 +277,3 @@ def _alternative(rival: Rival, design: Design) -> Alternative:
     term = _total(candidate.terms, symbols)
     state = design.states[candidate.state]
     return Alternative(candidate.name, state, term, rival.p_value, candidate.terms)
-
-
-def _with_memory(
-    effect: Effect,
-    finding: MemoryFinding,
-    design: Design,
-    coef: np.ndarray,
-    train: Sequence[Record],
-    rng: np.random.Generator,
-) -> Effect:
-    """Return the effect of a memory with its delay or time constant."""
-    memory = finding.memory
-    low, high = memory_interval(memory, design, coef, train, rng)
-    equations = with_memories(design.equations(coef), [memory])
-    place = len(equations.states) + memory.column
-    hidden = len(design.states)
-    term = equations.symbols[hidden if memory.has_state else place]
-    return replace(
-        effect,
-        term=term,
-        coefficients=np.array(memory.values),
-        confidence_intervals=np.array([[low, high]]),
-        memory=memory,
-    )

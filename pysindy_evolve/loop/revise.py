@@ -143,7 +143,7 @@ def contested(
         rest = [f for f in findings if f is not finding]
         needed = {parent for f in rest for parent in f.candidate.parents}
         design = declared.adding(column for f in rest for column in f.columns)
-        free = not isinstance(finding, MemoryFinding) and not needed & set(finding.candidate.terms)
+        free = bool(finding.columns) and not needed & set(finding.candidate.terms)
         if free:
             found = rivals_of(finding.candidate, design, part, level, rng)
             finding = replace(finding, rivals=found)

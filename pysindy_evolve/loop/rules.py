@@ -62,6 +62,14 @@ class Rules:
         """Largest p-value that counts: names, grown terms, any structure are three looks."""
         return self.significance / N_LOOKS
 
+    @property
+    def level_of_runs(self) -> float:
+        """The same for limits, and for all else that free runs show: half of one more look each.
+
+        Three looks name effects; the fourth one, for any structure, names none.
+        """
+        return self.level / 2.0
+
 
 def generator(random_state: Any) -> np.random.Generator:
     """Return a random generator from a seed, a generator or None."""

@@ -44,9 +44,9 @@ def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any)
     """Run over a record whose raw inputs also say what the hidden states were at its first row."""
     hidden = []
     for memory in equations.memories:
+        if memory.has_state:
+            hidden.append(memory.state(record))
         record = memory.apply(record)
-        if memory.has_state and record.u is not None:
-            hidden.append(memory.state(record.u[:, memory.column]))
     return np.column_stack([free_run(equations.inner, record, **options), *hidden])
 
 

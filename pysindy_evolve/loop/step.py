@@ -55,6 +55,8 @@ class Finding:
         Number of the step that found it; the effects of a pair share one.
     rivals : tuple of Rival
         Effects that this data cannot tell from it, once all are found.
+    by_runs : bool
+        Whether free runs showed it, and not the derivative.
     """
 
     candidate: Candidate
@@ -64,6 +66,7 @@ class Finding:
     twin_scores: np.ndarray
     step: int = 0
     rivals: tuple[Rival, ...] = ()
+    by_runs: bool = False
 
 
 def find(

@@ -114,19 +114,20 @@ def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
 
 def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> list[str]:
     """Return coefficients, share, p-value and rivals of one effect, a line each."""
-    parts = zip(effect.expressions, effect.coefficients, effect.confidence_intervals, strict=True)
+    parts = zip(effect.coefficients, effect.confidence_intervals, strict=True)
     lines = []
-    for expression, value, (low, high) in parts:
-        if effect.memory is not None:
-            shown = f"{format_expression(effect.term)}: {effect.memory.quantity}"
+    for k, (value, (low, high)) in enumerate(parts):
+        if effect.quantities:
+            shown = f"{format_expression(effect.term)}: {effect.quantities[k]}"
             lines.append(f"{shown} {value:.4g}   {interval(low, high)}")
             continue
-        shown = format_expression(expression.to_sympy(symbols))
+        shown = format_expression(effect.expressions[k].to_sympy(symbols))
         lines.append(f"{value:.4g} times {shown}   {interval(low, high)}")
         if low < 0.0 < high:
             lines.append("the interval holds zero: by itself, this record is not sure of its sign")
+    of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
     lines.append(
-        f"removes {100 * effect.explained:.0f} % of the held-out residual variance; "
+        f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; "
         f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
     )
     if effect.rivals:

@@ -19,12 +19,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .structure import Switch
+from ..equations import Equations
+from .structure import Switch, find_switches, is_affine
 from .tape import Tape
 
 __all__ = [
     "SETTLED", "SWEEPS", "Columns", "Field",
-    "balance", "both_slopes", "choose_substeps", "moved", "step", "switching",
+    "balance", "both_slopes", "choose_substeps", "field_of", "moved", "step", "switching",
 ]  # fmt: skip
 
 SWEEPS = 8  # over several switches at zero
@@ -74,10 +75,25 @@ class Columns:
         parts = (self.x, self.u, self.du, self.t, self.s, self.held, self.model)
         return Columns(*(part[..., at] for part in parts))
 
+    def fed(self, u: np.ndarray, du: np.ndarray, t: np.ndarray) -> Columns:
+        """Return the columns with the inputs of the next sample interval."""
+        return replace(self, u=u, du=du, t=t)
+
     def put(self, at: np.ndarray, other: Columns) -> None:
         """Write the states, signs and times of other columns into some of these."""
         for name in ("x", "u", "t", "s", "held"):
             getattr(self, name)[..., at] = getattr(other, name)
+
+
+def field_of(equations: Equations, batch: np.ndarray) -> Field:
+    """Return the right-hand side of models that share their terms, without those unused."""
+    used = np.flatnonzero(np.any(batch != 0.0, axis=(0, 1)))
+    terms = tuple(equations.terms[i] for i in used)
+    n_states = len(equations.states)
+    switches = find_switches(terms, n_states)
+    n_variables = n_states + len(equations.inputs) + 1
+    tape = Tape(terms, switches, n_variables)
+    return Field(tape, batch[:, :, used], switches, is_affine(terms))
 
 
 def step(field: Field, c: Columns, h: np.ndarray) -> Columns:

@@ -7,11 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..equations import Equations
-from .columns import Columns, Field, choose_substeps
+from .columns import Columns, Field, choose_substeps, field_of
 from .crossing import advance, start_signs
 from .inputs import as_equations, check_input, check_states, check_time
-from .structure import find_switches, is_affine
-from .tape import Tape
 
 __all__ = ["simulate_windows"]
 
@@ -78,7 +76,7 @@ def simulate_windows(
     inputs = check_input(u, times, equations, owner)
     batch = _check_coef(coef, equations)
     starts = _starts(len(times), window, stride)
-    field, n_models = _field(equations, batch), len(batch)
+    field, n_models = field_of(equations, batch), len(batch)
     columns = _columns(field, states, inputs, times, starts, n_models)
     steps = np.diff(times)
     slopes = np.diff(inputs, axis=0) / steps[:, None]
@@ -98,16 +96,6 @@ def simulate_windows(
     predicted = predicted.transpose(2, 3, 0, 1)
     index = starts[:, None] + np.arange(1, window + 1)
     return (predicted[0] if coef is None else predicted), index
-
-
-def _field(equations: Equations, batch: np.ndarray) -> Field:
-    used = np.flatnonzero(np.any(batch != 0.0, axis=(0, 1)))
-    terms = tuple(equations.terms[i] for i in used)
-    n_states = len(equations.states)
-    switches = find_switches(terms, n_states)
-    n_variables = n_states + len(equations.inputs) + 1
-    tape = Tape(terms, switches, n_variables)
-    return Field(tape, batch[:, :, used], switches, is_affine(terms))
 
 
 def _columns(
@@ -139,15 +127,8 @@ def _fed(
     n_models: int,
 ) -> Columns:
     """Put the measured inputs of the next sample interval into the columns."""
-    return Columns(
-        x=columns.x,
-        u=np.tile(u[at].T, n_models),
-        du=np.tile(slopes[at].T, n_models),
-        t=np.tile(t[at], n_models),
-        s=columns.s,
-        held=columns.held,
-        model=columns.model,
-    )
+    u, slopes, t = (np.tile(part[at].T, n_models) for part in (u, slopes, t))
+    return columns.fed(u, slopes, t)
 
 
 def _starts(n_samples: int, window: int, stride: int | None) -> np.ndarray:

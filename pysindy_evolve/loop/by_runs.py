@@ -1,0 +1,286 @@
+"""Find what a model lacks where only its free runs show it.
+
+The derivative of a noisy record is blind to what is slow. What passes here keeps the runs on
+stretches that it was not fitted to, better than chance does in the twins; and it must not make the
+derivative worse. In a closed loop the input knows what disturbed the output, and runs can be
+bettered by a memory that is not there; the derivative, which sees the disturbance itself, objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..memory import remembered
+from ..signals import Record
+from .candidate import Candidate
+from .design import Design
+from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models, gains_of_terms
+from .effects import candidates, standing
+from .fit import refit
+from .limits import LIMITED, Limit, limited, limits_of, off_limits, plateaus
+from .recall import MemoryFinding, exchanged, memories_of
+from .rejected import Rejected
+from .rules import Rules
+from .scoring import MARGIN, columns_of, score
+from .segments import ranges, segments, variables_of
+from .shares import is_exact
+from .step import Finding
+from .trace import Score
+from .tuning import tuned
+from .variants import Model, Variant, memories_beside
+
+__all__ = ["LimitFinding", "find_by_runs", "limits_in", "with_findings"]
+
+
+N_SIGNS = 999  # draws and twins of runs, which cost next to nothing
+
+
+@dataclass(frozen=True, eq=False)
+class LimitFinding(Finding):
+    """A limit of a state that passed. It adds no column: its term has no free coefficient."""
+
+    limit: Limit = field(kw_only=True)
+
+
+def limits_in(findings: Sequence[Finding]) -> tuple[Limit, ...]:
+    """Return the limits among findings."""
+    return tuple(f.limit for f in findings if isinstance(f, LimitFinding))
+
+
+def with_findings(declared: Design, findings: Sequence[Finding]) -> Design:
+    """Return a design with the columns and limits of findings."""
+    design = declared.adding(column for finding in findings for column in finding.columns)
+    return limited(design, limits_in(findings))
+
+
+def find_by_runs(
+    declared: Design,
+    findings: Sequence[Finding],
+    records: Sequence[Record],
+    wide: Sequence[Record],
+    rules: Rules,
+    rng: np.random.Generator,
+    rejected: list[Rejected],
+) -> list[Finding]:
+    """Return findings with what free runs show besides, one after the other until none passes.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found before.
+    records : sequence of Record
+        Training records without memories.
+    wide : sequence of Record
+        The same with a higher cutoff, for the derivative.
+    rules : Rules
+        When an effect counts.
+    rng : numpy.random.Generator
+        Draws the twins.
+    rejected : list of Rejected
+        The best that did not pass is appended to it.
+
+    Returns
+    -------
+    list of Finding
+        All of them; the numbers of the new memories are tuned again after each step.
+    """
+    before = list(findings)
+    limits = _limits(_model(declared, before), records, rules, rng)
+    new: list[Finding] = []
+    while len(before) + len(new) < rules.max_effects:
+        model = replace(
+            _model(declared, [*before, *new]),
+            limits=tuple(one.limit for one in limits),
+            n_known=len(memories_of(before)),
+        )
+        drift = _drift(model, records)
+        step = None if drift is None else _best(drift, wide, bool(new), rules, rng, rejected)
+        if step is None:
+            break
+        new = _retuned([*new, step[0]], step[1])
+    kept = _needed(_model(declared, [*before, *new]), limits, records, rules)
+    memories = [f for f in new if isinstance(f, MemoryFinding)]
+    terms = [f for f in new if f not in memories]
+    number = 1 + max((f.step for f in before), default=0)
+    found = [*memories, *kept, *terms]
+    return [*before, *(replace(f, step=number + k) for k, f in enumerate(found))]
+
+
+def _model(declared: Design, findings: Sequence[Finding]) -> Model:
+    design = declared.adding(column for f in findings for column in f.columns)
+    return Model(design, memories_of(findings), limits_in(findings))
+
+
+def _retuned(new: list[Finding], model: Model) -> list[Finding]:
+    """Return findings with the memories of a model."""
+    memories = iter(model.memories[model.n_known :])
+    return [replace(f, memory=next(memories)) if isinstance(f, MemoryFinding) else f for f in new]
+
+
+def _limits(
+    model: Model, records: Sequence[Record], rules: Rules, rng: np.random.Generator
+) -> list[LimitFinding]:
+    """Return the limits at which records stay longer than twins without them.
+
+    They are believed while the search goes on: what a sensor cannot show must not mislead it.
+    """
+    acted = [remembered(record, model.memories) for record in records]
+    found = []
+    for limit in limits_of(model.design, records):
+        equations = model.design.equations(refit(model.design, acted, "derivative"))
+        length, lengths = plateaus(limit, equations, acted, N_SIGNS, rng)
+        p_value = (1.0 + float(np.sum(lengths >= length))) / (1.0 + len(lengths))
+        if p_value <= rules.level_of_runs:
+            candidate = Candidate(LIMITED, limit.state, (limit.term,))
+            own = (candidate, (), float(length), p_value, lengths)
+            found.append(LimitFinding(*own, by_runs=True, limit=limit))
+    return found
+
+
+def _needed(
+    model: Model, limits: Sequence[LimitFinding], records: Sequence[Record], rules: Rules
+) -> list[LimitFinding]:
+    """Return the limits without which the runs would be notably worse."""
+    kept = []
+    for one in limits:
+        others = tuple(f.limit for f in limits if f is not one)
+        drift = _drift(replace(model, limits=others), records)
+        whole = replace(model, limits=(*others, one.limit))
+        if drift is not None and gains_of_models(drift, [whole])[0, 0] >= _notable(rules):
+            kept.append(one)
+    return kept
+
+
+def _drift(model: Model, records: Sequence[Record]) -> Drift | None:
+    """Return the drift of a model; None where there is none to explain."""
+    acted = [remembered(record, model.memories) for record in records]
+    if not model.design.columns or is_exact(model.design, segments(acted, model.design.velocities)):
+        return None
+    return drift_of(model, refit(model.design, acted, "derivative"), records)
+
+
+def _best(
+    drift: Drift,
+    wide: Sequence[Record],
+    with_terms: bool,
+    rules: Rules,
+    rng: np.random.Generator,
+    rejected: list[Rejected],
+) -> tuple[Finding, Model] | None:
+    """Return the best effect that passes, and the model with it."""
+    terms = _terms(drift) if with_terms else []
+    found = _memory_or_term(drift, wide, terms, rules, rng)
+    if found is None or found[0].p_value <= rules.level_of_runs:
+        return found
+    rejected.append(_as_rejected(found[0], drift))
+    return None
+
+
+def _memory_or_term(
+    drift: Drift,
+    wide: Sequence[Record],
+    terms: Sequence[Variant],
+    rules: Rules,
+    rng: np.random.Generator,
+) -> tuple[Finding, Model] | None:
+    """Return the plainest memory or term of those that gain most, with its chance.
+
+    Of memories that differ in numbers only, the best one of a grid is tested, as in the twins, and
+    those that pass are tuned.
+    """
+    signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(drift.part.z)))
+    memories = memories_beside(drift.model, drift.records, segments(drift.records))
+    by_terms, in_twins = gains_of_terms(drift, [v.columns for v in terms], signs)
+    by_models = gains_of_models(drift, [v.model for v in memories])
+    plain = np.append(by_terms, by_models[0])
+    heads = _heads([*terms, *memories], plain, _notable(rules))
+    heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]
+    if not heads:
+        return None
+    twins = chance_of_models(drift, [v.model for v in memories], signs)
+    twins[0] = np.maximum(twins[0], in_twins)
+    # A memory must also show in what is new: what an input answers to may look like one.
+    views = np.hstack([np.vstack([by_terms, np.full_like(by_terms, np.inf)]), by_models])
+    judged = [(variant, plain[k], _p_value(views[:, k], twins)) for k, variant in heads]
+    passing = [one for one in judged if one[2] <= rules.level_of_runs]
+    variant, gain, p_value = _plainest(drift, passing) if passing else judged[0]
+    own = (variant.candidate, variant.columns, gain, p_value, twins[0])
+    if variant.memory is not None:
+        return MemoryFinding(*own, by_runs=True, memory=variant.memory), variant.model
+    return Finding(*own, by_runs=True), variant.model
+
+
+def _p_value(gain: np.ndarray, twins: np.ndarray) -> float:
+    """Return the chance of a gain in the view that is less sure of it."""
+    n_better = np.sum(twins >= gain[:, None], axis=1)
+    return float(np.max(1 + n_better)) / (1 + twins.shape[1])
+
+
+def _heads(
+    tried: Sequence[Variant], gains: np.ndarray, notable: float
+) -> list[tuple[int, Variant]]:
+    """Return the best of each family that gains at least half as much as the best of all."""
+    found: dict[tuple[object, ...], int] = {}
+    for k in np.argsort(-gains).tolist():
+        if gains[k] >= max(notable, 0.5 * gains.max()):
+            found.setdefault(tried[k].family, k)
+    return [(k, tried[k]) for k in found.values()]
+
+
+def _plainest(
+    drift: Drift, passing: Sequence[tuple[Variant, float, float]]
+) -> tuple[Variant, float, float]:
+    """Tune variants on long runs, and return the plainest of those that do as well as the best."""
+    long = drift_of(drift.model, drift.trial.coef, drift.records, LONG) or drift
+    variants = [one[0].with_model(tuned(long, one[0].model)) for one in passing]
+    gains = gains_of_models(long, [variant.model for variant in variants])[0]
+    near = gains >= gains.max() - max(MARGIN, 0.01 * gains.max())
+    k = min(np.flatnonzero(near).tolist(), key=lambda k: variants[k].plainness)
+    return variants[k], passing[k][1], passing[k][2]
+
+
+def _notable(rules: Rules) -> float:
+    """Return the gain of what removes the least share that matters."""
+    return float(-np.log1p(-rules.min_share))
+
+
+def _as_rejected(finding: Finding, drift: Drift) -> Rejected:
+    design = drift.model.design
+    left = np.full(1, np.exp(-finding.score))
+    tried = Score((finding.candidate,), (), np.ones(1), left)
+    names = (*design.states, *design.inputs, "t")
+    return Rejected(tried, float(1.0 - left[0]), finding.p_value, finding.twin_scores, names)
+
+
+def _terms(drift: Drift) -> list[Variant]:
+    """Return the effects of the vocabulary that may enter."""
+    design = drift.model.design
+    acted = [remembered(record, drift.model.memories) for record in drift.records]
+    variables = np.concatenate([variables_of(record) for record in acted])
+    present, found = standing(design), []
+    for candidate in candidates(design, *ranges(variables)):
+        if all((candidate.state, parent) in present for parent in candidate.parents):
+            columns = columns_of(candidate, design)
+            wider = replace(drift.model, design=design.adding(columns))
+            found.append(Variant(candidate, wider, columns))
+    return found
+
+
+def _refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
+    """Tell whether the derivative is predicted worse with a variant than without it."""
+    design = drift.model.design
+    acted = [remembered(record, drift.model.memories) for record in wide]
+    part = off_limits(segments(acted, design.velocities), drift.model.limits)
+    if variant.memory is not None:
+        gain = exchanged([variant.memory], design, acted, part)[0].gain
+    elif variant.columns:
+        scores = score(design, part, [replace(variant.candidate, parents=())], pairs=False)
+        gain = scores[0].value if scores else 0.0
+    else:
+        gain = 0.0
+    return gain < -MARGIN

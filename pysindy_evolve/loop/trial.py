@@ -1,0 +1,188 @@
+"""Models on trial: many of them run freely over the same stretches, and are fitted to them at once.
+
+All runs of all models are columns of one integration, and Gauss-Newton steps change the
+coefficients of each model, and the states in which its runs begin, until it meets the record as
+well as it can. What is left is linear in small changes, so that held-out errors, and what any
+other target would leave, follow from small Gram matrices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..equations import Equations
+from ..simulation.pieces import simulate_pieces
+from .design import Design
+from .residual import MAX_GROWTH, forces, jacobian, respond
+from .saltation import saltation
+from .segments import Segments
+
+__all__ = ["Rows", "Trial", "runs_of", "settled"]
+
+ROWS = 2000  # of the runs that a step looks at
+N_STEPS = 6  # of Gauss-Newton, each of which may be a shortened one
+SHORTER = 0.3  # a step that makes the error larger is tried again, so much shorter
+SETTLED = 1e-4  # relative gain of a step after which no other one is taken
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A model that runs over stretches.
+
+    Attributes
+    ----------
+    design : Design
+        The model, with p columns.
+    part : Segments
+        States to meet, and the inputs as they act in this model.
+    scale : ndarray of shape (n_states,)
+        Unit of the error of each state.
+    coef : ndarray of shape (p,)
+        Coefficients.
+    starts : ndarray of shape (n_stretches, n_states)
+        Where the runs begin.
+    x : ndarray of shape (n_stretches, n, n_states)
+        The runs.
+    """
+
+    design: Design
+    part: Segments
+    scale: np.ndarray
+    coef: np.ndarray
+    starts: np.ndarray
+    x: np.ndarray
+
+    @property
+    def target(self) -> np.ndarray:
+        """States to meet, shape (n_stretches, n, n_states)."""
+        return self.part.z[:, :, : self.part.n_states]
+
+    @property
+    def error(self) -> float:
+        """Sum of the squared misses; infinite if a run diverges."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            total = float(np.sum(((self.target - self.x) / self.scale) ** 2))
+        return total if np.isfinite(total) else np.inf
+
+    def aimed_at(self, target: np.ndarray) -> Trial:
+        """Return the trial with other states to meet."""
+        z = np.concatenate([target, self.part.z[:, :, self.part.n_states :]], axis=2)
+        return replace(self, part=replace(self.part, z=z))
+
+    def rows(self) -> Rows | None:
+        """Return what the runs miss and what the coefficients change, free of the starts.
+
+        None where the runs forget how they began.
+        """
+        n_stretches, length, _ = self.x.shape
+        keep = max(1, n_stretches * length // ROWS)
+        inputs = self.part.z[:, :, self.part.n_states :]
+        along = replace(self.part, z=np.concatenate([self.x, inputs], axis=2))
+        equations, scale, dt = self.design.equations(self.coef), self.part.state_scale, self.part.dt
+        slopes = jacobian(equations, along.z, scale)
+        driven = forces(along, self.design, self.design.columns, weighed=False)[..., :-1]
+        jumps = saltation(equations, along.z, scale, dt)
+        free, response = respond(slopes, driven, dt, self.scale, keep, jumps)
+        if not np.max(np.abs(free)) <= MAX_GROWTH:
+            return None
+        basis, _ = np.linalg.qr(free)
+        return Rows(response, basis, np.linalg.pinv(free), self.scale, keep)
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What the runs of a trial owe to its coefficients and starts, to first order.
+
+    Attributes
+    ----------
+    response : ndarray of shape (n_stretches, n_rows, p)
+        What a unit change of each coefficient moves.
+    basis : ndarray of shape (n_stretches, n_rows, n_states)
+        Orthonormal basis of what the starts move.
+    to_starts : ndarray of shape (n_stretches, n_states, n_rows)
+        Change of the starts that explains rows best.
+    scale : ndarray of shape (n_states,)
+        Unit of the error of each state.
+    keep : int
+        Every so many samples a row is taken.
+    """
+
+    response: np.ndarray
+    basis: np.ndarray
+    to_starts: np.ndarray
+    scale: np.ndarray
+    keep: int
+
+    def of(self, deviation: np.ndarray) -> np.ndarray:
+        """Return deviations of the states, (n_stretches, n, n_states), as (..., n_rows, 1)."""
+        last = (deviation.shape[1] - 1) // self.keep * self.keep
+        kept = (deviation / self.scale)[:, : last + 1 : self.keep]
+        return kept.reshape(len(kept), -1, 1)
+
+    def freed(self, rows: np.ndarray) -> np.ndarray:
+        """Return rows without what the starts can explain."""
+        return np.asarray(rows - self.basis @ (np.swapaxes(self.basis, 1, 2) @ rows))
+
+
+def settled(trials: Sequence[Trial]) -> list[Trial]:
+    """Fit coefficients and starts of all trials; those that diverge stay as they are."""
+    found = runs_of(list(trials))
+    active = {k: 1.0 for k, trial in enumerate(found) if np.isfinite(trial.error)}
+    changes = {k: _change(found[k]) for k in active}
+    for _ in range(N_STEPS):
+        active = {k: share for k, share in active.items() if changes[k] is not None}
+        if not active:
+            break
+        moved = runs_of([_moved(found[k], changes[k], share) for k, share in active.items()])
+        for (k, share), after in zip(list(active.items()), moved, strict=True):
+            gain = 1.0 - after.error / max(found[k].error, 1e-300)
+            if gain <= 0.0:
+                active[k] = share * SHORTER
+                continue
+            found[k] = after
+            if gain < SETTLED:
+                del active[k]
+            else:
+                active[k], changes[k] = 1.0, _change(after)
+    return found
+
+
+def _moved(trial: Trial, change: tuple[np.ndarray, np.ndarray] | None, share: float) -> Trial:
+    if change is None:
+        return trial
+    coef, starts = trial.coef + share * change[0], trial.starts + share * change[1]
+    return replace(trial, coef=coef, starts=starts)
+
+
+def _change(trial: Trial) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return the Gauss-Newton step of coefficients and starts; None if there is none."""
+    rows = trial.rows()
+    if rows is None or not np.isfinite(rows.response).all():
+        return None
+    miss = rows.of(trial.target - trial.x)
+    both = (rows.response, miss)
+    columns, target = (rows.freed(part).reshape(-1, part.shape[-1]) for part in both)
+    size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    change = np.linalg.lstsq(columns / size, target[:, 0], rcond=1e-8)[0] / size
+    starts = rows.to_starts @ (miss - (rows.response @ change)[..., None])
+    return change, starts[..., 0] * trial.scale
+
+
+def runs_of(trials: Sequence[Trial]) -> list[Trial]:
+    """Run all trials, of equal stretches and states, in one integration."""
+    if not trials:
+        return []
+    equations = [trial.design.equations(trial.coef) for trial in trials]
+    first, part = equations[0], trials[0].part
+    terms = tuple(dict.fromkeys(term for one in equations for term in one.terms))
+    coef = np.zeros((len(trials), len(first.states), len(terms)))
+    for rows, one in zip(coef, equations, strict=True):
+        rows[:, [terms.index(term) for term in one.terms]] = one.coef
+    z = np.concatenate([trial.part.z for trial in trials])
+    starts = np.concatenate([trial.starts for trial in trials])
+    shared = Equations(terms, coef[0], first.states, first.inputs)
+    x = simulate_pieces(shared, coef, starts, z[:, :, -1], z[:, :, part.n_states : -1])
+    return [replace(t, x=runs) for t, runs in zip(trials, np.split(x, len(trials)), strict=True)]

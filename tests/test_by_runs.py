@@ -1,0 +1,151 @@
+"""What only free runs show: hidden vessels, brims and limits, and that they are silent else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from loop_systems import equations_of, multisine
+
+import pysindy_evolve as pse
+from pysindy_evolve.hidden import with_memories
+from pysindy_evolve.loop.by_runs import LimitFinding, find_by_runs
+from pysindy_evolve.loop.declared import design_of
+from pysindy_evolve.loop.limits import limited, limits_of
+from pysindy_evolve.loop.recall import MemoryFinding
+from pysindy_evolve.loop.records import widened
+from pysindy_evolve.loop.rules import Rules
+from pysindy_evolve.memory import Memory
+from pysindy_evolve.simulation.pieces import simulate_pieces
+
+TANK = pse.DeclaredModel({"h": "k1*u - k2*sqrt(h)"}, inputs=["u"])
+DT = 5.0
+FINE = 20  # steps in each sample of the truth
+
+
+def inflow(t, seed):
+    """A pump that swings slowly about its mean and never runs backwards."""
+    return np.clip(3.0 + multisine(1.2, seed, band=(0.02, 2.5))(t / 200.0), 0.3, None)
+
+
+def tanks(seed, upper=None, walk=0.0, noise=0.02, clip=np.inf, n=900):
+    """Level of a tank that is fed through an upper one, or at once where there is none.
+
+    `walk` is the size of the steps of an unmeasured inflow, relative to the mean of the measured.
+    """
+    rng = np.random.default_rng(seed)
+    fine = np.arange(n * FINE) * DT / FINE
+    u = inflow(fine, seed)
+    acts = u if upper is None else Memory("hidden state", 0, upper).response(fine, u)
+    disturbed = np.repeat(3.0 * walk * np.cumsum(rng.standard_normal(n)), FINE)
+    h, levels = 6.0, np.empty(n)
+    for k, arriving in enumerate(acts + disturbed):
+        if k % FINE == 0:
+            levels[k // FINE] = h
+        h = max(h + DT / FINE * (0.02 * arriving - 0.024 * np.sqrt(h)), 0.0)
+    y = np.minimum(levels + noise * rng.standard_normal(n), clip)
+    return pse.prepare(fine[::FINE], y, u[::FINE], order=1)
+
+
+def found_in(record, declared=TANK, **options):
+    """What the runs show, with the sign of everything drawn from one seed."""
+    design = design_of(declared, [record])
+    rules = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
+    rng = np.random.default_rng(options.get("seed", 0))
+    return find_by_runs(design, [], [record], widened([record]), rules, rng, [])
+
+
+def test_hidden_vessel_is_found_with_its_time_constant():
+    (finding, *_) = found_in(tanks(1, upper=(40.0,), noise=0.1))
+    assert isinstance(finding, MemoryFinding)
+    assert finding.memory.kind == "hidden state"
+    assert finding.memory.values[0] == pytest.approx(40.0, rel=0.15)
+
+
+def test_brim_of_a_hidden_vessel_is_found():
+    truth = (40.0, 12.0, 1.0)
+    (finding, *_) = found_in(tanks(2, upper=truth, noise=0.1))
+    assert finding.memory.kind == "hidden state"
+    assert finding.memory.values == pytest.approx(truth, rel=0.25)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_single_tank_that_an_unmeasured_inflow_disturbs_has_nothing_hidden(seed):
+    assert found_in(tanks(seed, walk=0.003)) == []
+    assert found_in(tanks(seed + 10)) == []
+
+
+def test_readings_that_stop_at_a_value_show_a_limit():
+    design = design_of(TANK, [tanks(1)])
+    assert limits_of(design, [tanks(1)]) == []
+    (limit,) = limits_of(design, [tanks(1, clip=8.0)])
+    assert (limit.state, limit.value, limit.upper) == (0, 8.0, True)
+
+
+def test_limited_state_stays_at_its_limit_and_leaves_it_again():
+    record = tanks(1, clip=8.0)
+    limits = limits_of(design_of(TANK, [record]), [record])
+    design = limited(design_of(TANK, [record]), limits)
+    t = np.arange(0.0, 600.0, DT)
+    u = np.where(t < 300.0, 6.0, 0.5)[:, None]
+    run = pse.simulate(design.equations([0.02, 0.024]), [6.0], t, u)
+    # What still flows in lifts it by inflow over rate.
+    assert run[t < 300.0].max() == pytest.approx(8.0, abs=0.02 * 6.0 * DT)
+    assert run[-1] < 5.0
+
+
+def test_vessel_with_a_brim_follows_its_printed_equations():
+    memory = Memory("hidden state", 0, (0.5, 15.0, 0.7))
+    t = np.arange(0.0, 20.0, 0.01)
+    u = (4.0 + 2.0 * np.sin(2.0 * t))[:, None]
+    plain = equations_of({"x": "-x + F"}, ("F",))
+    full = with_memories(plain, [memory])
+    run = pse.simulate(full, [1.0], t, u)
+    direct = pse.simulate(plain, [1.0], t, memory.response(t, u[:, 0])[:, None])
+    assert run[:, 0] == pytest.approx(direct[:, 0], rel=0.01)
+    assert run[:, 1].max() == pytest.approx(15.0, rel=0.01)
+    assert np.ptp(memory.response(t, u[:, 0]) ** 2) > 1.0
+
+
+def test_pieces_run_as_one_simulation_of_each_model_does():
+    t = np.arange(0.0, 5.0, 0.05)
+    u = np.sin(2.0 * t)[:, None]
+    model = equations_of({"q": "v", "v": "-4*q - 0.3*v - 0.5*sgn(v) + F"}, ("F",))
+    coef = np.stack([model.coef, model.coef * np.array([[1.0], [0.8]])])
+    starts = np.array([[0.5, 0.0], [0.1, 1.0]])
+    both = simulate_pieces(model, coef, starts, np.stack([t, t]), np.stack([u, u]))
+    for run, one, start in zip(both, coef, starts, strict=True):
+        expected = pse.simulate(replace(model, coef=one), start, t, u)
+        assert run == pytest.approx(expected, abs=2e-3)
+
+
+@pytest.mark.slow
+def test_report_names_vessel_and_limit_and_prints_the_hidden_state():
+    record = tanks(3, upper=(40.0,), noise=0.1, clip=8.0, n=1200)
+    report = pse.close_loop(TANK, record, operators=(), random_state=0)
+    names = [effect.name for effect in report.effects]
+    assert names[0] == "hidden state"
+    assert report.equations.states == ("h", "u_level")
+    assert report.after.simulation_error[0] < 0.5 * report.before.simulation_error[0]
+    assert "time constant" in str(report)
+    assert "time constant" in report.to_markdown()
+    assert report.simulate(report.test[0]).shape == (len(report.test[0]), 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
+def test_input_of_a_closed_loop_has_no_memory(seed):
+    """The input answers what disturbs the output, so the runs would like a memory."""
+    rng, dt, n, fine = np.random.default_rng(seed), 0.02, 2000, 20
+    reference = multisine(0.2, seed)(np.arange(n * fine) * dt / fine)
+    disturbance, q, v = 0.0, 0.0, 0.0
+    y, u = np.empty(n), np.empty(n)
+    for k, wanted in enumerate(reference):
+        force = 60.0 * (wanted - q)
+        if k % fine == 0:
+            y[k // fine], u[k // fine] = q + 0.004 * rng.standard_normal(), force
+            disturbance += -0.01 * disturbance + 0.56 * rng.standard_normal()
+        v += dt / fine * (-40.0 * q - 0.8 * v + force + disturbance)
+        q += dt / fine * v
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    found = found_in(pse.prepare(np.arange(n) * dt, y, u), declared)
+    assert not [f for f in found if isinstance(f, MemoryFinding | LimitFinding)]
