@@ -112,7 +112,6 @@ def hidden_effects() -> list[Hidden]:
             {"q": "v", "v": "-c*v + b*F"},
             options={"size": 40.0},
         ),
-        oscillator("hysteresis", "- 2*sgn(v + 3*q)"),
         oscillator("constant offset", "+ 1.5"),
         Hidden("coupling", two, apart, "v2"),
         Hidden(

@@ -31,7 +31,6 @@ STATIC = {
     "input nonlinearity",
     "input gain",
     "drift",
-    "hysteresis",
 }
 
 

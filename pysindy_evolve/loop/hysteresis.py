@@ -39,17 +39,11 @@ def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Cand
         yield effect("Coulomb friction", shape=smooth)
 
 
-def yields(
-    effect: CandidateMaker, x: int, v: int, scales: np.ndarray, *, coarse: bool = False
-) -> Iterator[Candidate]:
-    """Go through hysteretic frictions of a velocity, led or followed by another variable.
-
-    The coarse ones are sharp, and none of them is nearly the friction without hysteresis.
-    """
-    widths, slants = (WIDTHS[:1], SLANTS[1:]) if coarse else (WIDTHS, SLANTS)
+def yields(effect: CandidateMaker, x: int, v: int, scales: np.ndarray) -> Iterator[Candidate]:
+    """Go through hysteretic frictions of a velocity, led or followed by another variable."""
     speed, reach = float(scales[v]), float(scales[x])
-    for width in widths:
+    for width in WIDTHS:
         for sign in (1.0, -1.0):
             build = partial(hysteretic, variable(v), variable(x), sign, width * speed)
-            for slant in slants:
+            for slant in SLANTS:
                 yield effect("hysteresis", shape=Shape(slant * speed / reach, (build,)))

@@ -94,7 +94,6 @@ def of_equation(
     yield from _frictions(effect, v, float(scales[state]))
     if position is not None:
         yield from _springs(effect, variable(position), v, float(scales[position]))
-        yield from yields(effect, position, state, scales, coarse=True)
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, design, state, other)
