@@ -81,6 +81,13 @@ def test_readings_that_stop_at_a_value_show_a_limit():
     assert (limit.state, limit.value, limit.upper) == (0, 8.0, True)
 
 
+def test_rest_of_a_coarse_sensor_is_no_limit():
+    record = tanks(1, noise=0.0)
+    coarse = np.round(np.minimum(record.preparation.y, 7.0) / 0.25) * 0.25
+    again = pse.prepare(record.preparation.t, coarse, record.preparation.u, order=1)
+    assert limits_of(design_of(TANK, [again]), [again]) == []
+
+
 def test_limited_state_stays_at_its_limit_and_leaves_it_again():
     record = tanks(1, clip=8.0)
     limits = limits_of(design_of(TANK, [record]), [record])

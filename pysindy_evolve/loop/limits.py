@@ -11,7 +11,7 @@ from scipy.ndimage import maximum_filter1d
 from ..equations import Equations
 from ..operators import BUILTIN
 from ..signals import Record
-from ..signals.noise import rounding
+from ..signals.noise import DWELL
 from ..terms import Sum, add, call, constant, mul, sub, variable
 from .design import Design
 from .paths import follow
@@ -65,6 +65,8 @@ def limited(design: Design, limits: Sequence[Limit]) -> Design:
 def limits_of(design: Design, records: Sequence[Record]) -> list[Limit]:
     """Return the limits that raw records of first-order states show.
 
+    A coarse sensor repeats its readings wherever the state is slow, and shows none.
+
     Parameters
     ----------
     design : Design
@@ -84,7 +86,7 @@ def limits_of(design: Design, records: Sequence[Record]) -> list[Limit]:
         columns = [one.y[:, state] for one in made if one is not None]
         for upper in (True, False):
             extreme = max(c.max() for c in columns) if upper else min(c.min() for c in columns)
-            if _plateau(columns, upper) >= LEAST:
+            if _plateau(columns, upper) >= LEAST and not _is_coarse(columns, extreme):
                 found.append(Limit(state, float(extreme), 1.0 / records[0].dt, upper))
     return found
 
@@ -119,7 +121,7 @@ def plateaus(
     records : sequence of Record
         Training records, prepared from raw data.
     n_twins : int
-        Paths of the model beside the records, with the noise of the sensor and as coarse as it is.
+        Paths of the model beside the records, with the noise of the sensor.
     rng : numpy.random.Generator
         Draws the noise.
 
@@ -138,13 +140,18 @@ def plateaus(
     if len(found) < len(raw):
         return observed, np.full(n_twins, np.inf)
     noise = [float(one.noise[limit.state]) for one in made]
-    step = np.sqrt(12.0 * max(float(rounding(y[:, None])[0]) for y in raw))
     lengths = []
     for _ in range(n_twins):
         twins = [y + s * rng.standard_normal(len(y)) for y, s in zip(found, noise, strict=True)]
-        twins = [np.round(y / step) for y in twins] if step > 0.0 else twins
         lengths.append(_plateau(twins, limit.upper))
     return observed, np.array(lengths, dtype=float)
+
+
+def _is_coarse(columns: Sequence[np.ndarray], extreme: float) -> bool:
+    """Tell whether readings repeat away from an extreme as well: it then is no more than a rest."""
+    repeats = [np.diff(c[c != extreme]) == 0.0 for c in columns]
+    every = np.concatenate(repeats)
+    return len(every) == 0 or bool(every.mean() >= DWELL)
 
 
 def _plateau(columns: Sequence[np.ndarray], upper: bool) -> int:
