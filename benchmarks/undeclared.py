@@ -54,9 +54,8 @@ def run_effect(name, effect, share, percent, seed, options):
     begin = time.perf_counter()
     report = loop(declare(name), [record], seed, options)
     seconds = time.perf_counter() - begin
-    # Of the model that lacks nothing only the free run is asked: no effect has such a share.
-    nothing_more = options | {"min_share": 0.999}
-    known = loop(declare(name, f" + eff*({clipped(bare)})"), [record], seed, nothing_more)
+    # Of the model that lacks nothing only the free run is asked.
+    known = loop(declare(name, f" + eff*({clipped(bare)})"), [record], seed, {"max_effects": 0})
     free = [float(r.simulation_error[0]) for r in (report.before, report.after, known.before)]
     found = row(report, system=name, effect=effect, share=share, percent=percent, seed=seed)
     return found | {"free_run": free, "seconds": seconds}
@@ -73,7 +72,7 @@ def clipped(text):
 
 
 def loop(declared, records, seed, options):
-    settings = {k: v for k, v in options.items() if k in ("n_twins", "min_share")}
+    settings = {k: v for k, v in options.items() if k in ("n_twins", "max_effects")}
     return pse.close_loop(declared, records, random_state=seed, **settings)
 
 

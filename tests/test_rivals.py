@@ -70,6 +70,26 @@ def rivals_in(hidden, name, **options):
     return rivals_of(effect, design, part, 0.05, np.random.default_rng(0))
 
 
+def test_a_rival_brings_the_offset_that_it_needs():
+    # A cart that rolls one way at a steady pace: nobody tells a slope over its way from a drift.
+    t = np.arange(0.0, 40.0, 0.02)
+    rng = np.random.default_rng(0)
+    push = np.sin(1.3 * t) + np.sin(3.1 * t)
+    v = np.cumsum(push) * 0.02 * 0.05 + 1.0
+    x = np.column_stack([np.cumsum(v) * 0.02 - 20.0, v])
+    rate = 0.05 * push + 0.01 * (x[:, 0] / 20.0) + 0.02 * rng.standard_normal(len(t))
+    record = pse.Record(t=t, x=x, x_dot=np.column_stack([v, rate]), u=push[:, None])
+    model = pse.DeclaredModel({"q": "v", "v": "b*F - c*v"}, inputs=["F"])
+    design, part = design_of(model, [record]), segments([record])
+    spring = next(c for c in candidates(design, np.ones(4)) if c.name == "linear stiffness")
+    found = rivals_of(spring, design, part, 0.05, np.random.default_rng(0))
+    drift = next(rival.candidate for rival in found if rival.name == "drift")
+    assert len(drift.terms) == 2  # the offset and the slope in time
+    offset = next(c for c in candidates(design, np.ones(4)) if c.name == "constant offset")
+    others = rivals_of(offset, design, part, 0.05, np.random.default_rng(0))
+    assert "drift" not in [rival.name for rival in others]  # it would bring the offset itself
+
+
 DRAG = oscillator("quadratic drag", "- 0.05*v*abs(v)")
 
 

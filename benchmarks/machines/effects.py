@@ -2,7 +2,9 @@
 
 from .systems import System
 
-# Q, V, U: RMS of position, speed and input on the nominal path; L: length of the record.
+# Q, V, U: RMS of position, speed and input on the nominal path; L: length of the record; W: angular
+# frequency midway between two lines of the input, as no record tells a forcing from a line of the
+# input at the same frequency.
 MECHANICAL = {
     "Coulomb": ("sgn(v)", {"Coulomb friction"}),
     "Stribeck": ("sgn(v)*(1 + 2*exp(-(v/(0.3*V))**2))", {"Coulomb friction", "Stribeck friction"}),
@@ -16,7 +18,7 @@ MECHANICAL = {
     "q^2 v": ("q**2*v", {"nonlinear damping"}),
     "u|u|": ("u*abs(u)", {"input nonlinearity"}),
     "saturation": ("clip(u, 0.8*U) - u", {"saturation"}),
-    "forcing": ("sin(2.3*t)", {"periodic forcing"}),
+    "forcing": ("sin(W*t)", {"periodic forcing"}),
     "drift": ("t/L", {"drift", "constant offset"}),
     "*v cos(q)": ("v*cos(2*q/Q)", None),
     "*tanh(q)": ("tanh(q/(0.3*Q))", None),
@@ -32,19 +34,19 @@ FIRST_ORDER = {
     "square": ("v*abs(v)", {"quadratic drag"}),
     "cube": ("v**3", {"nonlinear damping"}),
     "u|u|": ("u*abs(u)", {"input nonlinearity"}),
-    "forcing": ("sin(2.3*t)", {"periodic forcing"}),
+    "forcing": ("sin(W*t)", {"periodic forcing"}),
     "*v/(c+v)": ("v/(V + abs(v))", None),
     "*sqrt": ("sqrt(abs(v))*sgn(v)", None),
     "*tanh": ("tanh(v/(0.3*V))", None),
     "*exp": ("exp(v/V)", None),
 }
-POPULATION = {
-    "offset": ("1", {"constant offset"}),
+POPULATION = {  # of which no more may be taken than there is: a steady removal would wipe it out
+    "offset": ("-1", {"constant offset"}),
     "cube": ("v**3", {"nonlinear damping"}),
-    "w": ("w", {"coupling"}),
+    "w": ("-w", {"coupling"}),
     "w^2": ("w**2", {"coupling"}),
     "u": ("u", {"input gain"}),
-    "forcing": ("sin(2.3*t)", {"periodic forcing"}),
+    "forcing": ("sin(W*t)", {"periodic forcing"}),
     "*v/(c+v)": ("v/(V + v)", None),
     "*vw/(c+v)": ("v*w/(V + v)", None),
     "*sqrt": ("sqrt(v)", None),

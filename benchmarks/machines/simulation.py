@@ -56,8 +56,12 @@ def simulate(f, start, t, u, disturbance):
     return np.array(path), np.array(applied)
 
 
+def nominal_lines(band):
+    return np.geomspace(*band, 15)
+
+
 def multisine(t, band, rng):
-    frequencies = np.geomspace(*band, 15) * rng.uniform(0.95, 1.05, 15)
+    frequencies = nominal_lines(band) * rng.uniform(0.95, 1.05, 15)
     phases = rng.uniform(0, 2 * np.pi, 15)
     return sum(
         np.cos(2 * np.pi * f * t + p) for f, p in zip(frequencies, phases, strict=True)
@@ -81,6 +85,9 @@ def sizes(name: str, n: int) -> dict:
     force = sympy.lambdify(list(values), sympy.sympify(system.force, locals=symbols(values)))
     size = float(np.sqrt(np.mean(np.broadcast_to(force(**values), n) ** 2)))
     scale = {"Q": rms[system.position], "V": rms[system.state], "U": applied.std(), "L": t[-1]}
+    lines = nominal_lines(system.band)
+    between = np.sqrt(lines[1:] * lines[:-1])
+    scale["W"] = 2 * np.pi * between[np.argmin(np.abs(between - 0.37))]
     return {
         "scale": scale,
         "force": size,

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 from scipy import fft
+from scipy.ndimage import median_filter
 from scipy.stats import binned_statistic
 
 from ..operators import BUILTIN
@@ -17,6 +18,7 @@ __all__ = ["periodic_candidates", "ripple_candidates"]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
+SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
 PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
 PERIODS_IN_SPACE = 4  # fewer within the stroke look like a spring or a slope
 SAMPLES_PER_BIN = 8  # of the stroke, on average: as fine as the record can tell
@@ -131,26 +133,46 @@ def _lines(
     n_peaks: int,
     highest: float = np.inf,
 ) -> Iterator[float]:
-    """Yield frequencies of lines that no other signal has, cycles a sample, the strongest first."""
+    """Yield frequencies of lines that no other signal has, cycles a sample, the clearest first.
+
+    Lines stand out of noise that may be much stronger elsewhere. Each is subtracted before the next
+    is looked for, so that its skirts are no lines.
+    """
     n_fine = FINENESS * fft.next_fast_len(len(signal), real=True)
-    spectrum = _fine_spectrum(signal, n_fine)
-    inputs = [_fine_spectrum(column, n_fine) for column in others]
-    lowest, n_found = FINENESS * n_periods, 0
-    spectrum = spectrum[: int(min(highest * n_fine, len(spectrum)))]
-    while len(spectrum) > lowest + 1 and n_found < n_peaks:
-        peak = lowest + int(np.argmax(spectrum[lowest:]))
-        if _prominence(spectrum, peak) < LINE:
+    inputs = [_spectrum_and_floor(column, n_fine) for column in others]
+    places = np.arange(n_fine // 2 + 1)
+    free = (places > FINENESS * n_periods) & (places < highest * n_fine)
+    n_found = 0
+    while n_found < n_peaks:
+        spectrum, floor = _spectrum_and_floor(signal, n_fine)
+        peak = int(np.argmax(np.where(free, spectrum / floor, 0.0)))
+        if not free[peak] or spectrum[peak] < LINE * floor[peak]:
             break
-        if all(_prominence(driver, peak) < LINE for driver in inputs):
-            yield _vertex(spectrum, peak) / n_fine
+        cycles = _vertex(spectrum, peak) / n_fine
+        if not any(_has_line(*driver, peak) for driver in inputs):
+            yield cycles
             n_found += 1
-        spectrum[max(peak - 2 * FINENESS, 0) : peak + 2 * FINENESS + 1] = 0.0
+        free[max(peak - FINENESS, 0) : peak + FINENESS + 1] = False
+        signal = _without(signal, cycles)
 
 
-def _fine_spectrum(signal: np.ndarray, n_fine: int) -> np.ndarray:
-    """Return the amplitude spectrum on a grid that is eight times finer than the record gives."""
+def _without(signal: np.ndarray, cycles: float) -> np.ndarray:
+    """Return a signal without its mean and its part at a frequency."""
+    phase = 2 * np.pi * cycles * np.arange(len(signal))
+    waves = np.column_stack([np.ones(len(signal)), np.sin(phase), np.cos(phase)])
+    taper = np.hanning(len(signal))
+    coef = np.linalg.lstsq(waves * taper[:, None], signal * taper, rcond=None)[0]
+    return np.asarray(signal - waves @ coef)
+
+
+def _spectrum_and_floor(signal: np.ndarray, n_fine: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the amplitude spectrum, finer than the record gives, and its median around."""
     centered = (signal - signal.mean()) * np.hanning(len(signal))
-    return np.asarray(np.abs(fft.rfft(centered, n_fine)))
+    spectrum = np.abs(fft.rfft(centered, n_fine))
+    places = np.arange(len(spectrum))
+    coarse = places[:: FINENESS // 2]
+    floor = median_filter(spectrum[coarse], SURROUNDINGS)
+    return spectrum, np.maximum(np.interp(places, coarse, floor), 1e-300)
 
 
 def _vertex(spectrum: np.ndarray, peak: int) -> float:
@@ -162,8 +184,9 @@ def _vertex(spectrum: np.ndarray, peak: int) -> float:
     return peak + (0.5 * float((left - right) / bend) if bend < 0.0 else 0.0)
 
 
-def _prominence(spectrum: np.ndarray, peak: int) -> float:
-    """Return how far a line stands out of its surroundings, as a ratio of amplitudes."""
-    near = slice(max(peak - FINENESS // 2, 0), peak + FINENESS // 2 + 1)
-    wide = spectrum[max(peak - 20 * FINENESS, 0) : peak + 20 * FINENESS + 1]
-    return float(spectrum[near].max() / max(np.median(wide), 1e-300))
+def _has_line(spectrum: np.ndarray, floor: np.ndarray, peak: int) -> bool:
+    """Tell whether a spectrum has a line of its own at a place, not only the skirt of another."""
+    start = max(peak - FINENESS, 0)
+    near = spectrum[start : peak + FINENESS + 1]
+    top = int(np.argmax(near))
+    return 0 < top < len(near) - 1 and bool(near[top] >= LINE * floor[start + top])

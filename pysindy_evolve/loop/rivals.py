@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
 
 from ..terms import Call, Sum, add, as_sum, constant, mul, power
-from .candidate import Candidate
+from .candidate import OFFSET, Candidate
 from .design import Design
 from .effects import candidates, standing
 from .encompassing import chance
@@ -74,7 +74,10 @@ def rivals_of(
     known = standing(design)
     proposed = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
     proposed += _rounded(candidate, part)
-    able = [c for c in proposed if all((c.state, parent) in known for parent in c.parents)]
+    complete = [_with_offset(c, known) for c in proposed]
+    able = [c for c in complete if all((c.state, parent) in known for parent in c.parents)]
+    if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
+        able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
     options = [c for c in dict.fromkeys(able) if c != candidate and not _is_form(c, candidate)]
     everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
     grams = spectral_grams(part, design, [*design.columns, *everything])
@@ -89,6 +92,14 @@ def rivals_of(
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
+
+
+def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate:
+    """Return a candidate that brings the offset it needs, such as a drift, if none stands."""
+    if OFFSET not in candidate.parents or (candidate.state, OFFSET) in known:
+        return candidate
+    others = tuple(parent for parent in candidate.parents if parent != OFFSET)
+    return replace(candidate, terms=(OFFSET, *candidate.terms), parents=others)
 
 
 def _places(first: int, candidate: Candidate) -> tuple[int, ...]:
