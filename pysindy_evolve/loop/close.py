@@ -23,9 +23,10 @@ from .rejected import Rejected
 from .report import LoopReport, make_report
 from .revise import contested, exchange, merged, prune
 from .rules import Rules, generator
-from .segments import Segments, segments
+from .segments import Segments
 from .step import Finding
 from .structure import structure_chance
+from .witness import witnessed
 
 __all__ = ["close_loop"]
 
@@ -129,8 +130,9 @@ def close_loop(
     wide = widened(fit_on)
     if declared_design.algebraic:
         wide = [replace(r, x=np.zeros_like(r.x)) for r in wide]  # a target explains nothing
-    part = segments(wide, declared_design.velocities)
-    basis = resolve(operators, "close_loop") if operators else ()
+    part = witnessed(declared_design, wide)
+    rules = replace(rules, by_trajectory=bool(part.tracks))
+    basis = resolve(operators, "close_loop") if operators and not part.tracks else ()
     search, finished = _Search(), True
     try:
         search.run(declared_design, fit_on, wide, part, rules, basis, rng)
@@ -200,7 +202,7 @@ class _Search:
             records = [remembered(record, memories_of(self.findings)) for record in source]
             part = whole.of(records)
             garden = Garden(declared, records, part, rules, operators, rng)
-        if not declared.algebraic:
+        if not declared.algebraic and not whole.tracks:  # those were compared with runs already
             child = rng.spawn(1)[0]
             found = find_by_runs(
                 declared, self.findings, plain, source, rules, child, self.rejected

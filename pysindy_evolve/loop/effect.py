@@ -59,6 +59,8 @@ class Alternative:
         Chance that the found effect gains as much beside it as it does, if this were the cause.
     expressions : tuple of Sum
         The terms.
+    coefficients : ndarray of shape (n_terms,)
+        Of the terms, if they stand in its place; empty for a memory.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Alternative:
     term: Any
     p_value: float
     expressions: tuple[Sum, ...]
+    coefficients: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

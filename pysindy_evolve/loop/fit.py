@@ -20,6 +20,7 @@ from .linear import solve_gram
 from .residual import jacobian, view_grams
 from .segments import segments, variables_of
 from .sticking import moving
+from .trajectory import Trajectories
 
 __all__ = [
     "Fit",
@@ -51,7 +52,7 @@ class Fit:
         One for each column of the design.
     intervals : ndarray of shape (p, 2)
         From blocks of rows drawn with replacement, so they respect the memory of the residual.
-    criterion : {"derivative", "simulation"}
+    criterion : {"derivative", "simulation", "trajectory"}
         The error that was minimized.
     """
 
@@ -73,8 +74,9 @@ def fit(
         Training records.
     rng : numpy.random.Generator
         Draws the blocks of the intervals.
-    refine : {"auto", "derivative", "simulation"}
-        Error to minimize; by default the better one of the two.
+    refine : {"auto", "derivative", "simulation", "trajectory"}
+        Error to minimize; by default the better one of the first two. The last is for short
+        records, see trajectory.py.
 
     Returns
     -------
@@ -84,6 +86,8 @@ def fit(
     by_derivative = _solve(blocks)
     if not design.columns:
         return Fit(by_derivative, np.empty((0, 2)), "derivative")
+    if refine == "trajectory":
+        return Fit(*Trajectories(records, design, design.columns).fit(), refine)
     if refine == "derivative":
         return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
     horizons = simulation_grams(design, by_derivative, records)
@@ -117,6 +121,8 @@ def derivative_square(design: Design, records: Sequence[Record], coef: np.ndarra
 
 def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarray:
     """Return the coefficients, shape (p,), that minimize the error named by a criterion."""
+    if criterion == "trajectory":
+        return Trajectories(records, design, design.columns).fit()[0]
     by_derivative = _solve(derivative_grams(design, records))
     if criterion == "derivative":
         return by_derivative

@@ -159,6 +159,8 @@ class Garden:
             self.pool = self._grow(self.declared)
         names = [finding.candidate for finding in found]
         fresh = [c for c in self.pool if c.name == "evolved term"]
+        if not fresh:
+            return []
         grown = score(design, self.fresh, fresh, pairs=False)
         ours = score(design, self.fresh, names, pairs=True)
         named_scores = [_net(s) for s in ours if len(s.group) == len(names)]

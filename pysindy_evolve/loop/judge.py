@@ -39,10 +39,10 @@ def judge(
     free runs showed is also fitted to them, as the derivative does not know it.
     """
     train, test = ([remembered(r, memories) for r in records] for records in (train, test))
-    fitted = fit(design, train, rng, rules.refine)
+    fitted = fit(design, train, rng, rules.criterion)
     if by_runs:
         fitted = fit_by_runs(design, fitted, train, rng)
-    elif final:
+    elif final and fitted.criterion != "trajectory":
         fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
         fitted = shot(design, fitted, train) if rules.refine != "derivative" else fitted
     equations = design.equations(fitted.coef)

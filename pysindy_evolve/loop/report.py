@@ -21,7 +21,7 @@ from .by_runs import LimitFinding, with_findings
 from .design import Design
 from .effect import Alternative, Effect, Errors, Step
 from .experiment import Plan, plan
-from .fit import derivative_fit_errors
+from .fit import Fit, derivative_fit_errors, refit
 from .judge import judge
 from .model import as_sindy
 from .quantities import with_intervals, with_limit, with_memory, with_share_of_runs
@@ -30,6 +30,7 @@ from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
 from .runs import free_run
+from .scoring import columns_of
 from .step import Finding
 from .text import as_markdown, as_text
 
@@ -216,8 +217,15 @@ def make_report(
         )
         if isinstance(finding, MemoryFinding):
             effects[k] = with_memory(effects[k], finding, design, fitted.coef, train, rng)
-        if isinstance(finding, LimitFinding):
+        elif isinstance(finding, LimitFinding):
             effects[k] = with_limit(effects[k], finding, train)
+        else:
+            acted = [remembered(record, memories) for record in train]
+            rivals = tuple(
+                replace(shown, coefficients=_in_its_place(design, finding, rival, acted, fitted))
+                for shown, rival in zip(effects[k].rivals, finding.rivals, strict=True)
+            )
+            effects[k] = replace(effects[k], rivals=rivals)
     if by_runs and memories:
         effects = with_intervals(effects, findings, design, fitted.coef, train, rng)
     records = tuple(train), tuple(test)
@@ -277,3 +285,12 @@ def _alternative(rival: Rival, design: Design) -> Alternative:
     term = _total(candidate.terms, symbols)
     state = design.states[candidate.state]
     return Alternative(candidate.name, state, term, rival.p_value, candidate.terms)
+
+
+def _in_its_place(
+    design: Design, finding: Finding, rival: Rival, records: Sequence[Record], fitted: Fit
+) -> np.ndarray:
+    """Return the coefficients of a rival in the place of what was found."""
+    columns = columns_of(rival.candidate, design)
+    other = design.dropping(finding.columns).adding(columns)
+    return refit(other, records, fitted.criterion)[-len(columns) :]

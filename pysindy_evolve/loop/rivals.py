@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 
@@ -10,6 +11,7 @@ import numpy as np
 from ..terms import Call, Sum, add, as_sum, constant, mul, power
 from .candidate import OFFSET, Candidate
 from .design import Design
+from .drifting_rivals import twin_chance
 from .effects import candidates, standing
 from .encompassing import chance
 from .hysteresis import rounded_sign
@@ -79,6 +81,8 @@ def rivals_of(
     if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
         able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
     options = [c for c in dict.fromkeys(able) if c != candidate and not _is_form(c, candidate)]
+    if part.tracks:
+        return _by_twins(candidate, options, design, part, level, rng)
     everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
     grams = spectral_grams(part, design, [*design.columns, *everything])
     first = len(design.columns)
@@ -100,6 +104,23 @@ def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate
         return candidate
     others = tuple(parent for parent in candidate.parents if parent != OFFSET)
     return replace(candidate, terms=(OFFSET, *candidate.terms), parents=others)
+
+
+def _by_twins(
+    candidate: Candidate,
+    options: Sequence[Candidate],
+    design: Design,
+    part: Segments,
+    level: float,
+    rng: np.random.Generator,
+) -> tuple[Rival, ...]:
+    """Return the alternatives of an effect on short trajectories."""
+    best: dict[str, Rival] = {}
+    for option in options:
+        p_value = twin_chance(option, design, [candidate, *options], part.tracks, level, rng)
+        if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
+            best[option.name] = Rival(option, p_value)
+    return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
 
 
 def _places(first: int, candidate: Candidate) -> tuple[int, ...]:

@@ -25,6 +25,7 @@ class Rules:
     n_jobs: int | None = None
     progress: bool = False
     refine: str = "auto"
+    by_trajectory: bool = False  # as the records say, see witness.py
 
     def __post_init__(self) -> None:
         for name in ("significance", "min_share"):
@@ -56,6 +57,11 @@ class Rules:
                 f"close_loop(n_twins=...) must be at least {1 / self.level - 1:.0f} for "
                 f"significance={self.significance:g}; got {self.n_twins}. Take more twins."
             )
+
+    @property
+    def criterion(self) -> str:
+        """The error that final coefficients minimize, or "auto"."""
+        return "trajectory" if self.by_trajectory and self.refine == "auto" else self.refine
 
     @property
     def level(self) -> float:

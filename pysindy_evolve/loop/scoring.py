@@ -18,7 +18,8 @@ from .periodic import periodic_candidates, ripple_candidates
 from .residual import derivative_grams
 from .segments import Segments, ranges, variables_of
 from .spectral import spectral_grams
-from .trace import Score, rank
+from .trace import Score, rank, ranked
+from .trajectory import Trajectories
 from .vocabulary import VOCABULARY
 
 __all__ = [
@@ -36,7 +37,9 @@ MARGIN = 0.02  # of the log error: names do not change for less
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
-    """Fit a design on segments by its derivative."""
+    """Fit a design on segments by its derivative, or by the trajectory if that is the witness."""
+    if part.tracks:
+        return design.equations(Trajectories(part.tracks, design, design.columns).fit()[0])
     grams = derivative_grams(part, design, design.columns)
     return design.equations(solve_gram(grams.sum(axis=0)))
 
@@ -65,8 +68,12 @@ def score(
     """Score candidates on segments, each refitted together with the columns of the design."""
     extra = [column for candidate in proposed for column in columns_of(candidate, design)]
     n_fixed = len(design.columns)
-    grams = spectral_grams(part, design, [*design.columns, *extra])
-    return rank(grams, n_fixed, proposed, standing(design), part.folds, pairs=pairs)
+    columns, present = [*design.columns, *extra], standing(design)
+    if part.tracks:
+        tracks = Trajectories(part.tracks, design, columns)
+        return ranked(tracks.errors, tracks.total(0), n_fixed, proposed, present, pairs=pairs)
+    grams = spectral_grams(part, design, columns)
+    return rank(grams, n_fixed, proposed, present, part.folds, pairs=pairs)
 
 
 def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:

@@ -37,6 +37,7 @@ class Segments:
     rate_scale: np.ndarray
     cutoff: float
     places: tuple[tuple[int, int], ...]
+    tracks: tuple[Record, ...] = ()  # the records, where their trajectories bear witness
 
     @property
     def n_states(self) -> int:
@@ -55,6 +56,10 @@ class Segments:
         n_units = int(unit[-1]) + 1
         return unit * min(N_FOLDS, n_units) // n_units
 
+    def tracked(self, records: Sequence[Record]) -> Segments:
+        """Return the pieces with the whole records that they were cut from."""
+        return replace(self, tracks=tuple(records))
+
     def every_other(self, start: int) -> Segments:
         """Return every second piece, beginning with the one numbered `start`."""
         return self.picked(slice(start, None, 2))
@@ -72,7 +77,8 @@ class Segments:
     def of(self, records: Sequence[Record]) -> Segments:
         """Return the same pieces of other records of the same shape, such as twins."""
         z, x_dot, weight = _cut(records, self.velocities, self.places, self.z.shape[1])
-        return replace(self, z=z, x_dot=x_dot, weight=weight)
+        tracks = tuple(records) if self.tracks else ()
+        return replace(self, z=z, x_dot=x_dot, weight=weight, tracks=tracks)
 
 
 def segments(

@@ -13,6 +13,7 @@ from .residual import derivative_grams, jacobian, view_grams
 from .scoring import columns_of, quick_fit
 from .segments import Segments
 from .trace import Score, fold_errors
+from .trajectory import Trajectories
 
 __all__ = ["Shares", "is_exact", "view_gain"]
 
@@ -32,8 +33,13 @@ class Shares:
         self, declared: Design, design: Design, part: Segments, proposed: Sequence[Candidate]
     ) -> None:
         extra = [column for candidate in proposed for column in columns_of(candidate, design)]
-        slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
-        views = view_grams(part, design, [*design.columns, *extra], slopes)
+        columns = [*design.columns, *extra]
+        if part.tracks:
+            tracks = Trajectories(part.tracks, design, columns)
+            views = {"simulation": tracks.total(0)[None], "derivative": tracks.total(-1)[None]}
+        else:
+            slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
+            views = view_grams(part, design, columns, slopes)
         self._grams = {name: grams.sum(axis=0) for name, grams in views.items()}
         self._base = tuple(range(len(design.columns)))
         n_columns = len(design.columns) + len(extra)

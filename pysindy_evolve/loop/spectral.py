@@ -20,7 +20,7 @@ from .linear import solve
 from .residual import force_on
 from .segments import Segments
 
-__all__ = ["spectral_grams", "spectral_rows", "spectral_weights"]
+__all__ = ["n_frequencies", "spectral_grams", "spectral_rows", "spectral_weights"]
 
 TAPER = 0.5  # share of a segment over which the taper falls to zero
 N_WEIGHINGS = 3  # of the frequencies by what the fit of the one before leaves
@@ -81,6 +81,11 @@ def _transformed(part: Segments, columns: np.ndarray) -> np.ndarray:
     usable = np.all(np.abs(columns) < LARGEST, axis=(1, 2))  # False for NaN too
     columns = columns if usable.all() else np.where(usable[:, None, None], columns, 0.0)
     return np.asarray(fft.rfft(columns * taper, axis=-1)[..., :n_frequencies])
+
+
+def n_frequencies(part: Segments) -> int:
+    """Return how many frequencies of a segment are looked at."""
+    return _taper(part.z.shape[1], part.dt, part.cutoff)[1]
 
 
 @lru_cache(maxsize=16)

@@ -14,6 +14,7 @@ from ..equations import Equations
 from ..signals import Record
 from .candidate import Candidate
 from .design import Column, Design
+from .drifting import DriftingTwins
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
@@ -32,6 +33,7 @@ HALVED = float(
 )  # score of an effect that halves the error: no trace, whatever its share
 
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
+Maker = TwinMaker | DriftingTwins
 Statistic = Callable[[Segments, list[Record]], float]
 
 
@@ -122,7 +124,7 @@ def find(
         rejected += [Rejected(s, shares.of(s), variables=names) for s in gaining]
         return []
     best = plainest(worthy or gaining)
-    maker = TwinMaker.of(equations, records)
+    maker = DriftingTwins.of(design, records) if part.tracks else TwinMaker.of(equations, records)
     statistic = partial(_best_score, design=design, proposer=proposer)
     observed = min(best.value, searched[0].value)
     twins = twin_values(maker, part, statistic, observed, rules, rng)
@@ -146,7 +148,7 @@ def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Desig
 
 
 def twin_values(
-    maker: TwinMaker,
+    maker: Maker,
     part: Segments,
     statistic: Statistic,
     observed: float,
@@ -176,9 +178,7 @@ def twin_values(
     return np.array(found)
 
 
-def _in_twin(
-    maker: TwinMaker, part: Segments, statistic: Statistic, rng: np.random.Generator
-) -> float:
+def _in_twin(maker: Maker, part: Segments, statistic: Statistic, rng: np.random.Generator) -> float:
     twins = maker.make(rng)
     return statistic(part.of(twins), twins)
 

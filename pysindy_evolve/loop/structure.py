@@ -83,6 +83,8 @@ def structure_chance(
     float
         One where it gains nothing notable.
     """
+    if part.tracks:  # which hold fewer numbers than a generic model has coefficients
+        return 1.0
     columns = generic_columns(design, part)
     observed = generic_gain(design, columns, part)
     if observed < NOTABLE or is_exact(design, part):

@@ -142,6 +142,8 @@ def alternative(rival: Alternative, effect: Effect) -> str:
     term = format_expression(rival.term)
     if rival.name == effect.name:
         return f"the same in the form {term}"
+    if len(rival.coefficients) == 1:
+        term = f"{rival.coefficients[0]:.4g} times {term}"
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
     return f"{rival.name} {term}{where} (p = {rival.p_value:.2g})"
 

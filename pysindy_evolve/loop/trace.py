@@ -9,8 +9,9 @@ because some only show together: friction and drag, whose sum the viscous dampin
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -19,7 +20,7 @@ from ..terms import Sum
 from .candidate import Candidate
 from .linear import solve
 
-__all__ = ["Score", "fold_errors", "rank"]
+__all__ = ["Score", "fold_errors", "rank", "ranked"]
 
 ROUNDING = 1e-16  # relative to the square of the target
 EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
@@ -106,12 +107,40 @@ def rank(
     list of Score
         Candidates that are linear combinations of the model's columns are left out.
     """
-    without = fold_errors(grams, np.arange(n_fixed)[None, :], folds)[0]
+    judge = partial(fold_errors, grams, folds=folds)
+    return ranked(judge, grams.sum(axis=0), n_fixed, candidates, present, pairs=pairs)
+
+
+def ranked(
+    judge: Callable[[np.ndarray], np.ndarray],
+    total: np.ndarray,
+    n_fixed: int,
+    candidates: Sequence[Candidate],
+    present: set[tuple[int, Sum]],
+    *,
+    pairs: bool = True,
+) -> list[Score]:
+    """Score all candidates and all pairs of them, best first.
+
+    Parameters
+    ----------
+    judge : callable
+        Maps the columns of models, (n_models, n_columns), to their errors, (n_models, n_folds).
+    total : ndarray of shape (p + 1, p + 1)
+        Inner products of all columns, target last.
+    n_fixed, candidates, present, pairs
+        As in `rank`.
+
+    Returns
+    -------
+    list of Score
+    """
+    without = judge(np.arange(n_fixed)[None, :])[0]
     own, start = [], n_fixed
     for candidate in candidates:
         own.append(tuple(range(start, start + len(candidate.terms))))
         start += len(candidate.terms)
-    new = [i for i in range(len(candidates)) if _is_new(grams, n_fixed, own[i])]
+    new = [i for i in range(len(candidates)) if _is_new(total, n_fixed, own[i])]
     groups: list[tuple[int, ...]] = [(i,) for i in new]
     groups += [
         (i, j)
@@ -119,18 +148,17 @@ def rank(
         if candidates[i].name != candidates[j].name or candidates[i].name == EVOLVED
     ]
     allowed = [g for g in groups if _parents_stand([candidates[i] for i in g], present)]
-    scores = _scored(grams, n_fixed, candidates, own, allowed, without, folds)
+    scores = _scored(judge, n_fixed, candidates, own, allowed, without)
     return sorted(scores, key=lambda score: -score.value)
 
 
 def _scored(
-    grams: np.ndarray,
+    judge: Callable[[np.ndarray], np.ndarray],
     n_fixed: int,
     candidates: Sequence[Candidate],
     own: Sequence[tuple[int, ...]],
     groups: Sequence[tuple[int, ...]],
     without: np.ndarray,
-    folds: np.ndarray,
 ) -> list[Score]:
     """Solve all groups with equally many columns at once."""
     base = tuple(range(n_fixed))
@@ -140,7 +168,7 @@ def _scored(
         models.setdefault(len(columns), []).append((group, columns))
     scores = []
     for entries in models.values():
-        errors = fold_errors(grams, np.array([base + columns for _, columns in entries]), folds)
+        errors = judge(np.array([base + columns for _, columns in entries]))
         scores += [
             Score(tuple(candidates[i] for i in group), columns, without, error)
             for (group, columns), error in zip(entries, errors, strict=True)
@@ -153,9 +181,9 @@ def _parents_stand(group: Sequence[Candidate], present: set[tuple[int, Sum]]) ->
     return all((c.state, parent) in standing for c in group for parent in c.parents)
 
 
-def _is_new(grams: np.ndarray, n_fixed: int, own: Sequence[int]) -> bool:
+def _is_new(total: np.ndarray, n_fixed: int, own: Sequence[int]) -> bool:
     """Tell whether a candidate is finite and more than a combination of the model's columns."""
-    total, base = grams.sum(axis=0), np.arange(n_fixed)
+    base = np.arange(n_fixed)
     for column in own:
         size = total[column, column]
         if not np.isfinite(size) or size <= 1e-300:
