@@ -133,9 +133,9 @@ def close_loop(
     part = witnessed(declared_design, wide)
     rules = replace(rules, by_trajectory=bool(part.tracks))
     basis = resolve(operators, "close_loop") if operators and not part.tracks else ()
-    search, finished = _Search(), True
+    search, finished = _Search(declared_design, fit_on, wide, part, rules, basis, rng), True
     try:
-        search.run(declared_design, fit_on, wide, part, rules, basis, rng)
+        search.run()
     except KeyboardInterrupt:
         if not search.findings:
             raise
@@ -151,8 +151,20 @@ def close_loop(
 
 @dataclass
 class _Search:
-    """What a search has found so far, also if it is interrupted."""
+    """What a search has found so far, also if it is interrupted.
 
+    Runs are compared with the `plain` records, derivatives with the `wide` ones, of which `whole`
+    are the pieces and whose cutoff is higher. `records`, `part` and `garden` are what these become
+    with the memories and limits that were found.
+    """
+
+    declared: Design
+    plain: Sequence[Record]
+    wide: Sequence[Record]
+    whole: Segments
+    rules: Rules
+    operators: Sequence[Operator]
+    rng: np.random.Generator
     findings: list[Finding] = field(default_factory=list)
     rejected: list[Rejected] = field(default_factory=list)
     has_structure: bool = False
@@ -163,68 +175,77 @@ class _Search:
             return "traced"
         return "untraced" if self.has_structure else "complete"
 
-    def run(
-        self,
-        declared: Design,
-        plain: Sequence[Record],
-        records: Sequence[Record],
-        part: Segments,
-        rules: Rules,
-        operators: Sequence[Operator],
-        rng: np.random.Generator,
-    ) -> None:
-        """Find named effects until none passes, then what only free runs show, then grown terms.
+    @property
+    def design(self) -> Design:
+        return with_findings(self.declared, self.findings)
 
-        Runs are compared with the plain records, derivatives with those of a higher cutoff.
-        """
-        source, whole = records, part  # as they are without memories
-        garden = Garden(declared, records, part, rules, operators, rng)
-        while len(self.findings) < rules.max_effects:
-            before, present = self.findings, memories_of(self.findings)
-            design = with_findings(declared, before)
+    def run(self) -> None:
+        """Find named effects until none passes, then what only free runs show, then grown terms."""
+        self._look_through(self.findings)
+        self._name()
+        self._settle()
+        if not self.declared.algebraic and not self.whole.tracks:  # those were compared with runs
+            self._watch_runs()
+        self._grow()
+
+    def _look_through(self, findings: Sequence[Finding]) -> None:
+        """Look at the records as they are with the memories and limits among the findings."""
+        memories, limits = memories_of(findings), limits_in(findings)
+        self.records = [remembered(record, memories) for record in self.wide]
+        self.part = off_limits(self.whole.of(self.records), limits) if findings else self.whole
+        self.garden = Garden(
+            self.declared, self.records, self.part, self.rules, self.operators, self.rng
+        )
+
+    def _name(self) -> None:
+        while len(self.findings) < self.rules.max_effects:
+            before, design = self.findings, self.design
             found = find_or_recall(
-                declared, design, records, part, rules, rng, present, self.rejected
-            )
+                self.declared, design, self.records, self.part, self.rules, self.rng,
+                memories_of(before), self.rejected,
+            )  # fmt: skip
             if not found:
                 break
             if memories_of(found):
-                records = [remembered(record, memories_of(found)) for record in records]
-                part = part.of(records)
-                garden = Garden(declared, records, part, rules, operators, rng)
+                self._look_through([*before, *found])
             else:  # growing takes long, and may be ended
                 self.findings = [*before, *_numbered(found, before)]
-                found = garden.better(design, found) or found
-            self.findings = exchange(declared, [*before, *_numbered(found, before)], part)
-        self.findings = merged(declared, prune(declared, self.findings, part), part)
+                found = self.garden.better(design, found) or found
+            found = [*before, *_numbered(found, before)]
+            self.findings = exchange(self.declared, found, self.part)
+        kept = prune(self.declared, self.findings, self.part)
+        self.findings = merged(self.declared, kept, self.part)
+
+    def _settle(self) -> None:
         if memories_of(self.findings):
-            design = with_findings(declared, self.findings)
-            self.findings = resettled(self.findings, design, source, whole)
-            records = [remembered(record, memories_of(self.findings)) for record in source]
-            part = whole.of(records)
-            garden = Garden(declared, records, part, rules, operators, rng)
-        if not declared.algebraic and not whole.tracks:  # those were compared with runs already
-            child = rng.spawn(1)[0]
-            found = find_by_runs(
-                declared, self.findings, plain, source, rules, child, self.rejected
-            )
-            if len(found) > len(self.findings):
-                self.findings = found
-                records = [remembered(record, memories_of(found)) for record in source]
-                part = off_limits(whole.of(records), limits_in(found))
-                garden = Garden(declared, records, part, rules, operators, rng)
+            self.findings = resettled(self.findings, self.design, self.wide, self.whole)
+            self._look_through(self.findings)
+
+    def _watch_runs(self) -> None:
+        child = self.rng.spawn(1)[0]
+        found = find_by_runs(
+            self.declared, self.findings, self.plain, self.wide, self.rules, child, self.rejected
+        )
+        if len(found) > len(self.findings):
+            self.findings = found
+            self._look_through(found)
+
+    def _grow(self) -> None:
         n_searches = 1
         if not self.findings:
             # Not on the pieces that grown terms are tested on: their number would depend on those.
-            chance = structure_chance(declared, records, garden.seen, rules, rng)
+            chance = structure_chance(
+                self.declared, self.records, self.garden.seen, self.rules, self.rng
+            )
             n_searches = N_SEARCHES if chance <= LIKELY else 1
-        while len(self.findings) < rules.max_effects:
-            found = garden.find(with_findings(declared, self.findings), n_searches)
+        while len(self.findings) < self.rules.max_effects:
+            found = self.garden.find(self.design, n_searches)
             if not found:
                 break
             self.findings = [*self.findings, *_numbered(found, self.findings)]
         if not self.findings:
-            chance = structure_chance(declared, records, part, rules, rng)
-            self.has_structure = chance <= rules.level
+            chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)
+            self.has_structure = chance <= self.rules.level
 
 
 def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:

@@ -20,12 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .linear import solve
+from .trace import is_new
 from .trial import Trial
 from .whitening import Whitener
 
 __all__ = ["HeldOut"]
-
-NEW = 1e-6  # share of a column's square that the model's columns must leave
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,12 +85,4 @@ class HeldOut:
 
     def is_new(self, own: int, columns: Sequence[int]) -> bool:
         """Tell whether columns are finite and no combinations of the first `own` ones."""
-        total, base = self.grams.sum(axis=0), np.arange(own)
-        for column in columns:
-            size = total[column, column]
-            if not np.isfinite(size) or size <= 1e-300:
-                return False
-            fit = solve(total[np.ix_(base, base)], total[base, column])
-            if size - fit @ total[base, column] <= NEW * size:
-                return False
-        return True
+        return is_new(self.grams.sum(axis=0), own, columns)

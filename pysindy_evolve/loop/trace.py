@@ -20,7 +20,7 @@ from ..terms import Sum
 from .candidate import Candidate
 from .linear import solve
 
-__all__ = ["Score", "fold_errors", "rank", "ranked"]
+__all__ = ["Score", "fold_errors", "is_new", "rank", "ranked"]
 
 ROUNDING = 1e-16  # relative to the square of the target
 EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
@@ -140,7 +140,7 @@ def ranked(
     for candidate in candidates:
         own.append(tuple(range(start, start + len(candidate.terms))))
         start += len(candidate.terms)
-    new = [i for i in range(len(candidates)) if _is_new(total, n_fixed, own[i])]
+    new = [i for i in range(len(candidates)) if is_new(total, n_fixed, own[i])]
     groups: list[tuple[int, ...]] = [(i,) for i in new]
     groups += [
         (i, j)
@@ -181,8 +181,22 @@ def _parents_stand(group: Sequence[Candidate], present: set[tuple[int, Sum]]) ->
     return all((c.state, parent) in standing for c in group for parent in c.parents)
 
 
-def _is_new(total: np.ndarray, n_fixed: int, own: Sequence[int]) -> bool:
-    """Tell whether a candidate is finite and more than a combination of the model's columns."""
+def is_new(total: np.ndarray, n_fixed: int, own: Sequence[int]) -> bool:
+    """Tell whether columns are finite and no combinations of the first `n_fixed` ones.
+
+    Parameters
+    ----------
+    total : ndarray of shape (p + 1, p + 1)
+        Inner products, target last.
+    n_fixed : int
+        Columns of the model.
+    own : sequence of int
+        Columns in question.
+
+    Returns
+    -------
+    bool
+    """
     base = np.arange(n_fixed)
     for column in own:
         size = total[column, column]
