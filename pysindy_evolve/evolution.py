@@ -32,7 +32,7 @@ from .genetics import Genetics
 from .operators import Operator
 from .plateau import Plateau
 from .refit import refit
-from .relatives import relatives, scaled
+from .relatives import relatives
 from .selection import Selection, select
 from .terms import ONE, Product, Variable
 
@@ -192,8 +192,7 @@ def generations(
     """Algorithm 1. Yield each generation's record, and the terms to weigh on all rows."""
     start = time.perf_counter()
     first = problem.sample(ROWS, np.random.default_rng(0))
-    typical = _typical(first.x)
-    genetics = Genetics(operators, typical, max_depth=settings.max_depth, rng=rng)
+    genetics = Genetics(operators, _typical(first.x), max_depth=settings.max_depth, rng=rng)
     leaves = (ONE, *(Product(((Variable(i), 1),)) for i in range(problem.x.shape[1])))
 
     survivors: tuple[Product, ...] = leaves
@@ -222,7 +221,6 @@ def generations(
             mutation_rate=settings.mutation_rate,
         )
         population += relatives([dictionary.terms[j] for j in found.best], operators)
-        population += scaled(ranking[:FINALISTS], typical)
 
 
 def solve_elastic_net(

@@ -1,7 +1,4 @@
-"""What an equation of the search brings into the next generation besides its children.
-
-A wave or a saturation of a plain variable, tanh(q), is offered with a number inside, tanh(c q),
-that can be tuned: without it the scale of the law would have to be one.
+"""Products that a term with a sum inside may stand for.
 
 1/(q + sgn(v)) is sgn(v) - q + q^2 sgn(v) where q is small, so beside sgn(v) and q it fits as well
 as q^2 sgn(v), and leaves that term nothing to be bred from. Where an equation holds such a term,
@@ -12,16 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations_with_replacement
-from math import prod
-
-import numpy as np
 
 from .operators import Operator
-from .terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul, simplified
+from .terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul
 
-__all__ = ["CURVED", "relatives", "scaled"]
+__all__ = ["relatives"]
 
-CURVED = ("sin", "cos", "tan", "exp", "log", "tanh", "softsign")
 DEGREE = 3  # as many atoms in one product as a friction law or a cubic spring has
 MOST_ATOMS = 6  # 83 products; an equation of more has not settled yet
 
@@ -55,37 +48,6 @@ def relatives(equation: Sequence[Product], operators: Sequence[Operator]) -> lis
                 product = mul(product, as_sum(atom))
             found.update((term, None) for _, term in product.parts if not _is_mask(term))
     return list(found)
-
-
-def scaled(terms: Sequence[Product], scale: Sequence[float] | np.ndarray) -> list[Product]:
-    """Return the terms with a number inside each curved function that has none.
-
-    Parameters
-    ----------
-    terms : sequence of Product
-        Terms of the search.
-    scale : sequence of float
-        Typical size of each variable, in its own unit.
-
-    Returns
-    -------
-    list of Product
-        f(x / size of x) for f(x); nothing for a term without such a function.
-    """
-    found = []
-    for term in terms:
-        factors = tuple((_with_scale(atom, scale), n) for atom, n in term.factors)
-        if factors != term.factors:
-            found.append(simplified(factors))
-    return found
-
-
-def _with_scale(atom: Atom, scale: Sequence[float] | np.ndarray) -> Atom:
-    if not isinstance(atom, Call) or atom.operator.name not in CURVED or atom.constants:
-        return atom
-    (argument,) = atom.args
-    size = prod(float(scale[i]) for i in argument.variables)
-    return Call(atom.operator, (mul(constant(1.0 / size), argument),))
 
 
 def _has_sum(term: Product) -> bool:

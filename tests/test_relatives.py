@@ -3,7 +3,7 @@
 import numpy as np
 
 from pysindy_evolve.operators import BUILTIN, resolve
-from pysindy_evolve.relatives import relatives, scaled
+from pysindy_evolve.relatives import relatives
 from pysindy_evolve.terms import add, call, constant, div, mul, power, variable
 
 Q, V = variable(0), variable(1)
@@ -51,14 +51,3 @@ def test_no_product_is_one_but_at_zero():
     found = names([div(constant(1.0), add(Q, call(SGN, V)))])
     assert not [name for name in found if "sgn(v)^2" in name]
     assert "1" not in found
-
-
-def test_a_curved_function_of_a_variable_is_offered_with_the_size_of_the_variable_inside():
-    law = term(mul(V, call(BUILTIN["tanh"], Q)))
-    (other,) = scaled([law], (0.25, 3.0))
-    assert other.name(["q", "v"]) == "v tanh(4 q)"
-
-
-def test_terms_without_a_curved_function_or_with_a_number_in_it_are_left_alone():
-    tuned = call(BUILTIN["softsign"], mul(constant(3.0), Q))
-    assert scaled([term(e) for e in (Q, mul(Q, call(SGN, V)), tuned)], (0.25, 3.0)) == []

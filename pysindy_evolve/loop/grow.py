@@ -30,9 +30,8 @@ from .trace import Score
 
 __all__ = ["OPERATORS", "Garden", "grow", "named"]
 
-# Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
-# saturates, as x/(c + |x|) does in kinetics, is an operator of its own for that.
-OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh", "softsign")
+# Without sums inside a term, which would add newtons to meters; sums of terms grow anyway.
+OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh")
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
 BETTER = 1.25  # times the log error that names gain: the same effect filtered does a little better
