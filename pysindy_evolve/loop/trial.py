@@ -1,14 +1,20 @@
-"""Models on trial: many of them run freely over the same stretches, and are fitted to them at once.
+"""Models on trial: they run freely over stretches, and are fitted to them by multiple shooting.
 
-All runs of all models are columns of one integration, and Gauss-Newton steps change the
-coefficients of each model, and the states in which its runs begin, until it meets the record as
-well as it can. What is left is linear in small changes, so that held-out errors, and what any
-other target would leave, follow from small Gram matrices.
+Gauss-Newton steps change the coefficients of each model, and the states in which its runs begin,
+until it meets the record as well as it can. What is left is linear in small changes, so that
+held-out errors, and what any other target would leave, follow from small Gram matrices. The runs
+of many models over the same stretches are columns of one integration, unless a caller brings
+another way to run them.
+
+References
+----------
+Bock, Recent advances in parameter identification techniques for O.D.E., in: Numerical Treatment of
+Inverse Problems in Differential and Integral Equations (1983), 95-121: multiple shooting.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +26,7 @@ from .residual import MAX_GROWTH, forces, jacobian, respond
 from .saltation import saltation
 from .segments import Segments
 
-__all__ = ["Rows", "Trial", "runs_of", "settled"]
+__all__ = ["Rows", "Trial", "bettered", "runs_of", "settled"]
 
 ROWS = 2000  # of the runs that a step looks at
 N_STEPS = 6  # of Gauss-Newton, each of which may be a shortened one
@@ -72,6 +78,10 @@ class Trial:
         z = np.concatenate([target, self.part.z[:, :, self.part.n_states :]], axis=2)
         return replace(self, part=replace(self.part, z=z))
 
+    def picked(self, pick: slice) -> Trial:
+        """Return the trial over some of the stretches."""
+        return replace(self, part=self.part.picked(pick), starts=self.starts[pick], x=self.x[pick])
+
     def rows(self) -> Rows | None:
         """Return what the runs miss and what the coefficients change, free of the starts.
 
@@ -79,17 +89,38 @@ class Trial:
         """
         n_stretches, length, _ = self.x.shape
         keep = max(1, n_stretches * length // ROWS)
+        free, response = self.sensitivities(keep)
+        if not np.max(np.abs(free)) <= MAX_GROWTH:
+            return None
+        basis, _ = np.linalg.qr(free)
+        return Rows(response, basis, np.linalg.pinv(free), self.scale, keep)
+
+    def sensitivities(self, keep: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return what the runs owe to their starts and to the coefficients, as in `respond`."""
         inputs = self.part.z[:, :, self.part.n_states :]
         along = replace(self.part, z=np.concatenate([self.x, inputs], axis=2))
         equations, scale, dt = self.design.equations(self.coef), self.part.state_scale, self.part.dt
         slopes = jacobian(equations, along.z, scale)
         driven = forces(along, self.design, self.design.columns, weighed=False)[..., :-1]
         jumps = saltation(equations, along.z, scale, dt)
-        free, response = respond(slopes, driven, dt, self.scale, keep, jumps)
-        if not np.max(np.abs(free)) <= MAX_GROWTH:
+        return respond(slopes, driven, dt, self.scale, keep, jumps)
+
+    def change(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return the Gauss-Newton step of coefficients and starts; None if there is none."""
+        rows = self.rows()
+        if rows is None or not np.isfinite(rows.response).all():
             return None
-        basis, _ = np.linalg.qr(free)
-        return Rows(response, basis, np.linalg.pinv(free), self.scale, keep)
+        miss = rows.of(self.target - self.x)
+        # The starts of each stretch are eliminated first, so that few unknowns are left.
+        both = (rows.response, miss)
+        columns, target = (rows.freed(part).reshape(-1, part.shape[-1]) for part in both)
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        change = np.linalg.lstsq(columns / size, target[:, 0], rcond=1e-8)[0] / size
+        starts = rows.to_starts @ (miss - (rows.response @ change)[..., None])
+        return change, starts[..., 0] * self.scale
+
+
+Runner = Callable[[Sequence[Trial]], list[Trial]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,25 +159,46 @@ class Rows:
 
 
 def settled(trials: Sequence[Trial]) -> list[Trial]:
-    """Fit coefficients and starts of all trials; those that diverge stay as they are."""
-    found = runs_of(list(trials))
+    """Run and fit coefficients and starts of all trials; those that diverge stay as they are."""
+    return bettered(runs_of(list(trials)))
+
+
+def bettered(
+    trials: Sequence[Trial], run: Runner | None = None, least_gain: float = SETTLED
+) -> list[Trial]:
+    """Take steps from trials whose runs are made, until they gain nothing more.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        Models with the runs to begin with; those that diverge stay as they are.
+    run : callable, optional
+        Makes the runs of moved trials; by default all in one integration.
+    least_gain : float
+        Relative gain of a step after which no other one is taken.
+
+    Returns
+    -------
+    list of Trial
+    """
+    run, found = run or runs_of, list(trials)
     active = {k: 1.0 for k, trial in enumerate(found) if np.isfinite(trial.error)}
-    changes = {k: _change(found[k]) for k in active}
+    changes = {k: found[k].change() for k in active}
     for _ in range(N_STEPS):
         active = {k: share for k, share in active.items() if changes[k] is not None}
         if not active:
             break
-        moved = runs_of([_moved(found[k], changes[k], share) for k, share in active.items()])
+        moved = run([_moved(found[k], changes[k], share) for k, share in active.items()])
         for (k, share), after in zip(list(active.items()), moved, strict=True):
             gain = 1.0 - after.error / max(found[k].error, 1e-300)
             if gain <= 0.0:
                 active[k] = share * SHORTER
                 continue
             found[k] = after
-            if gain < SETTLED:
+            if gain < least_gain:
                 del active[k]
             else:
-                active[k], changes[k] = 1.0, _change(after)
+                active[k], changes[k] = 1.0, after.change()
     return found
 
 
@@ -155,20 +207,6 @@ def _moved(trial: Trial, change: tuple[np.ndarray, np.ndarray] | None, share: fl
         return trial
     coef, starts = trial.coef + share * change[0], trial.starts + share * change[1]
     return replace(trial, coef=coef, starts=starts)
-
-
-def _change(trial: Trial) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the Gauss-Newton step of coefficients and starts; None if there is none."""
-    rows = trial.rows()
-    if rows is None or not np.isfinite(rows.response).all():
-        return None
-    miss = rows.of(trial.target - trial.x)
-    both = (rows.response, miss)
-    columns, target = (rows.freed(part).reshape(-1, part.shape[-1]) for part in both)
-    size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-    change = np.linalg.lstsq(columns / size, target[:, 0], rcond=1e-8)[0] / size
-    starts = rows.to_starts @ (miss - (rows.response @ change)[..., None])
-    return change, starts[..., 0] * trial.scale
 
 
 def runs_of(trials: Sequence[Trial]) -> list[Trial]:
