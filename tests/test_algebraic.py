@@ -48,6 +48,22 @@ def test_hysteresis_in_a_force_is_found_and_betters_what_was_held_out():
     assert report.after.simulation_error[0] < 0.4 * report.before.simulation_error[0]
 
 
+@pytest.mark.parametrize("zero", [0.0, 40.0])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_width_slant_and_middle_of_a_hysteresis_are_tuned_together(zero, seed):
+    plain = measured_force(lambda x, v: 8.0 * np.tanh((v - 0.8 * x) / 1.4), seed)
+    moved = plain.u + np.array([zero, 0.0])
+    (effect,) = close(pse.Record(t=plain.t, x=plain.x, x_dot=plain.x, u=moved)).effects
+    assert effect.name == "hysteresis"
+    assert effect.coefficients == pytest.approx([8.0], rel=0.05)
+    ((atom, _),) = effect.expressions[0].parts[0][1].factors
+    rows = np.array([[0.0, zero, 0.0, 0.0], [0.0, zero, 1.0, 0.0], [0.0, zero + 1.0, 0.0, 0.0]])
+    middle, faster, further = atom.args[0].evaluate(rows)
+    assert abs(faster - middle) == pytest.approx(1.0 / 1.4, rel=0.15)
+    assert (further - middle) / (faster - middle) == pytest.approx(-0.8, rel=0.15)
+    assert middle / (faster - middle) == pytest.approx(0.0, abs=0.3)
+
+
 def test_run_of_an_algebraic_model_is_its_right_hand_side():
     report = close(measured_force(lambda x, v: 5.0 * np.sign(v)), max_effects=1)
     record = report.test[0]

@@ -10,24 +10,24 @@ from ..terms import ONE, Sum
 __all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape"]
 
 OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
-REACH = 1.2  # of the logarithm of a shape about its place on the grid: a factor of three
+REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A number that terms depend on other than linearly, and how to build each term from it.
+    """Positive numbers that terms depend on other than linearly, and how to build the terms.
 
-    `reach` is how far the logarithm of the number may be tuned to both sides.
+    `reach` is how far the logarithm of each number may be tuned to both sides.
     """
 
-    value: float
-    builds: tuple[Callable[[float], Sum], ...]
+    values: tuple[float, ...]
+    builds: tuple[Callable[..., Sum], ...]
     reach: float = REACH
 
     @property
     def terms(self) -> tuple[Sum, ...]:
-        """The terms for this value."""
-        return tuple(build(self.value) for build in self.builds)
+        """The terms for these values."""
+        return tuple(build(*self.values) for build in self.builds)
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Candidate:
     """An effect that may be missing: its name, the equation it enters, its columns.
 
     `parents` are expressions that must already stand in the equation. An effect with a `shape`
-    stands on a grid of its number, which is tuned once the effect is found. One that is `whole`
+    stands on a grid of its numbers, which are tuned once the effect is found. One that is `whole`
     has its parents in it, as a weight has a mean: where it says all that they say, they may go.
     """
 

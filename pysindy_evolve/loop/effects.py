@@ -19,6 +19,7 @@ def candidates(
     scales: np.ndarray,
     signed: np.ndarray | None = None,
     apart: np.ndarray | None = None,
+    middle: np.ndarray | None = None,
 ) -> list[Candidate]:
     """Return the effects that may be missing from a design.
 
@@ -33,6 +34,8 @@ def candidates(
         as an offset no more than itself, and need none beside them.
     apart : ndarray of shape (n_variables, n_variables), optional
         Largest magnitude of the difference of each two variables; by default the sum of theirs.
+    middle : ndarray of shape (n_variables,), optional
+        Halfway between the smallest and the largest value of each variable; by default zero.
 
     Returns
     -------
@@ -41,11 +44,12 @@ def candidates(
     """
     present = standing(design)
     apart = np.add.outer(scales, scales) if apart is None else apart
+    middle = np.zeros_like(scales) if middle is None else middle
     free = set() if signed is None else {int(v) for v in np.flatnonzero(~signed)}
     return [
         _freed(candidate, design, free)
         for state in design.open_states
-        for candidate in of_equation(design, state, scales, apart)
+        for candidate in of_equation(design, state, scales, apart, middle)
         if not all((state, _bare(term)) in present for term in candidate.terms)
         # A dead zone lies about zero, and a position that never is there knows nothing of it.
         and not (candidate.name == "dead zone" and candidate.terms[0].variables & free)

@@ -60,8 +60,8 @@ def grow(
     list of Candidate
         One for each term, under the name of the vocabulary if one fits.
     """
-    largest, signed, apart = ranges(part.z.reshape(-1, part.z.shape[-1]))
-    known = candidates(design, largest, signed, apart)
+    largest, signed, *others = ranges(part.z.reshape(-1, part.z.shape[-1]))
+    known = candidates(design, largest, signed, *others)
     extra = [column for candidate in known for column in columns_of(candidate, design)]
     weights = spectral_weights(part, design, [*design.columns, *extra])
     force = forces(part, design, design.columns, weighed=False)

@@ -1,24 +1,27 @@
 """Hysteresis, and friction whose sign is rounded off.
 
 Hysteresis is a friction whose sign changes before or after the velocity does, sgn(v + c x) or
-sgn(v + c a), sharp or rounded off.
+sgn(v + c a), sharp or rounded off. A position may be measured from anywhere, so the middle of the
+stroke takes the place of its zero.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from ..operators import BUILTIN
-from ..terms import Sum, add, call, constant, mul, variable
+from ..terms import Sum, add, call, constant, mul, sub, variable
 from .candidate import Candidate, CandidateMaker, Shape
 
-__all__ = ["hysteretic", "rounded", "rounded_sign", "yields"]
+__all__ = ["rounded", "rounded_sign", "yields"]
 
 SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
-WIDTHS = (0.0, 0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v; 0 is sharp
+WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
+CENTERED = 0.1  # share of the stroke that a zero of the position may lie off its middle
 
 
 def rounded_sign(v: Sum, width: float) -> Sum:
@@ -26,24 +29,56 @@ def rounded_sign(v: Sum, width: float) -> Sum:
     return call(BUILTIN["tanh"], mul(constant(1.0 / width), v))
 
 
-def hysteretic(v: Sum, x: Sum, sign: float, width: float, slant: float) -> Sum:
-    """Return the sign of v + c x, c being slant with a sign, rounded off over a width if any."""
-    slanted = add(v, mul(constant(sign * slant), x))
-    return rounded_sign(slanted, width) if width else call(BUILTIN["sgn"], slanted)
+def _slanted(v: Sum, x: Sum, slant: float, middle: float) -> Sum:
+    """Return v + slant (x - middle)."""
+    return add(v, mul(constant(slant), sub(x, constant(middle))))
 
 
 def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through frictions whose sign is rounded off."""
-    for width in (w for w in WIDTHS if w):
-        smooth = Shape(width * float(scales[v]), (partial(rounded_sign, variable(v)),))
+    for width in WIDTHS:
+        smooth = Shape((width * float(scales[v]),), (partial(rounded_sign, variable(v)),))
         yield effect("Coulomb friction", shape=smooth)
 
 
-def yields(effect: CandidateMaker, x: int, v: int, scales: np.ndarray) -> Iterator[Candidate]:
+@dataclass(frozen=True)
+class Yield:
+    """Builds the sign of v + c (x - m) from the sizes of c, of its width if any, and of m if any.
+
+    Attributes
+    ----------
+    v, x : Sum
+        Velocity, and what leads or follows it.
+    sign, side : float
+        Signs of c and of m.
+    is_sharp : bool
+        Whether there is no width.
+    """
+
+    v: Sum
+    x: Sum
+    sign: float
+    side: float
+    is_sharp: bool
+
+    def __call__(self, slant: float, *others: float) -> Sum:
+        """Return the term."""
+        middle = self.side * (others[-1] if self.side else 0.0)
+        inside = _slanted(self.v, self.x, self.sign * slant, middle)
+        return call(BUILTIN["sgn"], inside) if self.is_sharp else rounded_sign(inside, others[0])
+
+
+def yields(
+    effect: CandidateMaker, x: int, v: int, scales: np.ndarray, middle: float
+) -> Iterator[Candidate]:
     """Go through hysteretic frictions of a velocity, led or followed by another variable."""
-    speed, reach = float(scales[v]), float(scales[x])
-    for width in WIDTHS:
+    speed, stroke = float(scales[v]), float(scales[x]) - abs(middle)
+    side = float(np.sign(middle)) if abs(middle) > CENTERED * stroke else 0.0
+    places = (abs(middle),) if side else ()
+    for share in (None, *WIDTHS):
+        width = () if share is None else (share * speed,)
         for sign in (1.0, -1.0):
-            build = partial(hysteretic, variable(v), variable(x), sign, width * speed)
+            build = Yield(variable(v), variable(x), sign, side, share is None)
             for slant in SLANTS:
-                yield effect("hysteresis", shape=Shape(slant * speed / reach, (build,)))
+                shape = Shape((slant * speed / stroke, *width, *places), (build,))
+                yield effect("hysteresis", shape=shape)

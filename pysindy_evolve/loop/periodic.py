@@ -111,7 +111,7 @@ def ripple_candidates(
         effect(
             "position-periodic ripple",
             # Pieces that were passed less often bend the line; it is half a period wide each way.
-            shape=Shape(2 * np.pi * cycles / width, _waves(position), 0.5 / (n_bins * cycles)),
+            shape=Shape((2 * np.pi * cycles / width,), _waves(position), 0.5 / (n_bins * cycles)),
         )
         for cycles in lines
     ]

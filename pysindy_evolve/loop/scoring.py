@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import minimize, minimize_scalar
 
 from ..equations import Equations
 from ..signals import Record
@@ -33,6 +33,7 @@ __all__ = [
     "tuned",
 ]
 
+LOOKS = 16  # at each number of a shape
 MARGIN = 0.02  # of the log error: names do not change for less
 
 
@@ -100,23 +101,28 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
 
 
 def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
-    """Tune the number that a candidate's shape depends on, from its place on the grid."""
+    """Tune the numbers that a candidate's shape depends on, from their place on the grid."""
     shape = candidate.shape
     if shape is None:
         return candidate
 
-    def at(log_value: float) -> Candidate:
-        there = replace(shape, value=float(np.exp(log_value)))
+    def at(logs: np.ndarray) -> Candidate:
+        there = replace(shape, values=tuple(np.exp(logs).tolist()))
         return replace(candidate, terms=there.terms, shape=there)
 
-    def loss(log_value: float) -> float:
-        scores = score(design, part, [at(log_value)], pairs=False)
+    def loss(logs: np.ndarray) -> float:
+        scores = score(design, part, [at(np.atleast_1d(logs))], pairs=False)
         return -scores[0].value if scores else 0.0
 
-    start = float(np.log(shape.value))
-    bounds = start - shape.reach, start + shape.reach
-    best = minimize_scalar(loss, bounds=bounds, method="bounded", options={"maxiter": 16})
-    return at(float(best.x)) if best.fun < loss(start) else candidate
+    start = np.log(shape.values)
+    bounds = np.column_stack([start - shape.reach, start + shape.reach])
+    if len(start) == 1:
+        best = minimize_scalar(loss, bounds=bounds[0], method="bounded", options={"maxiter": LOOKS})
+    else:
+        simplex = np.vstack([start, start + 0.5 * shape.reach * np.eye(len(start))])
+        options = {"maxfev": LOOKS * len(start), "initial_simplex": simplex}
+        best = minimize(loss, start, method="Nelder-Mead", bounds=bounds, options=options)
+    return at(np.atleast_1d(best.x)) if best.fun < loss(start) else candidate
 
 
 def plainest(scores: Sequence[Score]) -> Score:

@@ -137,11 +137,29 @@ def variables_of(record: Record) -> np.ndarray:
     return stack(record.x, record.u, record.t)
 
 
-def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the largest magnitudes of variables, whether they change sign, how far two differ."""
+def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the ranges of variables.
+
+    Parameters
+    ----------
+    variables : ndarray of shape (n_samples, n_variables)
+        States, inputs, time.
+
+    Returns
+    -------
+    largest : ndarray of shape (n_variables,)
+        Largest magnitudes.
+    signed : ndarray of bool of shape (n_variables,)
+        Which of them change their sign.
+    apart : ndarray of shape (n_variables, n_variables)
+        Largest magnitude of the difference of each two.
+    middle : ndarray of shape (n_variables,)
+        Halfway between the smallest and the largest value.
+    """
     low, high = variables.min(axis=0), variables.max(axis=0)
+    largest, signed = np.maximum(np.abs(low), np.abs(high)), (low < 0.0) & (high > 0.0)
     apart = [np.abs(variables - column[:, None]).max(axis=0) for column in variables.T]
-    return np.maximum(np.abs(low), np.abs(high)), (low < 0.0) & (high > 0.0), np.array(apart)
+    return largest, signed, np.array(apart), 0.5 * (low + high)
 
 
 def _cut(

@@ -81,13 +81,13 @@ def _stribeck(v: Sum, speed: float) -> Sum:
 
 
 def of_equation(
-    design: Design, state: int, scales: np.ndarray, apart: np.ndarray
+    design: Design, state: int, scales: np.ndarray, apart: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
     """Go through the vocabulary for one equation, simple effects before composed ones."""
     effect = CandidateMaker(state)
     n_states, n_inputs = len(design.states), len(design.inputs)
     if design.algebraic:
-        yield from _of_target(effect, design, scales)
+        yield from _of_target(effect, design, scales, middle)
         return
     v, position = variable(state), design.position_of(state)
     yield effect("constant offset", OFFSET)
@@ -104,7 +104,9 @@ def of_equation(
     yield effect("drift", variable(n_states + n_inputs), parents=(OFFSET,))
 
 
-def _of_target(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
+def _of_target(
+    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
+) -> Iterator[Candidate]:
     """Go through the effects of a target that is a function of inputs."""
     yield effect("constant offset", OFFSET)
     first = len(design.states)
@@ -112,12 +114,12 @@ def _of_target(effect: CandidateMaker, design: Design, scales: np.ndarray) -> It
     moving: set[int] = set()
     for x, v in design.motions:
         if x in velocities:  # velocity and acceleration
-            yield from yields(effect, v, x, scales)
+            yield from yields(effect, v, x, scales, 0.0)  # the zero of an acceleration is known
             continue
         yield from _frictions(effect, variable(v), float(scales[v]))
         yield from _springs(effect, variable(x), variable(v), float(scales[x]))
         yield from rounded(effect, v, scales)
-        yield from yields(effect, x, v, scales)
+        yield from yields(effect, x, v, scales, float(middle[x]))
         moving |= {x, v}
     for column in range(first, first + len(design.inputs)):
         if column not in moving:
@@ -130,7 +132,7 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
     yield effect("Coulomb friction", _sgn(v))
     yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
     for share in STRIBECK_SPEEDS:
-        shape = Shape(share * speed, (partial(_stribeck, v),))
+        shape = Shape((share * speed,), (partial(_stribeck, v),))
         yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
     yield effect("quadratic drag", mul(v, _abs(v)))
     yield effect("nonlinear damping", power(v, 3))
@@ -142,7 +144,7 @@ def _springs(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[C
     yield effect("cubic stiffness", power(q, 3))
     yield effect("quintic stiffness", power(q, 5))
     for share in DEAD_ZONES:
-        yield effect("dead zone", shape=Shape(share * reach, (partial(_beyond, q),)))
+        yield effect("dead zone", shape=Shape((share * reach,), (partial(_beyond, q),)))
     yield effect("gravity", call(BUILTIN["sin"], q))
     yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,), whole=True)
     yield effect("nonlinear damping", mul(power(q, 2), v))
@@ -179,7 +181,8 @@ def _between(
         yield effect("quadratic stiffness", power(stretch, 2), parents=(OFFSET,))
         yield effect("cubic stiffness", power(stretch, 3))
         for share in DEAD_ZONES:
-            shape = Shape(share * float(apart[position, other]), (partial(_beyond, stretch),))
+            width = share * float(apart[position, other])
+            shape = Shape((width,), (partial(_beyond, stretch),))
             yield effect("dead zone", shape=shape)
 
 
@@ -191,4 +194,4 @@ def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Ite
     yield effect("input nonlinearity", mul(u, _abs(u)))
     yield effect("input nonlinearity", power(u, 3))
     for share in SATURATIONS:
-        yield effect("saturation", shape=Shape(share * reach, (partial(_clipped, u),)))
+        yield effect("saturation", shape=Shape((share * reach,), (partial(_clipped, u),)))
