@@ -36,7 +36,6 @@ def test_drag_and_cubic_damping_at_low_speed_need_a_higher_speed(slow, cubic):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="p is 0.08 with three seeds; below 0.05 tells them apart")
 def test_a_record_of_the_proposed_motion_tells_them_apart(slow, cubic):
     # The position is measured by the same sensor, so its noise stays what it was.
     far = cubic.motion.amplitude

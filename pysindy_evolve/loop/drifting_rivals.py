@@ -65,8 +65,10 @@ def twin_chance(
     for child in rng.spawn(N_TWINS):
         leads.append(_lead(rival, design, options, maker.make(child)))
         stands = np.sum(np.array(leads) >= observed) > level * (N_TWINS + 1)
-        if stands or (len(leads) >= FEWEST and CLEAR * max(leads) < observed):
+        if stands:
             break
+        if len(leads) >= FEWEST and CLEAR * max(leads) < observed:
+            return 1.0 / (1 + N_TWINS)
     return float((1 + np.sum(np.array(leads) >= observed)) / (1 + len(leads)))
 
 
