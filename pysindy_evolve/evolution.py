@@ -99,11 +99,14 @@ class Evolution:
         Their coefficients, least squares on all rows, in units of the target per unit of term.
     history : tuple of Generation
         One record for each generation.
+    finalists : tuple of Product
+        Terms that were weighed against each other at the end, best first.
     """
 
     terms: tuple[Product, ...]
     coef: tuple[float, ...]
     history: tuple[Generation, ...]
+    finalists: tuple[Product, ...] = ()
 
 
 def evolve(
@@ -115,6 +118,7 @@ def evolve(
     fixed: np.ndarray | None = None,
     project: Project | None = None,
     noise: np.ndarray | None = None,
+    begin: Sequence[Product] = (),
     settings: Settings | None = None,
     progress: bool = False,
     keep_if_interrupted: bool = True,
@@ -138,6 +142,8 @@ def evolve(
         target alike, such as smooth windows. All rows are then used in each generation.
     noise : ndarray of shape (n_variables,), optional
         Standard deviation of the noise in each variable: terms worth less than it are dropped.
+    begin : sequence of Product, optional
+        Terms that the first generation holds besides random ones.
     settings : Settings, optional
         Parameters of the search.
     progress : bool
@@ -160,7 +166,7 @@ def evolve(
     problem = Problem(x, target, fixed, project, noise)
     history: list[Generation] = []
     finalists: tuple[Product, ...] = ()
-    search = generations(problem, operators, settings, rng)
+    search = generations(problem, operators, settings, rng, begin)
     plateau = Plateau(problem, settings.patience)
     bar = tqdm(search, total=settings.n_generations, disable=not progress, desc="generation")
     try:
@@ -183,11 +189,15 @@ def evolve(
     n_best = history[-1].n_terms if history else 0
     perfect = bool(history) and history[-1].fitness <= parsimony.PERFECT
     terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
-    return Evolution(terms, coef, tuple(history))
+    return Evolution(terms, coef, tuple(history), finalists)
 
 
 def generations(
-    problem: Problem, operators: Sequence[Operator], settings: Settings, rng: np.random.Generator
+    problem: Problem,
+    operators: Sequence[Operator],
+    settings: Settings,
+    rng: np.random.Generator,
+    begin: Sequence[Product] = (),
 ) -> Iterator[tuple[Generation, tuple[Product, ...]]]:
     """Algorithm 1. Yield each generation's record, and the terms to weigh on all rows."""
     start = time.perf_counter()
@@ -198,7 +208,9 @@ def generations(
     survivors: tuple[Product, ...] = leaves
     # Where the leaves say it all, as in q' = v, nothing has to grow.
     enough = _leaves_nothing(build_dictionary(first, leaves))
-    population = [] if enough else genetics.random_terms(settings.population_size, known=leaves)
+    population = list(begin)
+    if not enough:
+        population += genetics.random_terms(settings.population_size, known=[*leaves, *begin])
     known: set[Hashable] = set()
     for number in range(1, settings.n_generations + 1):
         sample = problem.sample(ROWS, rng)

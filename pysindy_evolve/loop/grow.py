@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import product
 
 import numpy as np
 
+from ..dictionary import Problem
 from ..evolution import Settings, evolve
 from ..operators import Operator
 from ..signals import Record
@@ -20,23 +22,29 @@ from .design import Design
 from .effects import candidates, standing
 from .fit import derivative_intervals
 from .residual import forces
+from .rivals import rounded_off
 from .rules import Rules
 from .scoring import columns_of, score
+from .seeds import screened, small_terms
 from .segments import Segments, ranges
 from .shares import view_gain
 from .spectral import spectral_rows, spectral_weights
 from .step import Finding, find
-from .trace import Score
+from .trace import EVOLVED, Score
 
 __all__ = ["OPERATORS", "Garden", "grow", "named"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway.
-OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh")
+OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh", "exp")
+N_SEEDS = 40  # small terms that the search begins with
+N_FINALISTS = 6  # that are tested as well: what does best by itself need not be in the equation
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
-BETTER = 1.25  # times the log error that names gain: the same effect filtered does a little better
+BETTER = 0.05  # log error that a grown term must gain over names, besides its price
+WIDTHS = (0.2, 0.1, 0.05, 0.025)  # a filter rounds a sign off, and friction is friction still
 USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
+RELATIVE_PRICE = 0.05  # share of its gain, where that is less
 
 
 def grow(
@@ -71,19 +79,24 @@ def grow(
     for place, state in enumerate(design.open_states):
         # As in the vocabulary: a position may be measured from anywhere, a population may not.
         shifted = signed if design.position_of(state) is None else np.ones_like(signed)
+        target, fixed = flat[:, state, -1], flat[:, state, :-1]
+        project = partial(_project, part=part, state=state, weight=weights[place])
+        problem = Problem(variables, target, fixed, project)
         evolution = evolve(
             variables,
-            flat[:, state, -1],
+            target,
             operators=operators,
             rng=rng,
-            fixed=flat[:, state, :-1],
-            project=partial(_project, part=part, state=state, weight=weights[place]),
+            fixed=fixed,
+            project=project,
+            begin=screened(problem, small_terms(operators, variables), N_SEEDS),
             settings=SETTINGS,
             keep_if_interrupted=False,  # the loop says itself that it was interrupted
         )
+        finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS])
         found += [
             named(term, state, known, poses=_poses_as_offset(term, variables, shifted))
-            for term in evolution.terms
+            for term in dict.fromkeys(finalists)
         ]
     return found
 
@@ -116,7 +129,7 @@ def named(
     for candidate in known:
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
-    return Candidate("evolved term", state, (expression,), (OFFSET,) if poses else ())
+    return Candidate(EVOLVED, state, (expression,), (OFFSET,) if poses else ())
 
 
 class Garden:
@@ -151,22 +164,26 @@ class Garden:
         self.operators, self.rng = operators, rng
         self.seen, self.fresh = part.every_other(0), part.every_other(1)
         self.pool: list[Candidate] | None = None
+        self.grown: list[Candidate] = []
 
     def better(self, design: Design, found: Sequence[Finding]) -> list[Finding]:
         """Return a grown term that does clearly better on fresh segments than named effects."""
         if self.pool is None:
             self.pool = self._grow(self.declared)
-        names = [finding.candidate for finding in found]
-        fresh = [c for c in self.pool if c.name == "evolved term"]
-        if not fresh:
-            return []
-        grown = score(design, self.fresh, fresh, pairs=False)
-        ours = score(design, self.fresh, names, pairs=True)
-        named_scores = [_net(s) for s in ours if len(s.group) == len(names)]
+        fresh = [c for c in self.pool if c.name == EVOLVED]
+        grown = score(design, self.fresh, fresh, pairs=False) if fresh else []
         best = max(grown, key=_net, default=None)
-        if best is None or _net(best) <= BETTER * max(named_scores, default=0.0):
+        if best is None or _net(best) <= self._of_names(design, found) + BETTER:
             return []
         return self._test(design, list(best.group))
+
+    def _of_names(self, design: Design, found: Sequence[Finding]) -> float:
+        """Return what named effects gain on fresh segments, each with its sign sharp or not."""
+        names = [finding.candidate for finding in found]
+        forms = [[c, *rounded_off(c, self.fresh, WIDTHS)] for c in names]
+        scores = score(design, self.fresh, [c for group in forms for c in group])
+        allowed = {frozenset(group) for group in product(*forms)}
+        return max((s.value for s in scores if frozenset(s.group) in allowed), default=0.0)
 
     def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
         """Grow terms on what a design leaves, and return the best one that passes."""
@@ -178,7 +195,9 @@ class Garden:
             return []
         known = standing(design)
         grown = grow(design, self.seen, self.operators, self.rng)
-        return [c for c in grown if (c.state, c.terms[0]) not in known]
+        new = [c for c in grown if (c.state, c.terms[0]) not in known]
+        self.grown += new
+        return new
 
     def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
         # Pairs too: 3 sin(v) - 4 sin(v)^3 is sin(3 v), and neither term gains anything alone.
@@ -205,4 +224,5 @@ def _given(grown: list[Candidate], *_: object) -> list[Candidate]:
 
 def _net(score: Score) -> float:
     """Return what a group gains per effect, less the price of its nodes."""
-    return score.value - PRICE * sum(c.size for c in score.group) / len(score.group)
+    price = min(PRICE, RELATIVE_PRICE * max(score.value, 0.0))
+    return score.value - price * sum(c.size for c in score.group) / len(score.group)

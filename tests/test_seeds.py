@@ -1,0 +1,52 @@
+"""Small terms that a search begins with."""
+
+import numpy as np
+import pytest
+
+from pysindy_evolve.dictionary import Problem
+from pysindy_evolve.loop.seeds import screened, small_terms
+from pysindy_evolve.operators import resolve
+
+NAMES = ("q", "v")
+
+
+@pytest.fixture
+def x():
+    return np.random.default_rng(0).normal(size=(400, 2)) * [0.5, 2.0]
+
+
+def small_names(operators, x):
+    return [term.name(NAMES) for term in small_terms(resolve(operators, "test"), x)]
+
+
+def test_products_of_two_functions_are_all_there(x):
+    found = small_names(("mul", "abs", "sgn", "sqrt"), x)
+    assert {"q", "abs(v)", "sgn(v) sqrt(abs(v))", "q abs(v)", "abs(q) sgn(v)", "v^2"} <= set(found)
+    assert len(set(found)) == len(found)
+
+
+def test_numbers_in_curved_functions_follow_the_size_of_the_variable(x):
+    found = small_terms(resolve(("mul", "tanh"), "test"), x)
+    inside = [term.constants[0] for term in found if term.name(NAMES).startswith("tanh")]
+    sizes = np.sqrt(np.mean(x**2, axis=0))
+    assert min(inside) == pytest.approx(0.5 / sizes[1])
+    assert max(inside) == pytest.approx(3.0 / sizes[0])
+    assert all(term.name(NAMES).count("tanh") <= 1 for term in found)
+
+
+def test_without_products_there_are_functions_only(x):
+    assert small_names(("abs", "sgn"), x) == [
+        "q", "abs(q)", "sgn(q)", "v", "abs(v)", "sgn(v)",
+    ]  # fmt: skip
+
+
+def test_the_term_that_explains_most_beside_the_fixed_columns_comes_first(x):
+    rng = np.random.default_rng(1)
+    root = np.sign(x[:, 1]) * np.sqrt(np.abs(x[:, 1]))
+    target = 30.0 * x[:, 0] + root + 0.1 * rng.standard_normal(len(x))
+    terms = small_terms(resolve(("mul", "abs", "sgn", "sqrt"), "test"), x)
+    first = screened(Problem(x, target, x[:, :1]), terms, 3)
+    assert first[0].name(NAMES) == "sgn(v) sqrt(abs(v))"
+    assert len(first) == 3
+    alone = screened(Problem(x, target, x[:, :0]), terms, 3)
+    assert alone[0].name(NAMES) == "q"
