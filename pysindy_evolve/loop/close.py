@@ -15,6 +15,7 @@ from .algebraic import as_algebraic
 from .by_runs import find_by_runs, limits_in, with_findings
 from .declared import DeclaredModel, design_of
 from .design import Design
+from .duels import held_against
 from .grow import OPERATORS, Garden
 from .limits import off_limits
 from .recall import find_or_recall, memories_of, resettled
@@ -26,6 +27,8 @@ from .rules import Rules, generator
 from .segments import Segments
 from .step import Finding
 from .structure import structure_chance
+from .trace import EVOLVED
+from .variants import Model
 from .witness import witnessed
 
 __all__ = ["close_loop"]
@@ -187,6 +190,8 @@ class _Search:
         if not self.declared.algebraic and not self.whole.tracks:  # those were compared with runs
             self._watch_runs()
         self._grow()
+        if not self.declared.algebraic and not self.whole.tracks:
+            self._hold()
 
     def _look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
@@ -246,6 +251,12 @@ class _Search:
         if not self.findings:
             chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)
             self.has_structure = chance <= self.rules.level
+
+    def _hold(self) -> None:
+        model = Model(self.declared, memories_of(self.findings), limits_in(self.findings))
+        grown = [c for c in self.garden.grown if c.name == EVOLVED]
+        kept = held_against(model, self.findings, grown, self.plain, self.part, self.rules)
+        self.findings = prune(self.declared, kept, self.part)
 
 
 def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:

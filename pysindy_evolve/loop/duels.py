@@ -1,0 +1,143 @@
+"""Effects that could take each other's place, judged by free runs.
+
+A filter turns the sign of a speed into something smoother, and blurs what two effects of similar
+shape differ in. A model that runs by itself has no filter in it. So once all is found, each effect
+has to hold its place against the few that come closest to it: all models are fitted to the same
+stretches of the record by their runs, and another effect takes the place of one if its runs are
+closer to the record by what matters, on so many stretches that chance hardly explains it.
+
+References
+----------
+Vuong, Econometrica 57 (1989), DOI 10.2307/1912557: models not nested, compared piece by piece.
+Wilcoxon, Biometrics Bull. 1 (1945), DOI 10.2307/3001968: the test of the signed ranks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import wilcoxon
+
+from ..memory import remembered
+from ..signals import Record
+from .candidate import Candidate
+from .drift import Drift, drift_of
+from .effects import candidates
+from .fit import refit
+from .inner import Contender, sharpened
+from .rules import Rules
+from .scoring import columns_of, score
+from .segments import Segments, ranges
+from .step import Finding
+from .trial import Trial, settled
+from .variants import Model
+
+__all__ = ["held_against"]
+
+N_RIVALS = 5  # that come closest in the spectral view
+
+
+def held_against(
+    model: Model,
+    findings: Sequence[Finding],
+    grown: Sequence[Candidate],
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+) -> list[Finding]:
+    """Return findings in which effects hold their places, or have lost them to others.
+
+    Parameters
+    ----------
+    model : Model
+        The declared model, with the memories and limits among the findings.
+    findings : sequence of Finding
+        What was found.
+    grown : sequence of Candidate
+        Grown terms that may take a place, besides the effects of the vocabulary.
+    records : sequence of Record
+        Training records, without memories.
+    part : Segments
+        Pieces of them as they were searched.
+    rules : Rules
+        Significance, and the least share that matters.
+
+    Returns
+    -------
+    list of Finding
+    """
+    kept = list(findings)
+    for place, finding in enumerate(findings):
+        rest = [f for k, f in enumerate(kept) if k != place]
+        needed = {parent for f in rest for parent in f.candidate.parents}
+        if finding.columns and not needed & set(finding.candidate.terms):
+            columns = [column for f in rest for column in f.columns]
+            without = replace(model, design=model.design.adding(columns))
+            kept[place] = _winner(without, finding, grown, records, part, rules)
+    return kept
+
+
+def _winner(
+    model: Model,
+    finding: Finding,
+    grown: Sequence[Candidate],
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+) -> Finding:
+    """Return a finding, or the one that takes its place in a model without it."""
+    own = finding.candidate
+    drift = drift_of(*_fitted(model, own, records), records)
+    if drift is None:
+        return finding
+    rivals = _closest(model, own, grown, part)
+    begun = [_begun(model, rival, drift, records) for rival in rivals]
+    fitted = map(Contender, rivals, settled(begun))
+    tuned = sharpened([Contender(own, drift.trial), *fitted], model, drift, records)
+    best = tuned[0]
+    for other in tuned[1:]:
+        if _is_better(other.trial, best.trial, rules, len(rivals)):
+            best = other
+    columns = columns_of(best.candidate, model.design)
+    return replace(finding, candidate=best.candidate, columns=columns)
+
+
+def _is_better(one: Trial, other: Trial, rules: Rules, n_rivals: int) -> bool:
+    """Tell whether runs are closer by what matters, on more stretches than chance explains."""
+    if not np.log(other.error / max(one.error, 1e-300)) > -np.log1p(-rules.min_share):
+        return False
+    closer = _squares(other) - _squares(one)
+    p_value = wilcoxon(closer, alternative="greater").pvalue
+    return bool(p_value <= rules.significance / n_rivals)
+
+
+def _closest(
+    model: Model, own: Candidate, grown: Sequence[Candidate], part: Segments
+) -> list[Candidate]:
+    """Return the effects of the same equation that do best in the spectral view."""
+    variables = part.z.reshape(-1, part.z.shape[-1])
+    options = [*candidates(model.design, *ranges(variables)), *grown]
+    alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
+    scores = score(model.design, part, list(alike), pairs=False)
+    return [s.group[0] for s in scores[:N_RIVALS]]
+
+
+def _fitted(
+    model: Model, candidate: Candidate, records: Sequence[Record]
+) -> tuple[Model, np.ndarray]:
+    """Return a model with an effect, and the coefficients that the derivative gives."""
+    whole = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
+    acted = [remembered(record, model.memories) for record in records]
+    return whole, refit(whole.design, acted, "derivative")
+
+
+def _begun(model: Model, candidate: Candidate, drift: Drift, records: Sequence[Record]) -> Trial:
+    whole, coef = _fitted(model, candidate, records)
+    return whole.trial(coef, drift.trial.scale, records, drift.part)
+
+
+def _squares(trial: Trial) -> np.ndarray:
+    """Return the squared error of each stretch, shape (n_stretches,)."""
+    return np.asarray(np.sum(((trial.target - trial.x) / trial.scale) ** 2, axis=(1, 2)))

@@ -1,0 +1,55 @@
+"""Effects hold their places, or lose them to others whose free runs are closer to the record."""
+
+import numpy as np
+import pytest
+from loop_systems import oscillator
+
+from pysindy_evolve.loop.candidate import Candidate
+from pysindy_evolve.loop.declared import design_of
+from pysindy_evolve.loop.duels import held_against
+from pysindy_evolve.loop.effects import candidates
+from pysindy_evolve.loop.rules import Rules
+from pysindy_evolve.loop.scoring import columns_of
+from pysindy_evolve.loop.segments import ranges, segments
+from pysindy_evolve.loop.step import Finding
+from pysindy_evolve.loop.variants import Model
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import call, mul, variable
+
+RULES = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
+DRAG = oscillator("quadratic drag", "- 0.3*v*abs(v)")
+ROOT = oscillator("root", "- 2*sqrt(abs(v))*sgn(v)")
+V = variable(1)
+ROOT_OF_SPEED = mul(call(BUILTIN["sgn"], V), call(BUILTIN["sqrt"], call(BUILTIN["abs"], V)))
+
+
+def held(hidden, name, grown=(), **options):
+    """Plant an effect of the vocabulary as found, and hold it against the others."""
+    record = hidden.record(**options)
+    design = design_of(hidden.model, [record])
+    part = segments([record], design.velocities)
+    offered = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    planted = next(c for c in offered if c.name == name)
+    finding = Finding(planted, columns_of(planted, design), 1.0, 0.016, np.zeros(60), step=1)
+    (kept,) = held_against(Model(design), [finding], grown, [record], part, RULES)
+    assert kept.columns == columns_of(kept.candidate, design)
+    assert (kept.p_value, kept.step) == (finding.p_value, finding.step)
+    return kept.candidate
+
+
+@pytest.mark.parametrize("planted", ["quadratic drag", "nonlinear damping", "Coulomb friction"])
+def test_the_cause_keeps_its_place_or_takes_it(planted):
+    assert held(DRAG, planted).name == "quadratic drag"
+
+
+def test_a_grown_term_takes_the_place_of_a_name_of_similar_shape():
+    root = Candidate("evolved term", 1, (ROOT_OF_SPEED,))
+    assert held(ROOT, "Coulomb friction", [root]) == root
+    friction = oscillator("Coulomb friction", "- 2*sgn(v)")
+    assert held(friction, "Coulomb friction", [root]).name == "Coulomb friction"
+
+
+def test_what_the_noise_does_not_tell_apart_stays_as_it_was():
+    record = {"noise": 0.05, "size": 0.5}
+    for planted in ("quadratic drag", "nonlinear damping"):
+        assert held(DRAG, planted, **record).name == planted
