@@ -96,6 +96,12 @@ class Operator:
         return sympy.Function(self.name, real=True)(*arguments)
 
 
+def _softsign(a: Any) -> Any:
+    """Return a/(1 + |a|), a number before a moved below the line: x/(c + |x|)."""
+    factor, rest = sympy.sympify(a).as_coeff_Mul()
+    return sympy.sign(factor) * rest / (1 / sympy.Abs(factor) + sympy.Abs(rest)) if factor else a
+
+
 def _table(*operators: Operator) -> dict[str, Operator]:
     return {operator.name: operator for operator in operators}
 
@@ -118,6 +124,7 @@ BUILTIN: dict[str, Operator] = _table(
     Operator("abs", np.abs, 1, sympy.Abs),
     Operator("sgn", np.sign, 1, sympy.sign),
     Operator("tanh", np.tanh, 1, sympy.tanh),
+    Operator("softsign", lambda a: a / (1.0 + np.abs(a)), 1, _softsign),
 )
 
 

@@ -53,3 +53,10 @@ def test_what_the_noise_does_not_tell_apart_stays_as_it_was():
     record = {"noise": 0.05, "size": 0.5}
     for planted in ("quadratic drag", "nonlinear damping"):
         assert held(DRAG, planted, **record).name == planted
+
+
+def test_numbers_inside_an_effect_are_tuned_by_the_runs():
+    slack = oscillator("dead zone", "- 8*(q - (abs(q + 0.25) - abs(q - 0.25))/2)")
+    winner = held(slack, "dead zone", noise=2e-3)
+    assert winner.name == "dead zone"
+    assert winner.shape.values == pytest.approx([0.25], rel=0.03)

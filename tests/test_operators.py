@@ -81,3 +81,11 @@ def test_bad_operators_are_named(entries, error, message):
 def test_bad_descriptions_are_named(arguments, error, message):
     with pytest.raises(error, match=message):
         Operator(*arguments)
+
+
+def test_softsign_is_printed_as_a_quotient_with_the_number_below_the_line():
+    q = sympy.Symbol("q", real=True)
+    printed = BUILTIN["softsign"].to_sympy(-4.0 * q)
+    assert printed == -q / (0.25 + sympy.Abs(q))
+    values = np.linspace(-2.0, 2.0, 7)
+    assert sympy.lambdify(q, printed)(values) == pytest.approx(BUILTIN["softsign"](-4.0 * values))

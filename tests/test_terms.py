@@ -26,7 +26,21 @@ from pysindy_evolve.terms import (
 
 NAMES = ("q", "v")
 SYMBOLS = sympy.symbols("q v", real=True)
-UNARY = ("sin", "cos", "tan", "exp", "abs", "sgn", "tanh", "neg", "square", "cube", "log", "sqrt")
+UNARY = (
+    "sin",
+    "cos",
+    "tan",
+    "exp",
+    "abs",
+    "sgn",
+    "tanh",
+    "softsign",
+    "neg",
+    "square",
+    "cube",
+    "log",
+    "sqrt",
+)
 
 leaves = st.one_of(
     st.sampled_from([variable(0), variable(1)]),

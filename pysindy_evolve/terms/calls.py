@@ -14,7 +14,7 @@ from .sums import Atom, Sum, as_sum
 
 __all__ = ["call"]
 
-_ODD = ("sin", "tan", "tanh")
+_ODD = ("sin", "tan", "tanh", "softsign")
 _ARITHMETIC: dict[str, Callable[..., Sum]] = {
     "add": add,
     "sub": sub,
