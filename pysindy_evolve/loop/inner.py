@@ -13,7 +13,7 @@ from functools import partial, reduce
 import numpy as np
 
 from ..signals import Record
-from ..terms import Sum, add, constant, mul, sub
+from ..terms import Product, Sum, add, constant, mul, sub
 from .candidate import Candidate, Shape
 from .design import in_state
 from .drift import Drift
@@ -97,15 +97,17 @@ def _shape_of(candidate: Candidate) -> Shape | None:
     """Return the numbers of an effect and how to build its terms; None if it has none."""
     if candidate.shape is not None:
         return candidate.shape
-    numbers = [np.array(term.constants) for term in candidate.terms]
-    if len(numbers) != 1 or not 0 < len(numbers[0]) <= MOST_NUMBERS or not numbers[0].all():
+    parts = [part for term in candidate.terms for part in term.parts]
+    numbers = np.array(parts[0][1].constants)
+    if len(parts) != 1 or not 0 < len(numbers) <= MOST_NUMBERS or not numbers.all():
         return None
-    build = partial(_built, candidate.terms[0], np.sign(numbers[0]))
-    return Shape(tuple(np.abs(numbers[0]).tolist()), (build,))
+    build = partial(_built, parts[0][1], np.sign(numbers))
+    return Shape(tuple(np.abs(numbers).tolist()), (build,))
 
 
-def _built(term: Sum, signs: np.ndarray, *values: float) -> Sum:
-    return term.with_constants([float(s * v) for s, v in zip(signs, values, strict=True)])
+def _built(term: Product, signs: np.ndarray, *values: float) -> Sum:
+    constants = [float(s * v) for s, v in zip(signs, values, strict=True)]
+    return Sum(((1.0, term.with_constants(constants)),))
 
 
 def _at(candidate: Candidate, steps: np.ndarray) -> Candidate:
