@@ -57,6 +57,16 @@ class Equations:
         return tuple(sympy.Symbol(name, real=True) for name in self.names)
 
     @property
+    def inner_symbols(self) -> tuple[Any, ...]:
+        """The same, where no hidden states were added to what terms are written in."""
+        return self.symbols
+
+    @property
+    def n_algebraic(self) -> int:
+        """Number of first states that the right-hand sides give themselves, and not their rates."""
+        return 0
+
+    @property
     def needs_time(self) -> bool:
         """Whether a term with a coefficient depends on t itself."""
         used = np.any(self.coef != 0.0, axis=0)
@@ -110,6 +120,11 @@ class Equations:
 @dataclass(frozen=True, eq=False)
 class AlgebraicEquations(Equations):
     """Right-hand sides that are the target itself, such as a force, and no rate of change."""
+
+    @property
+    def n_algebraic(self) -> int:
+        """Number of states: all of them."""
+        return len(self.states)
 
 
 def stack(x: np.ndarray, u: np.ndarray | None = None, t: np.ndarray | None = None) -> np.ndarray:

@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 import sympy
 
-from .equations import Equations
-from .memory import Memory, acting, balance, rate
+from .boucwen import SUFFIX, path_rate, paths_in
+from .equations import Equations, stack
+from .memory import Memory, balance, rate
+from .memory import acting as acting_of
 from .substitution import substituted
-from .terms import Sum, variable
+from .terms import Call, Sum, constant, variable
 
 __all__ = ["MemoryEquations", "with_memories"]
 
@@ -21,8 +23,9 @@ __all__ = ["MemoryEquations", "with_memories"]
 class MemoryEquations(Equations):
     """Equations whose last states are hidden and whose inputs may be delayed.
 
-    Wherever measured states are given without the hidden ones, these are computed from the inputs:
-    `evaluate` over a whole record in time order, `simulate` from a start in balance.
+    Wherever measured states are given without the hidden ones, these are computed from the inputs
+    and the path of the motion: `evaluate` over a whole record in time order, `simulate` from a
+    start in balance.
 
     Parameters
     ----------
@@ -34,12 +37,23 @@ class MemoryEquations(Equations):
         Delay of each input, units of t.
     rests : tuple of Sum
         Value of each hidden state at the beginning, of states, inputs and time there.
+    paths : tuple of Call
+        Hystereses of the motion in `inner`, see boucwen.py; their states come last.
+    acting : tuple of Sum
+        What acts of each input, of states and inputs here.
     """
 
     inner: Equations = field(kw_only=True)
     memories: tuple[Memory, ...] = ()
     delays: tuple[float, ...] = ()
     rests: tuple[Sum, ...] = ()
+    paths: tuple[Call, ...] = ()
+    acting: tuple[Sum, ...] = ()
+
+    @property
+    def n_algebraic(self) -> int:
+        """Number of first states that the right-hand sides give themselves, and not their rates."""
+        return self.inner.n_algebraic
 
     @property
     def n_measured(self) -> int:
@@ -56,6 +70,13 @@ class MemoryEquations(Equations):
                 earlier = sympy.Function(self.inputs[j], real=True)
                 symbols[place] = earlier(symbols[-1] - delay)
         return tuple(symbols)
+
+    @property
+    def inner_symbols(self) -> tuple[Any, ...]:
+        """Sympy forms of the variables of `inner`, as they are here."""
+        symbols = self.symbols
+        acting = (expression.to_sympy(symbols) for expression in self.acting)
+        return (*symbols[: self.n_measured], *acting, symbols[-1])
 
     def evaluate(
         self, x: np.ndarray, u: np.ndarray | None = None, t: np.ndarray | None = None
@@ -86,6 +107,11 @@ class MemoryEquations(Equations):
             result[:, memory.column] = memory.response(t, result[:, memory.column])
         return result
 
+    def along(self, x: np.ndarray, u: np.ndarray | None, t: np.ndarray) -> np.ndarray:
+        """Return the hidden states of the hystereses over a record, shape (n_samples, n_paths)."""
+        rows = stack(x, u, t)
+        return np.column_stack([rows[:, :0], *(path.evaluate(rows) for path in self.paths)])
+
     def arriving(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return the inputs after their delays."""
         result = np.array(u, dtype=float)
@@ -110,29 +136,36 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
     Parameters
     ----------
     equations : Equations
-        In terms of what acts.
+        In terms of what acts, hystereses of the motion among them.
     memories : sequence of Memory
         What the inputs go through before they act.
 
     Returns
     -------
     Equations
-        The same object where there are no memories.
+        The same object where nothing is remembered.
     """
-    if not memories:
+    paths = paths_in(equations)
+    if not memories and not paths:
         return equations
     n, n_inputs = len(equations.states), len(equations.inputs)
     hidden = [m for m in memories if m.has_state]
-    first = n + len(hidden)
+    first = n + len(hidden) + len(paths)
     acts = [variable(first + j) for j in range(n_inputs)]
     names, rates, rests = list(equations.names), [], []
     for k, memory in enumerate(hidden):
         state, source = variable(n + k), acts[memory.column]
         rates.append(rate(memory, state, source))
         rests.append(balance(memory, source))
-        acts[memory.column] = acting(memory, state)
+        acts[memory.column] = acting_of(memory, state)
         names.insert(n + k, _new_name(f"{equations.inputs[memory.column]}_{memory.suffix}", names))
-    moved = dict(enumerate([*acts, variable(first + n_inputs)], start=n))
+    moved: dict[int | Call, Sum] = dict(enumerate([*acts, variable(first + n_inputs)], start=n))
+    for k, path in enumerate(paths, start=n + len(hidden)):
+        position, velocity = path.args[:2]
+        rates.append(path_rate(path, variable(k), substituted(velocity, moved)))
+        rests.append(constant(0.0))
+        names.insert(k, _new_name(f"{position.name(equations.names)}_{SUFFIX}", names))
+    moved |= {path: variable(k) for k, path in enumerate(paths, start=n + len(hidden))}
     sides = [substituted(side, moved) for side in equations.sums] + rates
     delays = [0.0] * n_inputs
     for memory in memories:
@@ -152,6 +185,8 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
         memories=tuple(memories),
         delays=tuple(delays),
         rests=tuple(rests),
+        paths=paths,
+        acting=tuple(acts),
     )
 
 

@@ -13,16 +13,18 @@ from .terms import Atom, Call, Product, Sum, Variable, add, call, constant, mul,
 
 __all__ = ["acting", "substituted"]
 
+Replacements = Mapping[int, Sum] | Mapping[int | Call, Sum]
 
-def substituted(expression: Sum, replacements: Mapping[int, Sum]) -> Sum:
-    """Return an expression with some of its variables replaced.
+
+def substituted(expression: Sum, replacements: Replacements) -> Sum:
+    """Return an expression with some of its variables or calls replaced.
 
     Parameters
     ----------
     expression : Sum
         Of variables, numbered as columns of the data.
-    replacements : mapping of int to Sum
-        What stands for a variable; the others stay.
+    replacements : mapping of int or Call to Sum
+        What stands for a variable, or for a call as a whole; the others stay.
 
     Returns
     -------
@@ -68,14 +70,17 @@ def acting(equations: Equations) -> tuple[Equations, list[int]]:
     return replace(equations, terms=renamed, coef=coef, inputs=names), columns
 
 
-def _of_product(term: Product, replacements: Mapping[int, Sum]) -> Sum:
+def _of_product(term: Product, replacements: Replacements) -> Sum:
     factors = (power(_of_atom(atom, replacements), n) for atom, n in term.factors)
     return reduce(mul, factors, constant(1.0))
 
 
-def _of_atom(atom: Atom, replacements: Mapping[int, Sum]) -> Sum:
+def _of_atom(atom: Atom, replacements: Replacements) -> Sum:
     if isinstance(atom, Variable):
         return replacements.get(atom.index, variable(atom.index))
     if isinstance(atom, Call):
+        whole = replacements.get(atom)  # type: ignore[call-overload]
+        if whole is not None:
+            return whole
         return call(atom.operator, *(substituted(a, replacements) for a in atom.args))
     return substituted(atom, replacements)

@@ -14,7 +14,7 @@ LAYERS = (
     {"equations", "text", "grammar", "names", "substitution"},
     {"tracing", "library_terms"},
     {"gram", "elimination", "beam", "independence", "regression", "parsimony", "selection"},
-    {"signals", "simulation", "memory", "hidden"},
+    {"signals", "simulation", "memory", "boucwen", "hidden"},
     {"genetics", "relatives", "refit", "constants", "dictionary", "plateau", "blur", "denoise"},
     {"evolution"},
     {"handover", "term_library", "library", "optimizer"},

@@ -48,9 +48,9 @@ def to_latex(model: Any, digits: int | None = 4) -> str:
         return rf"\left({text}\right)" if isinstance(expression, sympy.Add) else text
 
     lines = []
-    for left, side in zip(system.lefts, system.sides, strict=True):
+    for left, is_rate, side in zip(system.lefts, system.are_rates, system.sides, strict=True):
         name = printer.doprint(sympy.Symbol(left))
-        dotted = name if system.is_algebraic else rf"\dot{{{name}}}"
+        dotted = rf"\dot{{{name}}}" if is_rate else name
         right = join_terms(side, lambda value: _number(value, digits), term, " ")
         lines.append((dotted, right))
     if len(lines) == 1:

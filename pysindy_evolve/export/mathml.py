@@ -34,9 +34,9 @@ def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
     system = system_of(model, "equations_mathml", digits)
     symbols, printer = system.equations.symbols, _Printer(digits)
     lines = []
-    for left, side in zip(system.lefts, system.sides, strict=True):
+    for left, is_rate, side in zip(system.lefts, system.are_rates, system.sides, strict=True):
         name = printer.doprint(sympy.Symbol(left))
-        shown = name if system.is_algebraic else f"<mover>{name}<mo>˙</mo></mover>"
+        shown = f"<mover>{name}<mo>˙</mo></mover>" if is_rate else name
         pieces = [_math(f"{shown}<mo>=</mo>")]
         parts = constant_last(side)
         for place, (coefficient, product) in enumerate(parts):

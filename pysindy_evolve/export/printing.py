@@ -39,10 +39,10 @@ def format_equations(model: Any, digits: int | None = 4) -> str:
     q' = -2.18e6 q
     """
     system = system_of(model, "format_equations", digits)
-    lines = zip(system.lefts, system.sides, strict=True)
-    prime = "" if system.is_algebraic else "'"
+    lines = zip(system.lefts, system.are_rates, system.sides, strict=True)
     return "\n".join(
-        f"{_plain(left)}{prime} = {_side(system, side, digits)}" for left, side in lines
+        _plain(left) + ("'" if is_rate else "") + f" = {_side(system, side, digits)}"
+        for left, is_rate, side in lines
     )
 
 

@@ -7,7 +7,7 @@ from functools import reduce
 from typing import Any
 
 from .. import terms
-from ..equations import AlgebraicEquations, Equations
+from ..equations import Equations
 from ..library_terms import from_model
 from ..terms import ONE, Product, Sum
 
@@ -67,9 +67,9 @@ class System:
         return self.equations.names
 
     @property
-    def is_algebraic(self) -> bool:
-        """Whether the right-hand sides are the states themselves, and not their rates."""
-        return isinstance(self.equations, AlgebraicEquations)
+    def are_rates(self) -> tuple[bool, ...]:
+        """Whether each right-hand side is the rate of its state, and not the state itself."""
+        return tuple(k >= self.equations.n_algebraic for k in range(len(self.sides)))
 
     @property
     def used(self) -> tuple[int, ...]:

@@ -65,7 +65,7 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         parameters=[free_parameters(errors) for errors in (report.before, report.after)],
         head=head,
         rows=rows,
-        effects=[_effect(effect, report.equations.symbols) for effect in report.effects],
+        effects=[_effect(effect, report.equations.inner_symbols) for effect in report.effects],
         experiments=[
             (title(one), " ".join(sentences(one, units)))
             for one in report.suggest_experiment(units).experiments

@@ -2,7 +2,8 @@
 
 Hysteresis is a friction whose sign changes before or after the velocity does, sgn(v + c x) or
 sgn(v + c a), sharp or rounded off. A position may be measured from anywhere, so the middle of the
-stroke takes the place of its zero.
+stroke takes the place of its zero. Bouc and Wen's hysteresis depends on the path only, see
+boucwen.py.
 """
 
 from __future__ import annotations
@@ -13,15 +14,18 @@ from functools import partial
 
 import numpy as np
 
+from ..boucwen import yielding
 from ..operators import BUILTIN
 from ..terms import Sum, add, call, constant, mul, sub, variable
 from .candidate import Candidate, CandidateMaker, Shape
 
-__all__ = ["rounded", "rounded_sign", "yields"]
+__all__ = ["remembering", "rounded", "rounded_sign", "yields"]
 
 SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
 WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
-CENTERED = 0.1  # share of the stroke that a zero of the position may lie off its middle
+LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the stroke
+UNLOADINGS = (0.25, 1.0, 4.0)  # Dahl's friction in the middle
+CENTERED = 0.1  # share of half the stroke that a zero of the position may lie off its middle
 
 
 def rounded_sign(v: Sum, width: float) -> Sum:
@@ -82,3 +86,14 @@ def yields(
             for slant in SLANTS:
                 shape = Shape((slant * speed / stroke, *width, *places), (build,))
                 yield effect("hysteresis", shape=shape)
+
+
+def remembering(
+    effect: CandidateMaker, x: int, v: int, scales: np.ndarray, middle: float
+) -> Iterator[Candidate]:
+    """Go through hystereses of Bouc and Wen, which remember the path of a position."""
+    stroke = float(scales[x]) - abs(middle)
+    build = partial(yielding, variable(x), variable(v))
+    for length in LENGTHS:
+        for unloading in UNLOADINGS:
+            yield effect("hysteresis", shape=Shape((length * stroke, unloading), (build,)))

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ..equations import AlgebraicEquations, Equations
-from ..hidden import MemoryEquations
+from ..hidden import MemoryEquations, with_memories
 from ..signals import Record
 from ..simulation import simulate
 
@@ -28,8 +28,11 @@ def free_run(
     """
     if isinstance(equations, AlgebraicEquations):
         return equations.evaluate(record.x, record.u, record.t)
-    if isinstance(equations, MemoryEquations):
+    if isinstance(equations, MemoryEquations) and equations.memories:
         return _run_with_memory(equations, record, **options)
+    if isinstance(equations, MemoryEquations) and equations.n_algebraic:
+        forces = equations.inner.evaluate(record.x, record.u, record.t)
+        return np.column_stack([forces, equations.along(record.x, record.u, record.t)])
     start = record.x[0] if start is None else start
     if record.u is None:
         return simulate(equations, start, record.t, **options)
@@ -47,7 +50,8 @@ def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any)
         if memory.has_state:
             hidden.append(memory.state(record))
         record = memory.apply(record)
-    return np.column_stack([free_run(equations.inner, record, **options), *hidden])
+    run, n = free_run(with_memories(equations.inner, ()), record, **options), record.n_states
+    return np.column_stack([run[:, :n], *hidden, run[:, n:]])
 
 
 def simulation_errors(equations: Equations, records: Sequence[Record]) -> np.ndarray:

@@ -34,7 +34,7 @@ def as_text(report: LoopReport) -> str:
     if report.effects:
         parts.append("Corrected model\n" + indent(_model(report.after), "    "))
     parts.append(_table(report))
-    symbols = report.equations.symbols
+    symbols = report.equations.inner_symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
     parts += [fill(line, 96) for line in remains(report)]
     return "\n\n".join(parts)
@@ -161,7 +161,7 @@ def as_markdown(report: LoopReport) -> str:
     lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
     parts.append("\n".join(lines))
     for effect in report.effects:
-        facts = [*evidence(effect, report.equations.symbols, wide=True), _twins(effect)]
+        facts = [*evidence(effect, report.equations.inner_symbols, wide=True), _twins(effect)]
         name = f"### {effect.name} in the equation of {effect.state}"
         parts.append("\n".join([name, "", *(f"- {_shielded(fact)}" for fact in facts)]))
     parts.append("\n\n".join(["### What remains", *map(_shielded, remains(report))]))

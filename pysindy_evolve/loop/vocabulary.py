@@ -16,7 +16,7 @@ from ..operators import BUILTIN
 from ..terms import Sum, add, call, constant, mul, power, sub, variable
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape
 from .design import Design
-from .hysteresis import rounded, yields
+from .hysteresis import remembering, rounded, yields
 
 __all__ = ["VOCABULARY", "of_equation"]
 
@@ -120,6 +120,7 @@ def _of_target(
         yield from _springs(effect, variable(x), variable(v), float(scales[x]))
         yield from rounded(effect, v, scales)
         yield from yields(effect, x, v, scales, float(middle[x]))
+        yield from remembering(effect, x, v, scales, float(middle[x]))
         moving |= {x, v}
     for column in range(first, first + len(design.inputs)):
         if column not in moving:

@@ -1,0 +1,112 @@
+r"""Bouc and Wen's hysteresis: a friction that remembers which way a motion went.
+
+A hidden state w follows the velocity v of a position x,
+
+    w' = (v - beta |v| w - gamma v |w|) / L,    beta + gamma = 1,
+
+and runs to 1 where x goes up, to -1 where it goes down, over about the length L. Its slope there is
+1 - |w|; where the motion has turned and w still points the other way, it is 1 + k |w|, with
+k = beta - gamma, the rate of unloading: 1 for Dahl's friction, near 0 for a straight line.
+
+As w depends on the path of x and not on how fast it was run through, it is an operator on the rows
+of a record in time order, and enters a model as any other term does. Between two samples the path
+is taken to be straight, for which the result is exact.
+
+References
+----------
+Wen, J. Eng. Mech. Div. ASCE 102 (1976), 249-263. Ismail, Ikhouane, Rodellar, Arch. Comput. Methods
+Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8, on what its numbers mean.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeGuard
+
+import numpy as np
+import sympy
+
+from .equations import Equations
+from .operators import BUILTIN, Operator
+from .terms import Call, Sum, add, call, constant, mul, sub
+
+__all__ = ["BOUC_WEN", "SUFFIX", "path_rate", "paths_in", "yielding", "yielding_along"]
+
+SUFFIX = "yield"  # what the name of the hidden state ends in, after that of the position
+
+
+def yielding_along(x: np.ndarray, length: float, unloading: float) -> np.ndarray:
+    """Return w along a path, zero where it begins.
+
+    Parameters
+    ----------
+    x : ndarray of shape (n_samples,)
+        Positions in time order.
+    length : float
+        L, units of x.
+    unloading : float
+        k, dimensionless, positive.
+
+    Returns
+    -------
+    ndarray of shape (n_samples,)
+    """
+    steps = np.diff(x)
+    ups, runs = np.where(steps < 0.0, -1.0, 1.0), np.abs(steps) / length
+    w, out = 0.0, [0.0]
+    for up, run, fading in zip(ups.tolist(), runs.tolist(), np.exp(-runs).tolist(), strict=True):
+        along = up * w
+        if along < 0.0:
+            along = _unloaded(along, run, unloading)
+        else:
+            along = 1.0 - (1.0 - along) * fading
+        w = up * along
+        out.append(w)
+    return np.array(out)
+
+
+def _unloaded(along: float, run: float, unloading: float) -> float:
+    """Return w, seen along the motion and negative so far, after a run in units of L."""
+    until_zero = math.log1p(-unloading * along) / unloading
+    if run > until_zero:
+        return -math.expm1(until_zero - run)
+    return (1.0 - (1.0 - unloading * along) * math.exp(-unloading * run)) / unloading
+
+
+def _on_rows(x: np.ndarray, v: np.ndarray, length: np.ndarray, unloading: np.ndarray) -> np.ndarray:
+    return yielding_along(x, float(length[0]), float(unloading[0]))
+
+
+def _state(x: Any, *_: Any) -> Any:
+    return sympy.Symbol(f"{x}_{SUFFIX}", real=True)
+
+
+# Of position, velocity, L and k. The velocity only says what the hidden state is driven by.
+BOUC_WEN = Operator("bouc_wen", _on_rows, 4, _state)
+
+
+def yielding(x: Sum, v: Sum, length: float, unloading: float) -> Sum:
+    """Return w as a term of a position and its velocity."""
+    return call(BOUC_WEN, x, v, constant(length), constant(unloading))
+
+
+def paths_in(equations: Equations) -> tuple[Call, ...]:
+    """Return the different hystereses that equations hold."""
+    found: dict[Call, None] = {}
+    for term, used in zip(equations.terms, np.any(equations.coef != 0.0, axis=0), strict=True):
+        if used:
+            found |= dict.fromkeys(a for a, _ in term.factors if _is_path(a))
+    return tuple(found)
+
+
+def _is_path(atom: object) -> TypeGuard[Call]:
+    return isinstance(atom, Call) and atom.operator == BOUC_WEN
+
+
+def path_rate(path: Call, state: Sum, v: Sum) -> Sum:
+    """Return the right-hand side of w, from w itself and the velocity."""
+    length, unloading = (float(a.evaluate(np.empty((1, 0)))[0]) for a in path.args[2:])
+    beta, gamma = 0.5 * (1.0 + unloading), 0.5 * (1.0 - unloading)
+    size, speed = call(BUILTIN["abs"], state), call(BUILTIN["abs"], v)
+    held = add(mul(constant(beta), mul(speed, state)), mul(constant(gamma), mul(v, size)))
+    return mul(constant(1.0 / length), sub(v, held))
