@@ -36,7 +36,9 @@ class Candidate:
 
     `parents` are expressions that must already stand in the equation. An effect with a `shape`
     stands on a grid of its numbers, which are tuned once the effect is found. One that is `whole`
-    has its parents in it, as a weight has a mean: where it says all that they say, they may go.
+    has its parents in it, as a weight has a mean: where it says all that they say, they may go. One
+    that `refines` effects of certain names must do better than they by more than chance, see
+    refinement.py.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Candidate:
     parents: tuple[Sum, ...] = ()
     shape: Shape | None = field(default=None, compare=False)
     whole: bool = field(default=False, compare=False)
+    refines: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def is_exchange(self) -> bool:
@@ -70,7 +73,8 @@ class CandidateMaker:
         parents: tuple[Sum, ...] = (),
         shape: Shape | None = None,
         whole: bool = False,
+        refines: tuple[str, ...] = (),
     ) -> Candidate:
         """Return a candidate; the columns of one with a shape are built from it."""
         columns = terms if shape is None else shape.terms
-        return Candidate(name, self.state, columns, parents, shape, whole)
+        return Candidate(name, self.state, columns, parents, shape, whole, refines)

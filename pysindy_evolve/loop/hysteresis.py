@@ -21,6 +21,7 @@ from .candidate import Candidate, CandidateMaker, Shape
 
 __all__ = ["remembering", "rounded", "rounded_sign", "yields"]
 
+PLAINER = ("Coulomb friction",)  # which hysteresis may be taken for, where the velocity is noisy
 SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
 WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
 LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the stroke
@@ -85,7 +86,7 @@ def yields(
             build = Yield(variable(v), variable(x), sign, side, share is None)
             for slant in SLANTS:
                 shape = Shape((slant * speed / stroke, *width, *places), (build,))
-                yield effect("hysteresis", shape=shape)
+                yield effect("hysteresis", shape=shape, refines=PLAINER)
 
 
 def remembering(
@@ -96,4 +97,5 @@ def remembering(
     build = partial(yielding, variable(x), variable(v))
     for length in LENGTHS:
         for unloading in UNLOADINGS:
-            yield effect("hysteresis", shape=Shape((length * stroke, unloading), (build,)))
+            shape = Shape((length * stroke, unloading), (build,))
+            yield effect("hysteresis", shape=shape, refines=PLAINER)

@@ -39,7 +39,9 @@ def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[
             continue
         design = declared.adding(column for f in rest for column in f.columns)
         variables = part.z.reshape(-1, part.z.shape[-1])
-        options = dict.fromkeys([*candidates(design, *ranges(variables)), finding.candidate])
+        others = candidates(design, *ranges(variables))
+        allowed = [c for c in others if finding.candidate.name not in c.refines]
+        options = dict.fromkeys([*allowed, finding.candidate])
         scores = score(design, part, list(options), pairs=False)
         own = next((s for s in scores if s.group == (finding.candidate,)), None)
         if own is not None and scores[0].value > own.value + MARGIN:
@@ -83,7 +85,9 @@ def _in_place_of(
     design = declared.adding(column for f in rest for column in f.columns)
     variables = part.z.reshape(-1, part.z.shape[-1])
     own = [c for c in pair if not c.whole]
-    options = [c for c in candidates(design, *ranges(variables)) if c not in own]
+    # What refines an effect has to pass a test of its own.
+    others = [c for c in candidates(design, *ranges(variables)) if not c.refines]
+    options = [c for c in others if c not in own]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
     # In one call, for the errors are weighed by what all columns together leave.
     scores = score(design, part, list(free))

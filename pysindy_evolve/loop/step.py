@@ -7,34 +7,30 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from ..equations import Equations
 from ..signals import Record
 from .candidate import Candidate
 from .design import Column, Design
 from .drifting import DriftingTwins
+from .refinement import justified
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
 from .scoring import columns_of, plainest, propose, quick_fit, score, sharpened, tuned
 from .segments import Segments
 from .shares import Shares, is_exact
+from .testing import twin_values
 from .trace import Score
 from .twins import TwinMaker
 
-__all__ = ["Finding", "find", "twin_values"]
+__all__ = ["Finding", "find"]
 
-BATCH = 4  # twins between two looks at whether the rest can be spared
-CLEAR = 2.0  # times the best of all twins so far: more of them would not change the verdict
 HALVED = float(
     np.log(4.0)
 )  # score of an effect that halves the error: no trace, whatever its share
 
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
-Maker = TwinMaker | DriftingTwins
-Statistic = Callable[[Segments, list[Record]], float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +128,13 @@ def find(
     if p_value > rules.level or not worthy:
         rejected.append(Rejected(best, shares.of(best), p_value, twins, names))
         return []
-    group = [tuned(c, _beside(design, best.group, c), part) for c in best.group]
+    group = []
+    for candidate in best.group:
+        beside = _beside(design, best.group, candidate)
+        if candidate.refines:
+            own = records, part, rules, rng
+            candidate = justified(candidate, beside, proposed, *own)
+        group.append(tuned(candidate, beside, part))
     return [Finding(c, columns_of(c, design), best.value, p_value, twins) for c in group]
 
 
@@ -145,42 +147,6 @@ def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Desig
     """Return the design with the other candidates of a group in it."""
     others = (c for c in group if c is not one)
     return design.adding(column for c in others for column in columns_of(c, design))
-
-
-def twin_values(
-    maker: Maker,
-    part: Segments,
-    statistic: Statistic,
-    observed: float,
-    rules: Rules,
-    rng: np.random.Generator,
-) -> np.ndarray:
-    """Return a statistic of each twin: what the same search finds where nothing is missing.
-
-    Twins come in batches. Once enough of them do better than what was observed for it to fail,
-    the rest are spared (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301), and so they are
-    once there are enough for it to pass and none comes near it.
-    """
-    children = rng.spawn(rules.n_twins)
-    allowed = rules.level * (rules.n_twins + 1) - 1.0
-    enough = 1.0 / rules.level - 1.0
-    found: list[float] = []
-    bar = tqdm(total=rules.n_twins, desc="twins", disable=not rules.progress, leave=False)
-    with Parallel(n_jobs=rules.n_jobs) as parallel, bar:
-        for start in range(0, rules.n_twins, BATCH):
-            batch = children[start : start + BATCH]
-            found += parallel(delayed(_in_twin)(maker, part, statistic, c) for c in batch)
-            bar.update(len(batch))
-            fails = np.sum(np.array(found) >= observed) > allowed
-            passes = len(found) >= enough and observed > CLEAR * max(found)
-            if fails or passes:
-                break
-    return np.array(found)
-
-
-def _in_twin(maker: Maker, part: Segments, statistic: Statistic, rng: np.random.Generator) -> float:
-    twins = maker.make(rng)
-    return statistic(part.of(twins), twins)
 
 
 def _best_score(

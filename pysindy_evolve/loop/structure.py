@@ -23,7 +23,7 @@ from .scoring import quick_fit
 from .segments import Segments
 from .shares import is_exact
 from .spectral import spectral_grams
-from .step import twin_values
+from .testing import twin_values
 from .trace import fold_errors
 from .twins import TwinMaker
 

@@ -74,6 +74,9 @@ class TwinMaker:
         twin, explained = record, np.zeros_like(residual)
         if path is not None and record.preparation is not None:
             twin = replace(_measured(record.preparation, path, rng), u=record.u)
+        elif record.motion is not None:
+            forces = self.equations.evaluate(record.x, record.u, record.t)
+            twin = replace(record, u=_noisier(record, record.motion, rng), x_dot=forces)
         rates = self.equations.evaluate(twin.x, twin.u, twin.t)
         if twin is not record:
             explained = twin.x_dot - rates
@@ -92,6 +95,13 @@ def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record
     x_dot = np.array(record.x_dot)
     x_dot[:, made.order - 1 :: made.order] -= made.lowpass(path.push)
     return replace(record, x_dot=x_dot)
+
+
+def _noisier(record: Record, made: Preparation, rng: np.random.Generator) -> np.ndarray | None:
+    """Return the motion that explains a force, with the noise of its sensor once more."""
+    noise = made.apply(made.t, made.noise * rng.standard_normal(made.y.shape))
+    columns = np.column_stack([noise.x, noise.x_dot[:, made.order - 1 :: made.order]])
+    return record.u if record.u is None else record.u + columns
 
 
 def shuffle_signs(

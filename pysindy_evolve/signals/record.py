@@ -33,6 +33,8 @@ class Record:
         Names of the columns of x and u.
     preparation : Preparation, optional
         How the record was made from raw data; None if the user made it.
+    motion : Preparation, optional
+        How the inputs were, where they are a motion that explains a force.
 
     Raises
     ------
@@ -61,6 +63,7 @@ class Record:
     states: tuple[str, ...] | None = None
     inputs: tuple[str, ...] | None = None
     preparation: Preparation | None = None
+    motion: Preparation | None = None
 
     def __post_init__(self) -> None:
         t = checks.times("Record", self.t)
@@ -116,10 +119,7 @@ class Record:
             advice = "Write record[a:b]; prepare(decimate=...) thins a record out."
             checks.refuse("Record[...]", "rows", "a slice with step 1", str(stride), advice)
         u = None if self.u is None else self.u[rows]
-        made = self.preparation
-        if made is not None:
-            first = made.rows[0]
-            made = replace(made, rows=(first + start, first + stop))
+        made, motion = (_cut(one, start, stop) for one in (self.preparation, self.motion))
         return replace(
             self,
             t=self.t[rows],
@@ -127,6 +127,7 @@ class Record:
             x_dot=self.x_dot[rows],
             u=u,
             preparation=made,
+            motion=motion,
         )
 
     def split(self, fraction: float = 0.3) -> tuple[Record, Record]:
@@ -151,6 +152,14 @@ class Record:
                 "Record.split", "fraction", "such that both parts keep 2 samples", got, advice
             )
         return self[: self.n_samples - n_last], self[self.n_samples - n_last :]
+
+
+def _cut(made: Preparation | None, start: int, stop: int) -> Preparation | None:
+    """Return a preparation that repeats these of its rows."""
+    if made is None:
+        return None
+    first = made.rows[0]
+    return replace(made, rows=(first + start, first + stop))
 
 
 def names(parameter: str, given: Sequence[str] | None, n: int) -> tuple[str, ...] | None:

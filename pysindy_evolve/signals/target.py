@@ -42,5 +42,5 @@ def as_target(record: Record) -> Record:
     if record.u is None:
         checks.refuse("as_target", "record", "a record with inputs", "none", "Give forces as u.")
     order = 1 if record.preparation is None else record.preparation.order
-    motion = np.column_stack([record.x, record.x_dot[:, order - 1 :: order]])
-    return Record(t=record.t, x=record.u, x_dot=record.u, u=motion)
+    u = np.column_stack([record.x, record.x_dot[:, order - 1 :: order]])
+    return Record(t=record.t, x=record.u, x_dot=record.u, u=u, motion=record.preparation)
