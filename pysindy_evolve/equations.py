@@ -104,7 +104,7 @@ class Equations:
         variables = stack(x, u, t)
         cache: Cache = {}
         columns = [term.evaluate(variables, cache) for term in self.terms]
-        return np.column_stack(columns) if columns else np.empty((len(x), 0))
+        return np.array(columns).T if columns else np.empty((len(x), 0))
 
     def evaluate(
         self, x: np.ndarray, u: np.ndarray | None = None, t: np.ndarray | None = None

@@ -17,8 +17,8 @@ from ..signals import Record, Windows, choose_windows, project
 from ..terms import Cache
 from .design import Design
 from .linear import solve_gram
-from .residual import jacobian, view_grams
-from .segments import segments, variables_of
+from .residual import forces, jacobian, simulation_rows
+from .segments import places_of, scale_of, segments, variables_of
 from .sticking import moving
 from .trajectory import Trajectories
 
@@ -168,11 +168,20 @@ def simulation_grams(
     design: Design, coef: np.ndarray, records: Sequence[Record]
 ) -> dict[int, np.ndarray]:
     """Return, for each number of stretches, inner products of the deviations in each stretch."""
-    equations, grams = design.equations(coef), {}
+    equations, dt = design.equations(coef), records[0].dt
+    scale = scale_of([record.x for record in records])
+    wholes = [segments([record], design.velocities, 1, max_rows=None) for record in records]
+    force = [forces(whole, design, design.columns)[0] for whole in wholes]
+    slopes = [jacobian(equations, whole.z, scale)[0] for whole in wholes]
+    grams = {}
     for n_stretches in N_STRETCHES:
-        part = segments(records, design.velocities, n_stretches, max_rows=None)
-        slopes = jacobian(equations, part.z, part.state_scale)
-        grams[n_stretches] = view_grams(part, design, design.columns, slopes)["simulation"]
+        places, length = places_of(records, n_stretches)
+        driven, slope = (
+            np.stack([rows[i][start : start + length] for i, start in places])
+            for rows in (force, slopes)
+        )
+        rows = simulation_rows(driven, slope, dt, scale)
+        grams[n_stretches] = np.swapaxes(rows, 1, 2) @ rows
     return grams
 
 

@@ -139,7 +139,6 @@ def _lines(
     is looked for, so that its skirts are no lines.
     """
     n_fine = FINENESS * fft.next_fast_len(len(signal), real=True)
-    inputs = [_spectrum_and_floor(column, n_fine) for column in others]
     places = np.arange(n_fine // 2 + 1)
     free = (places > FINENESS * n_periods) & (places < highest * n_fine)
     n_found = 0
@@ -149,7 +148,7 @@ def _lines(
         if not free[peak] or spectrum[peak] < LINE * floor[peak]:
             break
         cycles = _vertex(spectrum, peak) / n_fine
-        if not any(_has_line(*driver, peak) for driver in inputs):
+        if not any(_has_line(*_spectrum_and_floor(other, n_fine), peak) for other in others):
             yield cycles
             n_found += 1
         free[max(peak - FINENESS, 0) : peak + FINENESS + 1] = False

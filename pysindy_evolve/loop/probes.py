@@ -261,14 +261,16 @@ def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -
         places.append({k: len(columns) + i for i, k in enumerate(new)})
         columns += new.values()
     grams = spectral_grams(part, design, [*columns, Column("known", design.fixed)])
-    without = fold_errors(grams, np.arange(n_own)[None, :], part.folds)[0]
+    folds = part.folds
+    by_fold = np.array([grams[folds == k].sum(axis=0) for k in range(int(folds.max()) + 1)])
+    each = np.arange(len(by_fold))
+    without = fold_errors(by_fold, np.arange(n_own)[None, :], each)[0]
     found = []
     for place in places:
-        known = (place[n_own],) if n_own in place else ()
-        target = _with_target(grams, known)
+        target = _with_target(by_fold, place[n_own]) if n_own in place else by_fold
         moved = [place.get(k, k) for k in range(n_own)]
         both = [*range(n_own), *(p for k, p in place.items() if k < n_own)]
-        alone, beside = (fold_errors(target, np.array([m]), part.folds)[0] for m in (moved, both))
+        alone, beside = (fold_errors(target, np.array([m]), each)[0] for m in (moved, both))
         found.append(Exchange(without, alone, beside))
     return found
 
@@ -277,13 +279,12 @@ def _swapped(column: Column, swap: dict[int, Sum]) -> Column:
     return replace(column, parts=tuple(substituted(part, swap) for part in column.parts))
 
 
-def _with_target(grams: np.ndarray, known: tuple[int, ...]) -> np.ndarray:
+def _with_target(grams: np.ndarray, place: int) -> np.ndarray:
     """Exchange the known parts in the target: columns, then the original known parts, target."""
     last = grams.shape[1] - 1
     change = np.eye(last + 1)
-    for place in known:  # target + known - changed known
-        change[last - 1, last], change[place, last] = 1.0, -1.0
-    return change.T @ grams @ change
+    change[last - 1, last], change[place, last] = 1.0, -1.0  # target + known - changed known
+    return np.asarray(change.T @ grams @ change)
 
 
 def _log_ratio(before: np.ndarray, after: np.ndarray) -> float:

@@ -34,7 +34,8 @@ from ..terms import Cache
 from .design import Column, Design
 from .segments import Segments
 
-__all__ = ["derivative_grams", "force_on", "forces", "jacobian", "respond", "view_grams"]
+__all__ = ["derivative_grams", "force_on", "forces", "jacobian", "respond", "simulation_rows"]
+__all__ += ["view_grams"]
 
 DIVERGED = 1e60  # a deviation that grew larger; its square does not overflow
 MAX_GROWTH = 1e3  # a simulation window is so short that an unstable model does not blow up in it
@@ -64,7 +65,7 @@ def view_grams(
     """
     force = forces(part, design, columns)
     rows = {"derivative": _derivative_rows(part, design, force)}
-    rows["simulation"] = _simulation_rows(part, force, jacobians)
+    rows["simulation"] = simulation_rows(force, jacobians, part.dt, part.state_scale)
     return {name: np.einsum("srk,srl->skl", r, r, optimize=True) for name, r in rows.items()}
 
 
@@ -111,8 +112,26 @@ def _derivative_rows(part: Segments, design: Design, force: np.ndarray) -> np.nd
     return np.concatenate(blocks, axis=1)
 
 
-def _simulation_rows(part: Segments, force: np.ndarray, jacobians: np.ndarray) -> np.ndarray:
-    """Drive the linearized model; the unknown initial states are projected out."""
+def simulation_rows(
+    force: np.ndarray, jacobians: np.ndarray, dt: float, scale: np.ndarray
+) -> np.ndarray:
+    """Drive the linearized model over segments; the unknown initial states are projected out.
+
+    Parameters
+    ----------
+    force : ndarray of shape (n_segments, n, n_states, n_columns)
+        What drives each equation.
+    jacobians : ndarray of shape (n_segments, n, n_states, n_states)
+        Of the model.
+    dt : float
+        Sampling time.
+    scale : ndarray of shape (n_states,)
+        Unit of the deviation of each state.
+
+    Returns
+    -------
+    ndarray of shape (n_segments, n_rows, n_columns)
+    """
     n_segments, length, n_states, n_columns = force.shape
     span = length
     while True:
@@ -121,7 +140,7 @@ def _simulation_rows(part: Segments, force: np.ndarray, jacobians: np.ndarray) -
         driven = force[:, : n_windows * span].reshape(*shape, n_columns)
         slope = jacobians[:, : n_windows * span].reshape(*shape, n_states)
         keep = max(1, span // ROWS_PER_WINDOW)
-        free, response = respond(slope, driven, part.dt, part.state_scale, keep)
+        free, response = respond(slope, driven, dt, scale, keep)
         if span <= 8 or np.max(np.abs(free)) < MAX_GROWTH:
             break
         span = max(8, span // 2)

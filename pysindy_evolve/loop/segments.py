@@ -12,7 +12,7 @@ from ..equations import stack
 from ..signals import Record, Windows, choose_windows
 from .sticking import moving
 
-__all__ = ["Segments", "ranges", "segments", "variables_of"]
+__all__ = ["Segments", "places_of", "ranges", "scale_of", "segments", "variables_of"]
 
 N_SEGMENTS = 16
 N_FOLDS = 8
@@ -104,15 +104,10 @@ def segments(
     -------
     Segments
     """
-    sizes = [record.n_samples for record in records]
-    step = max(8, min(sum(sizes) // n_segments, min(sizes)))
-    length = step if max_rows is None else max(8, min(step, max_rows // n_segments))
-    places = tuple(
-        (i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step)
-    )
+    places, length = places_of(records, n_segments, max_rows)
     z, x_dot, weight = _cut(records, velocities, places, length)
-    state_scale = _std(np.concatenate([record.x for record in records]))
-    rate_scale = _std(np.concatenate([record.x_dot for record in records]))
+    state_scale = scale_of([record.x for record in records])
+    rate_scale = scale_of([record.x_dot for record in records])
     windows = choose_windows(list(records))
     if windows.width > length // 2:
         windows = Windows(width=max(1, length // 2), stride=max(1, length // 8))
@@ -130,6 +125,17 @@ def segments(
         cutoff,
         places,
     )
+
+
+def places_of(
+    records: Sequence[Record], n_segments: int, max_rows: int | None = None
+) -> tuple[tuple[tuple[int, int], ...], int]:
+    """Return record and first row of each piece, and the length of all of them."""
+    sizes = [record.n_samples for record in records]
+    step = max(8, min(sum(sizes) // n_segments, min(sizes)))
+    length = step if max_rows is None else max(8, min(step, max_rows // n_segments))
+    places = ((i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step))
+    return tuple(places), length
 
 
 def variables_of(record: Record) -> np.ndarray:
@@ -196,6 +202,7 @@ def _band(record: Record, slowest: float) -> float:
     return max(reached / (2.0 * record.n_samples * record.dt), slowest)
 
 
-def _std(values: np.ndarray) -> np.ndarray:
-    scale = values.std(axis=0)
+def scale_of(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the standard deviation of each column over all parts; one where nothing changes."""
+    scale = np.concatenate(parts).std(axis=0)
     return np.where(scale > 0.0, scale, 1.0)

@@ -185,7 +185,7 @@ def _equivalent(field: Field, c: Columns, held: np.ndarray, h: np.ndarray) -> np
         for i in np.flatnonzero(held.any(axis=1)).tolist():
             up, down = both_slopes(field, c, s, i, h)
             s[i] = np.where(held[i], balance(up, down), s[i])
-        if np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
+        if not several or np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
             break
     return s
 
