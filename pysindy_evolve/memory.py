@@ -13,7 +13,8 @@ What rises above the brim b of a vessel runs over in a hundredth of its time con
 s of it arrives where the outlet leads.
 
 Each has the gain one, so the coefficients of a model keep their meaning. Before a record begins,
-the input is taken to have stood still at its first value, and the hidden state to be in balance.
+the input is taken to have stood still at its first value, and the hidden state to be in balance;
+`preceded` puts another value there.
 A memory changes the inputs of a record and nothing else: whatever works on records works on these.
 """
 
@@ -34,7 +35,8 @@ from .terms import Sum, add, call, constant, mul, power, sub
 if TYPE_CHECKING:
     from .signals import Record
 
-__all__ = ["DELAY", "LAG", "VESSEL", "Memory", "acting", "balance", "rate", "remembered"]
+__all__ = ["DELAY", "LAG", "VESSEL", "Memory", "acting", "balance", "preceded", "rate"]
+__all__ += ["raw_inputs", "remembered"]
 
 DELAY, LAG, VESSEL = "input delay", "actuator lag", "hidden state"
 N_SUBSTEPS = 4  # of a vessel, in each sample
@@ -128,6 +130,25 @@ def remembered(record: Record, memories: Sequence[Memory]) -> Record:
     for memory in memories:
         record = memory.apply(record)
     return record
+
+
+def preceded(record: Record, past: Sequence[float]) -> Record:
+    """Return a record before which the inputs stood at other values than their first ones.
+
+    The first raw sample of an input stands for all that came before it.
+    """
+    made, changed = record.preparation, raw_inputs(record).copy()
+    changed[0] = past
+    if made is None or made.u is None:
+        return replace(record, u=changed)
+    return replace(record, preparation=replace(made, u=changed))
+
+
+def raw_inputs(record: Record) -> np.ndarray:
+    """Return the inputs as they were measured, shape (n_raw, n_inputs)."""
+    made = record.preparation
+    raw = record.u if made is None or made.u is None else made.u
+    return np.empty((len(record), 0)) if raw is None else np.asarray(raw, dtype=float)
 
 
 def rate(memory: Memory, state: Sum, source: Sum) -> Sum:

@@ -10,11 +10,16 @@ import pysindy_evolve as pse
 from pysindy_evolve.hidden import with_memories
 from pysindy_evolve.loop.by_runs import LimitFinding, find_by_runs
 from pysindy_evolve.loop.declared import design_of
+from pysindy_evolve.loop.drift import drift_of
 from pysindy_evolve.loop.limits import limited, limits_of
+from pysindy_evolve.loop.past import begun
 from pysindy_evolve.loop.recall import MemoryFinding
 from pysindy_evolve.loop.records import widened
 from pysindy_evolve.loop.rules import Rules
-from pysindy_evolve.memory import Memory
+from pysindy_evolve.loop.runs import free_run
+from pysindy_evolve.loop.tuning import tuned
+from pysindy_evolve.loop.variants import Model
+from pysindy_evolve.memory import Memory, remembered
 from pysindy_evolve.simulation.pieces import simulate_pieces
 
 TANK = pse.DeclaredModel({"h": "k1*u - k2*sqrt(h)"}, inputs=["u"])
@@ -51,7 +56,7 @@ def found_in(record, declared=TANK, **options):
     design = design_of(declared, [record])
     rules = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
     rng = np.random.default_rng(options.get("seed", 0))
-    return find_by_runs(design, [], [record], widened([record]), rules, rng, [])
+    return find_by_runs(design, [], [record], widened([record]), rules, rng, [])[0]
 
 
 def test_hidden_vessel_is_found_with_its_time_constant():
@@ -156,3 +161,52 @@ def test_input_of_a_closed_loop_has_no_memory(seed):
     declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
     found = found_in(pse.prepare(np.arange(n) * dt, y, u), declared)
     assert not [f for f in found if isinstance(f, MemoryFinding | LimitFinding)]
+
+
+def cut_tanks(seed, skip=150):
+    """Level of a tank behind a hidden vessel, recorded from the middle; what acted there."""
+    n, upper = 750, Memory("hidden state", 0, (40.0,))
+    fine = np.arange((n + skip) * FINE) * DT / FINE
+    u = inflow(fine, seed)
+    acts, levels, h = upper.response(fine, u), np.empty(n + skip), 6.0
+    for k, arriving in enumerate(acts):
+        if k % FINE == 0:
+            levels[k // FINE] = h
+        h += DT / FINE * (0.02 * arriving - 0.024 * np.sqrt(h))
+    y = levels + 0.05 * np.random.default_rng(seed).standard_normal(n + skip)
+    record = pse.prepare(fine[::FINE][skip:], y[skip:], u[::FINE][skip:], order=1)
+    return record, float(acts[skip * FINE])
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_what_came_before_a_record_is_tuned_with_the_vessel(seed):
+    record, acted = cut_tanks(seed)
+    first = float(record.preparation.u[0, 0])
+    assert abs(first - acted) > 0.3  # else a start in balance would do
+    design = design_of(TANK, [record])
+    model = Model(design, (Memory("hidden state", 0, (25.0,)),))
+    drift = drift_of(Model(design), np.array([0.02, 0.024]), [record])
+    found = tuned(drift, model)
+    assert found.pasts[0][0] == pytest.approx(acted, abs=0.15)
+    assert found.memories[0].values[0] == pytest.approx(40.0, rel=0.2)
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_run_begins_with_the_hidden_state_that_the_first_rows_show(seed):
+    record, acted = cut_tanks(seed)
+    design = design_of(TANK, [record])
+    truth = with_memories(design.equations([0.02, 0.024]), [Memory("hidden state", 0, (40.0,))])
+    found = begun(truth, record)
+    assert float(found.preparation.u[0, 0]) == pytest.approx(acted, abs=0.3)
+    assert np.array_equal(found.preparation.u[1:], record.preparation.u[1:])
+    away = free_run(truth, record)[:, 0] - record.x[:, 0]
+    balanced = free_run(truth.inner, remembered(record, truth.memories))[:, 0] - record.x[:, 0]
+    assert np.sqrt(np.mean(away**2)) < 0.5 * np.sqrt(np.mean(balanced**2))
+
+
+def test_a_record_that_begins_in_balance_stays_as_it_is():
+    record = tanks(1, upper=(40.0,))
+    design = design_of(TANK, [record])
+    truth = with_memories(design.equations([0.02, 0.024]), [Memory("hidden state", 0, (40.0,))])
+    assert begun(truth, record) is record
+    assert begun(truth.inner, record) is record

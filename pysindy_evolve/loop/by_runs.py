@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..memory import remembered
 from ..signals import Record
 from .candidate import Candidate
 from .design import Design
@@ -30,7 +29,7 @@ from .shares import is_exact
 from .step import Finding
 from .trace import Score
 from .tuning import tuned
-from .variants import Model, Variant, memories_beside
+from .variants import Model, Pasts, Variant, memories_beside
 
 __all__ = ["LimitFinding", "find_by_runs", "limits_in", "with_findings"]
 
@@ -64,7 +63,7 @@ def find_by_runs(
     rules: Rules,
     rng: np.random.Generator,
     rejected: list[Rejected],
-) -> list[Finding]:
+) -> tuple[list[Finding], Pasts]:
     """Return findings with what free runs show besides, one after the other until none passes.
 
     Parameters
@@ -86,29 +85,34 @@ def find_by_runs(
 
     Returns
     -------
-    list of Finding
+    findings : list of Finding
         All of them; the numbers of the new memories are tuned again after each step.
+    pasts : tuple of (tuple of float)
+        For each record, where its inputs stood before it; empty where that does not matter.
     """
     before = list(findings)
     limits = _limits(_model(declared, before), records, rules, rng)
     new: list[Finding] = []
+    pasts: Pasts = ()
     while len(before) + len(new) < rules.max_effects:
         model = replace(
             _model(declared, [*before, *new]),
             limits=tuple(one.limit for one in limits),
             n_known=len(memories_of(before)),
+            pasts=pasts,
         )
         drift = _drift(model, records)
         step = None if drift is None else _best(drift, wide, bool(new), rules, rng, rejected)
         if step is None:
             break
-        new = _retuned([*new, step[0]], step[1])
-    kept = _needed(_model(declared, [*before, *new]), limits, records, rules)
+        new, pasts = _retuned([*new, step[0]], step[1]), step[1].pasts
+    whole = replace(_model(declared, [*before, *new]), pasts=pasts)
+    kept = _needed(whole, limits, records, rules)
     memories = [f for f in new if isinstance(f, MemoryFinding)]
     terms = [f for f in new if f not in memories]
     number = 1 + max((f.step for f in before), default=0)
     found = [*memories, *kept, *terms]
-    return [*before, *(replace(f, step=number + k) for k, f in enumerate(found))]
+    return [*before, *(replace(f, step=number + k) for k, f in enumerate(found))], pasts
 
 
 def _model(declared: Design, findings: Sequence[Finding]) -> Model:
@@ -129,7 +133,7 @@ def _limits(
 
     They are believed while the search goes on: what a sensor cannot show must not mislead it.
     """
-    acted = [remembered(record, model.memories) for record in records]
+    acted = model.acted(records)
     found = []
     for limit in limits_of(model.design, records):
         equations = model.design.equations(refit(model.design, acted, "derivative"))
@@ -158,7 +162,7 @@ def _needed(
 
 def _drift(model: Model, records: Sequence[Record]) -> Drift | None:
     """Return the drift of a model; None where there is none to explain."""
-    acted = [remembered(record, model.memories) for record in records]
+    acted = model.acted(records)
     if not model.design.columns or is_exact(model.design, segments(acted, model.design.velocities)):
         return None
     return drift_of(model, refit(model.design, acted, "derivative"), records)
@@ -260,7 +264,7 @@ def _as_rejected(finding: Finding, drift: Drift) -> Rejected:
 def _terms(drift: Drift) -> list[Variant]:
     """Return the effects of the vocabulary that may enter."""
     design = drift.model.design
-    acted = [remembered(record, drift.model.memories) for record in drift.records]
+    acted = drift.model.acted(drift.records)
     variables = np.concatenate([variables_of(record) for record in acted])
     present, found = standing(design), []
     for candidate in candidates(design, *ranges(variables)):
@@ -274,7 +278,7 @@ def _terms(drift: Drift) -> list[Variant]:
 def _refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
     """Tell whether the derivative is predicted worse with a variant than without it."""
     design = drift.model.design
-    acted = [remembered(record, drift.model.memories) for record in wide]
+    acted = drift.model.acted(wide)
     part = off_limits(segments(acted, design.velocities), drift.model.limits)
     if variant.memory is not None:
         gain = exchanged([variant.memory], design, acted, part)[0].gain

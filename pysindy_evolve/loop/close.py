@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pysindy as ps
 
-from ..memory import remembered
+from ..memory import preceded, remembered
 from ..operators import Operator, resolve
 from ..signals import Record
 from .algebraic import as_algebraic
@@ -145,10 +145,11 @@ def close_loop(
         finished = False
     findings, verdict = search.findings, search.verdict
     finished = finished and len(findings) < rules.max_effects
-    acted = part.of([remembered(record, memories_of(findings)) for record in wide])
+    acted = part.of([remembered(record, memories_of(findings)) for record in search.wide])
     acted = off_limits(acted, limits_in(findings))
     findings = contested(declared_design, findings, acted, rules.significance, rng.spawn(1)[0])
-    report = make_report(declared_design, findings, fit_on, judge_on, verdict, finished, rules, rng)
+    seen = search.plain
+    report = make_report(declared_design, findings, seen, judge_on, verdict, finished, rules, rng)
     return replace(report, rejected=search.rejected[-1] if search.rejected else None)
 
 
@@ -228,11 +229,14 @@ class _Search:
 
     def _watch_runs(self) -> None:
         child = self.rng.spawn(1)[0]
-        found = find_by_runs(
+        found, pasts = find_by_runs(
             self.declared, self.findings, self.plain, self.wide, self.rules, child, self.rejected
         )
         if len(found) > len(self.findings):
             self.findings = found
+            if pasts:
+                both = (self.plain, self.wide)
+                self.plain, self.wide = ([*map(preceded, records, pasts)] for records in both)
             self._look_through(found)
 
     def _grow(self) -> None:

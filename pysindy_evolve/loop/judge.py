@@ -13,6 +13,7 @@ from .bias import unbiased
 from .design import Design
 from .effect import Errors
 from .fit import Fit, derivative_errors, fit
+from .past import begun
 from .rules import Rules
 from .runs import simulation_errors
 from .shooting import shot
@@ -38,7 +39,7 @@ def judge(
     something is of no interest. Memories are what the inputs go through before they act. What only
     free runs showed is also fitted to them, as the derivative does not know it.
     """
-    train, test = ([remembered(r, memories) for r in records] for records in (train, test))
+    train = [remembered(record, memories) for record in train]
     fitted = fit(design, train, rng, rules.criterion)
     if by_runs:
         fitted = fit_by_runs(design, fitted, train, rng)
@@ -46,7 +47,9 @@ def judge(
         fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
         fitted = shot(design, fitted, train) if rules.refine != "derivative" else fitted
     equations = design.equations(fitted.coef)
+    whole = with_memories(equations, memories)
+    test = [remembered(begun(whole, record), memories) for record in test]
     windows = choose_windows(list(train))
     derivative = derivative_errors(design, fitted.coef, test, windows)
     simulation = simulation_errors(equations, test)
-    return fitted, Errors(derivative, simulation, with_memories(equations, memories))
+    return fitted, Errors(derivative, simulation, whole)

@@ -12,6 +12,7 @@ from ..equations import AlgebraicEquations, Equations
 from ..hidden import MemoryEquations, with_memories
 from ..signals import Record
 from ..simulation import simulate
+from .past import begun
 
 __all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 
@@ -44,8 +45,11 @@ def free_run(
 
 
 def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any) -> np.ndarray:
-    """Run over a record whose raw inputs also say what the hidden states were at its first row."""
-    hidden = []
+    """Run over a record whose raw inputs also say what the hidden states were at its first row.
+
+    Where they do not, its first rows do: what the inputs were before the record nobody measured.
+    """
+    record, hidden = begun(equations, record), []
     for memory in equations.memories:
         if memory.has_state:
             hidden.append(memory.state(record))

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..signals import Record
 
-__all__ = ["moving"]
+__all__ = ["moving", "noise_of"]
 
 AT_REST = 4.0  # standard deviations of the velocity noise below which a row has no weight ...
 IN_MOTION = 8.0  # ... and above which it has all
@@ -39,7 +39,7 @@ def moving(record: Record, velocities: Sequence[int]) -> np.ndarray:
     weights = np.ones_like(record.x)
     for state in velocities:
         speed = np.abs(record.x[:, state])
-        noise = _noise(record, state)
+        noise = noise_of(record, state)
         low = max(AT_REST * noise, LEAST * float(np.sqrt(np.mean(speed**2))))
         high = low * IN_MOTION / AT_REST
         share = np.clip((speed - low) / max(high - low, 1e-300), 0.0, 1.0)
@@ -48,8 +48,8 @@ def moving(record: Record, velocities: Sequence[int]) -> np.ndarray:
     return weights
 
 
-def _noise(record: Record, state: int) -> float:
-    """Return the standard deviation of the noise in a state, from that of the raw record.
+def noise_of(record: Record, state: int, further: int = 0) -> float:
+    """Return the standard deviation of the noise in a state, or in its further derivatives.
 
     White noise of density 2 dt s^2 that is derived k times has (2 pi f)^(2 k) times that density,
     up to the cutoff.
@@ -57,7 +57,7 @@ def _noise(record: Record, state: int) -> float:
     made = record.preparation
     if made is None or state // made.order >= len(made.noise):
         return 0.0
-    order = state % made.order
+    order = state % made.order + further
     top = made.cutoff or 0.5 / made.dt
     power = (2 * np.pi) ** (2 * order) * top ** (2 * order + 1) / (2 * order + 1)
     return float(made.noise[state // made.order] * np.sqrt(2.0 * made.dt * power))

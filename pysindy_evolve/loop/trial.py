@@ -111,13 +111,8 @@ class Trial:
         if rows is None or not np.isfinite(rows.response).all():
             return None
         miss = rows.of(self.target - self.x)
-        # The starts of each stretch are eliminated first, so that few unknowns are left.
-        both = (rows.response, miss)
-        columns, target = (rows.freed(part).reshape(-1, part.shape[-1]) for part in both)
-        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-        change = np.linalg.lstsq(columns / size, target[:, 0], rcond=1e-8)[0] / size
-        starts = rows.to_starts @ (miss - (rows.response @ change)[..., None])
-        return change, starts[..., 0] * self.scale
+        change = rows.change(rows.response, miss)
+        return change, rows.starts(rows.response, miss, change)
 
 
 Runner = Callable[[Sequence[Trial]], list[Trial]]
@@ -156,6 +151,34 @@ class Rows:
     def freed(self, rows: np.ndarray) -> np.ndarray:
         """Return rows without what the starts can explain."""
         return np.asarray(rows - self.basis @ (np.swapaxes(self.basis, 1, 2) @ rows))
+
+    def change(self, response: np.ndarray, miss: np.ndarray, damping: float = 0.0) -> np.ndarray:
+        """Return the change that meets a miss best, with the starts eliminated first.
+
+        Parameters
+        ----------
+        response : ndarray of shape (n_stretches, n_rows, p)
+            What a unit change moves.
+        miss : ndarray of shape (n_stretches, n_rows, 1)
+            What is to be met.
+        damping : float
+            Of Levenberg and Marquardt, relative to the square of each column.
+
+        Returns
+        -------
+        ndarray of shape (p,)
+        """
+        both = (response, miss)
+        columns, target = (self.freed(part).reshape(-1, part.shape[-1]) for part in both)
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        damped = np.vstack([columns / size, np.sqrt(damping) * np.eye(len(size))])
+        wanted = np.append(target[:, 0], np.zeros(len(size)))
+        return np.asarray(np.linalg.lstsq(damped, wanted, rcond=1e-8)[0] / size)
+
+    def starts(self, response: np.ndarray, miss: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Return by how much the starts follow a change, shape (n_stretches, n_states)."""
+        left = miss - (response @ change)[..., None]
+        return np.asarray((self.to_starts @ left)[..., 0] * self.scale)
 
 
 def settled(trials: Sequence[Trial]) -> list[Trial]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..memory import VESSEL, Memory, remembered
+from ..memory import VESSEL, Memory, preceded, remembered
 from ..signals import Record
 from ..terms import variable
 from .candidate import Candidate
@@ -23,7 +23,9 @@ from .segments import Segments
 from .trial import Trial
 from .vocabulary import VOCABULARY
 
-__all__ = ["Model", "Variant", "memories_beside"]
+__all__ = ["Model", "Pasts", "Variant", "memories_beside"]
+
+Pasts = tuple[tuple[float, ...], ...]  # for each record, where its inputs stood before it
 
 BRIMS = (0.55, 0.7, 0.85)  # of a vessel, shares of what it would be filled to at most
 SHARES = (0.0, 1.0)  # of what runs over: all is lost, or all arrives
@@ -43,23 +45,32 @@ class Model:
         Where states end.
     n_known : int
         So many of the memories, the first ones, keep their numbers: the derivative gave them.
+    pasts : tuple of (tuple of float)
+        For each training record, where its inputs stood before; by default at their first values.
     """
 
     design: Design
     memories: tuple[Memory, ...] = ()
     limits: tuple[Limit, ...] = ()
     n_known: int = 0
+    pasts: Pasts = ()
 
     @property
     def whole(self) -> Design:
         """The design with the limits in it."""
         return limited(self.design, self.limits)
 
+    def acted(self, records: Sequence[Record]) -> list[Record]:
+        """Return training records whose inputs are what acts."""
+        if self.pasts:
+            records = [preceded(r, past) for r, past in zip(records, self.pasts, strict=True)]
+        return [remembered(record, self.memories) for record in records]
+
     def trial(
         self, coef: np.ndarray, scale: np.ndarray, records: Sequence[Record], part: Segments
     ) -> Trial:
         """Return a trial that begins with coefficients, on pieces of records without memories."""
-        acted = part.of([remembered(record, self.memories) for record in records])
+        acted = part.of(self.acted(records))
         starts = acted.z[:, 0, : part.n_states]
         return Trial(self.whole, acted, scale, coef, starts, acted.z[:, :, : part.n_states])
 
