@@ -26,11 +26,13 @@ from .candidate import Candidate
 from .drift import Drift, drift_of
 from .effects import candidates
 from .fit import refit
+from .grow import PRICE
 from .inner import Contender, sharpened
 from .rules import Rules
 from .scoring import columns_of, score
 from .segments import Segments, ranges
 from .step import Finding
+from .trace import EVOLVED
 from .trial import Trial, settled
 from .variants import Model
 
@@ -98,19 +100,20 @@ def _winner(
     tuned = sharpened([Contender(own, drift.trial), *fitted], model, drift, records)
     best = tuned[0]
     for other in tuned[1:]:
-        if _is_better(other.trial, best.trial, rules, len(rivals)):
+        price = PRICE * max(other.candidate.size - best.candidate.size, 0)
+        least = max(-np.log1p(-rules.min_share), price if other.candidate.name == EVOLVED else 0.0)
+        if _is_closer(other.trial, best.trial, least, rules.significance / len(rivals)):
             best = other
     columns = columns_of(best.candidate, model.design)
     return replace(finding, candidate=best.candidate, columns=columns)
 
 
-def _is_better(one: Trial, other: Trial, rules: Rules, n_rivals: int) -> bool:
-    """Tell whether runs are closer by what matters, on more stretches than chance explains."""
-    if not np.log(other.error / max(one.error, 1e-300)) > -np.log1p(-rules.min_share):
+def _is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
+    """Tell whether the log error is less by so much, on more stretches than chance explains."""
+    if not np.log(other.error / max(one.error, 1e-300)) > least:
         return False
     closer = _squares(other) - _squares(one)
-    p_value = wilcoxon(closer, alternative="greater").pvalue
-    return bool(p_value <= rules.significance / n_rivals)
+    return bool(wilcoxon(closer, alternative="greater").pvalue <= level)
 
 
 def _closest(

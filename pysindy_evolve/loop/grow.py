@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from itertools import product
 
 import numpy as np
 
@@ -22,7 +21,6 @@ from .design import Design
 from .effects import candidates, standing
 from .fit import derivative_intervals
 from .residual import forces
-from .rivals import rounded_off
 from .rules import Rules
 from .scoring import columns_of, score
 from .seeds import screened, small_terms
@@ -32,7 +30,7 @@ from .spectral import spectral_rows, spectral_weights
 from .step import Finding, find
 from .trace import EVOLVED, Score
 
-__all__ = ["OPERATORS", "Garden", "grow", "named"]
+__all__ = ["OPERATORS", "PRICE", "Garden", "grow", "named"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
 # saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
@@ -41,11 +39,9 @@ N_SEEDS = 40  # small terms that the search begins with
 N_FINALISTS = 6  # that are tested as well: what does best by itself need not be in the equation
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
-BETTER = 0.05  # log error that a grown term must gain over names, besides its price
-WIDTHS = (0.2, 0.1, 0.05, 0.025)  # a filter rounds a sign off, and friction is friction still
+BETTER = 1.25  # times the log error that names gain: the same effect filtered does a little better
 USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
-RELATIVE_PRICE = 0.05  # share of its gain, where that is less
 
 
 def grow(
@@ -171,20 +167,17 @@ class Garden:
         """Return a grown term that does clearly better on fresh segments than named effects."""
         if self.pool is None:
             self.pool = self._grow(self.declared)
+        names = [finding.candidate for finding in found]
         fresh = [c for c in self.pool if c.name == EVOLVED]
-        grown = score(design, self.fresh, fresh, pairs=False) if fresh else []
+        if not fresh:
+            return []
+        grown = score(design, self.fresh, fresh, pairs=False)
+        ours = score(design, self.fresh, names, pairs=True)
+        named_scores = [_net(s) for s in ours if len(s.group) == len(names)]
         best = max(grown, key=_net, default=None)
-        if best is None or _net(best) <= self._of_names(design, found) + BETTER:
+        if best is None or _net(best) <= BETTER * max(named_scores, default=0.0):
             return []
         return self._test(design, list(best.group))
-
-    def _of_names(self, design: Design, found: Sequence[Finding]) -> float:
-        """Return what named effects gain on fresh segments, each with its sign sharp or not."""
-        names = [finding.candidate for finding in found]
-        forms = [[c, *rounded_off(c, self.fresh, WIDTHS)] for c in names]
-        scores = score(design, self.fresh, [c for group in forms for c in group])
-        allowed = {frozenset(group) for group in product(*forms)}
-        return max((s.value for s in scores if frozenset(s.group) in allowed), default=0.0)
 
     def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
         """Grow terms on what a design leaves, and return the best one that passes."""
@@ -225,5 +218,4 @@ def _given(grown: list[Candidate], *_: object) -> list[Candidate]:
 
 def _net(score: Score) -> float:
     """Return what a group gains per effect, less the price of its nodes."""
-    price = min(PRICE, RELATIVE_PRICE * max(score.value, 0.0))
-    return score.value - price * sum(c.size for c in score.group) / len(score.group)
+    return score.value - PRICE * sum(c.size for c in score.group) / len(score.group)

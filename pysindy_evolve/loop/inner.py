@@ -1,7 +1,7 @@
 """Numbers inside an effect, such as the width of a dead zone, tuned by free runs.
 
-Beside the effect stands the slope of its terms in the logarithm of each number. What coefficient
-the runs give to that is how far to change the logarithm (Gauss-Newton, a few times).
+Beside the effect stands the slope of its terms in the logarithm of each number. The coefficient
+that a Gauss-Newton step gives to it is how far to change the logarithm.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from .variants import Model
 
 __all__ = ["Contender", "sharpened"]
 
-N_STEPS = 3
+N_STEPS = 2
+FAR = 4.0  # times the least error: an effect that misses by more will not catch up
 MOST = 0.7  # change of a logarithm in one step: a factor of two
 SLOPE = 1e-3  # of a logarithm, to see what it changes
 MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
@@ -64,33 +65,35 @@ def sharpened(
         The same ones where there is nothing to tune.
     """
     found = list(contenders)
-    active = [k for k, one in enumerate(found) if _shape_of(one.candidate) is not None]
+    least = min(one.error for one in found)
+    active = [k for k, one in enumerate(found) if one.error <= FAR * least]
     for _ in range(N_STEPS):
-        beside = settled([_with_slopes(found[k], model) for k in active])
-        moved = [_moved(found[k], trial) for k, trial in zip(active, beside, strict=True)]
-        begun = [
-            begin(one, model, found[k].trial, drift, records)
-            for k, one in zip(active, moved, strict=True)
-        ]
-        after = [Contender(c, t) for c, t in zip(moved, settled(begun), strict=True)]
-        better = [
-            (k, one) for k, one in zip(active, after, strict=True) if one.error < found[k].error
-        ]
-        for k, one in better:
-            found[k] = one
-        active = [k for k, _ in better]
-        if not active:
-            break
+        moved = {k: _moved(found[k], model, drift, records) for k in active}
+        begun = {k: one for k, one in moved.items() if one is not None}
+        trials = settled([one.trial for one in begun.values()])
+        active = []
+        for (k, one), trial in zip(begun.items(), trials, strict=True):
+            if trial.error < found[k].error:
+                found[k] = Contender(one.candidate, trial)
+                active.append(k)
     return found
 
 
-def begin(
-    candidate: Candidate, model: Model, like: Trial, drift: Drift, records: Sequence[Record]
-) -> Trial:
-    """Return a trial of a model with an effect that begins where another one ended."""
+def _moved(
+    one: Contender, model: Model, drift: Drift, records: Sequence[Record]
+) -> Contender | None:
+    """Return an effect with its numbers a step further, not run yet; None if it has none."""
+    shape, trial = _shape_of(one.candidate), one.trial
+    change = None if shape is None else _with_slopes(one, shape, model).change()
+    if shape is None or change is None:
+        return None
+    n_own = len(trial.coef)
+    steps = np.clip(np.nan_to_num(change[0][n_own:]), -MOST, MOST)
+    candidate = _at(one.candidate, shape, steps)
     whole = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
-    trial = whole.trial(like.coef, drift.trial.scale, records, drift.part)
-    return replace(trial, starts=like.starts)
+    coef = trial.coef + change[0][:n_own]
+    begun = whole.trial(coef, drift.trial.scale, records, drift.part)
+    return Contender(candidate, replace(begun, starts=trial.starts + change[1]))
 
 
 def _shape_of(candidate: Candidate) -> Shape | None:
@@ -110,35 +113,23 @@ def _built(term: Product, signs: np.ndarray, *values: float) -> Sum:
     return Sum(((1.0, term.with_constants(constants)),))
 
 
-def _at(candidate: Candidate, steps: np.ndarray) -> Candidate:
+def _at(candidate: Candidate, shape: Shape, steps: np.ndarray) -> Candidate:
     """Return an effect with the logarithms of its numbers changed."""
-    shape = _shape_of(candidate)
-    if shape is None:
-        return candidate
     values = tuple((np.array(shape.values) * np.exp(steps)).tolist())
     there = replace(shape, values=values)
     kept = None if candidate.shape is None else there
     return replace(candidate, terms=there.terms, shape=kept)
 
 
-def _with_slopes(one: Contender, model: Model) -> Trial:
+def _with_slopes(one: Contender, shape: Shape, model: Model) -> Trial:
     """Return a trial with the slopes of an effect's terms in its numbers beside them."""
     candidate, trial = one.candidate, one.trial
-    shape = _shape_of(candidate)
-    n_numbers = 0 if shape is None else len(shape.values)
     weights = trial.coef[len(trial.coef) - len(candidate.terms) :]
     columns = []
-    for row in SLOPE * np.eye(n_numbers):
-        pairs = zip(_at(candidate, row).terms, candidate.terms, weights, strict=True)
+    for row in SLOPE * np.eye(len(shape.values)):
+        pairs = zip(_at(candidate, shape, row).terms, candidate.terms, weights, strict=True)
         slopes = [mul(constant(float(w) / SLOPE), sub(there, here)) for there, here, w in pairs]
         total = reduce(add, slopes)
         columns.append(in_state("slope", total, candidate.state, len(model.design.states)))
-    coef = np.append(trial.coef, np.zeros(n_numbers))
+    coef = np.append(trial.coef, np.zeros(len(columns)))
     return replace(trial, design=trial.design.adding(columns), coef=coef)
-
-
-def _moved(one: Contender, beside: Trial) -> Candidate:
-    shape = _shape_of(one.candidate)
-    n_numbers = 0 if shape is None else len(shape.values)
-    steps = beside.coef[len(beside.coef) - n_numbers :]
-    return _at(one.candidate, np.clip(np.nan_to_num(steps), -MOST, MOST))

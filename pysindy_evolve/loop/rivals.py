@@ -19,9 +19,9 @@ from .scoring import columns_of
 from .segments import Segments, ranges
 from .spectral import spectral_grams
 
-__all__ = ["Rival", "rivals_of", "rounded_off"]
+__all__ = ["Rival", "rivals_of"]
 
-ROUNDED = (0.1,)  # widths of a sign that is rounded off, in sizes of what it is the sign of
+ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the sign of
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ def rivals_of(
     """
     known = standing(design)
     proposed = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
-    proposed += rounded_off(candidate, part)
+    proposed += _rounded(candidate, part)
     complete = [_with_offset(c, known) for c in proposed]
     able = [c for c in complete if all((c.state, parent) in known for parent in c.parents)]
     if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
@@ -133,25 +133,8 @@ def _is_form(one: Candidate, other: Candidate) -> bool:
     return None not in shapes and (one.name, one.state) == (other.name, other.state)
 
 
-def rounded_off(
-    candidate: Candidate, part: Segments, widths: Sequence[float] = ROUNDED
-) -> list[Candidate]:
-    """Return an effect with its sign functions rounded off, as a hyperbolic tangent is.
-
-    Parameters
-    ----------
-    candidate : Candidate
-        The effect.
-    part : Segments
-        Pieces of records.
-    widths : sequence of float
-        In sizes of what it is the sign of.
-
-    Returns
-    -------
-    list of Candidate
-        One for each width; empty for an effect of several terms, or without just one sign in it.
-    """
+def _rounded(candidate: Candidate, part: Segments) -> list[Candidate]:
+    """Return an effect with its sign functions rounded off, as a hyperbolic tangent is."""
     if len(candidate.terms) != 1:
         return []
     (term,) = candidate.terms
@@ -165,8 +148,7 @@ def rounded_off(
         return []
     (inside,) = signs
     size = float(np.std(inside.evaluate(part.z.reshape(-1, part.z.shape[-1]))))
-    soft = (_soft(term, inside, width * size) for width in widths)
-    return [replace(candidate, terms=(term,), shape=None) for term in soft]
+    return [Candidate(candidate.name, candidate.state, (_soft(term, inside, ROUNDED * size),))]
 
 
 def _soft(term: Sum, inside: Sum, width: float) -> Sum:
