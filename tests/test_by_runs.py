@@ -9,14 +9,17 @@ from loop_systems import equations_of, multisine
 import pysindy_evolve as pse
 from pysindy_evolve.hidden import with_memories
 from pysindy_evolve.loop.by_runs import LimitFinding, find_by_runs
+from pysindy_evolve.loop.candidate import Candidate
 from pysindy_evolve.loop.declared import design_of
 from pysindy_evolve.loop.drift import drift_of
 from pysindy_evolve.loop.limits import limited, limits_of
 from pysindy_evolve.loop.past import begun
 from pysindy_evolve.loop.recall import MemoryFinding
 from pysindy_evolve.loop.records import widened
+from pysindy_evolve.loop.revise import prune
 from pysindy_evolve.loop.rules import Rules
 from pysindy_evolve.loop.runs import free_run
+from pysindy_evolve.loop.segments import segments
 from pysindy_evolve.loop.tuning import tuned
 from pysindy_evolve.loop.variants import Model
 from pysindy_evolve.memory import Memory, remembered
@@ -91,6 +94,15 @@ def test_rest_of_a_coarse_sensor_is_no_limit():
     coarse = np.round(np.minimum(record.preparation.y, 7.0) / 0.25) * 0.25
     again = pse.prepare(record.preparation.t, coarse, record.preparation.u, order=1)
     assert limits_of(design_of(TANK, [again]), [again]) == []
+
+
+def test_what_only_free_runs_showed_is_not_pruned_by_the_derivative():
+    record = tanks(1, clip=8.0)
+    design = design_of(TANK, [record])
+    (limit,) = limits_of(design, [record])
+    candidate = Candidate("saturation", 0, (limit.term,))
+    found = LimitFinding(candidate, (), 30.0, 0.001, np.zeros(3), by_runs=True, limit=limit)
+    assert prune(design, [found], segments([record])) == [found]
 
 
 def test_limited_state_stays_at_its_limit_and_leaves_it_again():

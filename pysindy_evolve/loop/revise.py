@@ -123,7 +123,7 @@ def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Fin
     """Drop effects that later ones made superfluous, unless one of those needs them."""
     for finding in list(findings):
         rest = [f for f in findings if f is not finding]
-        if isinstance(finding, MemoryFinding):
+        if isinstance(finding, MemoryFinding) or finding.by_runs:  # the derivative is blind to it
             continue
         needed = {parent for f in rest for parent in f.candidate.parents}
         if needed & set(finding.candidate.terms):
