@@ -19,6 +19,7 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.stats import wilcoxon
+from tqdm.auto import tqdm
 
 from ..memory import remembered
 from ..signals import Record
@@ -69,9 +70,11 @@ def held_against(
     Returns
     -------
     list of Finding
+        Their p-values stay: that something is missing there was tested before.
     """
     kept = list(findings)
-    for place, finding in enumerate(findings):
+    bar = tqdm(findings, desc="free runs", disable=not rules.progress, leave=False)
+    for place, finding in enumerate(bar):
         rest = [f for k, f in enumerate(kept) if k != place]
         needed = {parent for f in rest for parent in f.candidate.parents}
         if finding.columns and not needed & set(finding.candidate.terms):
