@@ -24,6 +24,7 @@ from ..terms import Product, Sum, call, constant, mul, variable
 __all__ = ["screened", "small_terms"]
 
 SCALES = (0.5, 1.0, 3.0)  # numbers in a curved function, over the size of the variable
+CHUNK = 200  # terms that are evaluated at a time, so that memory does not grow with them
 
 
 def small_terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
@@ -69,6 +70,12 @@ def screened(problem: Problem, terms: Sequence[Product], n: int) -> list[Product
     -------
     list of Product
     """
+    chunks = [terms[i : i + CHUNK] for i in range(0, len(terms), CHUNK)]
+    best = [term for chunk in chunks for term in _best(problem, chunk, n)]
+    return _best(problem, best, n)
+
+
+def _best(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
     dictionary = build_dictionary(problem, terms)
     left, _ = gains(dictionary.gram.scaled(dictionary.gram.scale), np.array([], dtype=int))
     return [dictionary.terms[j] for j in np.argsort(left, kind="stable")[:n]]
