@@ -60,3 +60,12 @@ def test_numbers_inside_an_effect_are_tuned_by_the_runs():
     winner = held(slack, "dead zone", noise=2e-3)
     assert winner.name == "dead zone"
     assert winner.shape.values == pytest.approx([0.25], rel=0.03)
+
+
+def test_a_function_of_a_plain_variable_is_given_its_scale():
+    spring = oscillator(
+        "a spring that stiffens", "- 4*exp(0.6*q)", "-k*q - c*v + b*F + o", size=60.0
+    )
+    plain = Candidate("evolved term", 1, (call(BUILTIN["exp"], variable(0)),))
+    winner = held(spring, "cubic stiffness", [plain], noise=1e-4)
+    assert winner.terms[0].constants == pytest.approx([0.6], rel=0.03)

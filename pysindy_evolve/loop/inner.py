@@ -12,8 +12,9 @@ from functools import partial, reduce
 
 import numpy as np
 
+from ..genetics import CURVED
 from ..signals import Record
-from ..terms import Product, Sum, add, constant, mul, sub
+from ..terms import Call, Product, Sum, add, constant, mul, simplified, sub
 from .candidate import Candidate, Shape
 from .design import in_state
 from .drift import Drift
@@ -101,11 +102,26 @@ def _shape_of(candidate: Candidate) -> Shape | None:
     if candidate.shape is not None:
         return candidate.shape
     parts = [part for term in candidate.terms for part in term.parts]
-    numbers = np.array(parts[0][1].constants)
+    term, numbers = parts[0][1], np.array(parts[0][1].constants)
+    if not len(numbers):  # exp(v) is exp(1 v)
+        term = _with_numbers(term)
+        numbers = np.ones(len(term.constants))
     if len(parts) != 1 or not 0 < len(numbers) <= MOST_NUMBERS or not numbers.all():
         return None
-    build = partial(_built, parts[0][1], np.sign(numbers))
+    build = partial(_built, term, np.sign(numbers))
     return Shape(tuple(np.abs(numbers).tolist()), (build,))
+
+
+def _with_numbers(term: Product) -> Product:
+    """Return a term with some number before the argument of each curved function."""
+    return simplified(
+        tuple(
+            (Call(atom.operator, tuple(mul(constant(2.0), a) for a in atom.args)), n)
+            if isinstance(atom, Call) and atom.operator.name in CURVED
+            else (atom, n)
+            for atom, n in term.factors
+        )
+    )
 
 
 def _built(term: Product, signs: np.ndarray, *values: float) -> Sum:
