@@ -113,7 +113,7 @@ def _winner(
 
 def _is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
     """Tell whether the log error is less by so much, on more stretches than chance explains."""
-    if not np.log(other.error / max(one.error, 1e-300)) > least:
+    if not one.error < np.exp(-least) * other.error:  # so too where both are zero
         return False
     closer = _squares(other) - _squares(one)
     return bool(wilcoxon(closer, alternative="greater").pvalue <= level)
