@@ -21,7 +21,6 @@ import numpy as np
 from scipy.stats import wilcoxon
 from tqdm.auto import tqdm
 
-from ..memory import remembered
 from ..signals import Record
 from .candidate import Candidate
 from .drift import Drift, drift_of
@@ -135,8 +134,7 @@ def _fitted(
 ) -> tuple[Model, np.ndarray]:
     """Return a model with an effect, and the coefficients that the derivative gives."""
     whole = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
-    acted = [remembered(record, model.memories) for record in records]
-    return whole, refit(whole.design, acted, "derivative")
+    return whole, refit(whole.design, model.acted(records), "derivative")
 
 
 def _begun(model: Model, candidate: Candidate, drift: Drift, records: Sequence[Record]) -> Trial:
