@@ -7,15 +7,18 @@ SIAM J. Numer. Anal. 10, 1973, doi:10.1137/0710036).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from .dictionary import Dictionary
 from .terms import Product
 
-__all__ = ["tune"]
+__all__ = ["tune", "tune_constants"]
 
+N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
+TUNING_ROWS = 800  # are enough to tune one or two constants
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)  # a coarse look around before the local search
 
 
@@ -76,6 +79,46 @@ def tune(
     kept = [c for c in (first, found) if np.all(np.abs(c) > 1e-6 * np.abs(start))]
     best = min((start, *kept), key=error)
     return _with(terms, best)
+
+
+def tune_constants(
+    dictionary: Dictionary,
+    front: Sequence[np.ndarray],
+    fitness: np.ndarray,
+    partners: np.ndarray,
+    known: set[Hashable],
+    alike: bool = False,
+) -> list[Product]:
+    """Tune the inner constants of the best terms that have some, each beside its equation.
+
+    What has been tuned beside an equation of the same form is `known`; where terms are `alike`,
+    it makes way for another, and the best equation is tuned again.
+    """
+    problem, n_fixed = dictionary.problem, dictionary.n_fixed
+    tuned: list[Product] = []
+    step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
+    order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
+    forms = [term.skeleton for term in dictionary.terms]
+    cases: dict[Hashable, tuple[int, list[int]]] = {}
+    for j in order if alike else order[:N_TUNED]:
+        beside = [i for i in front[partners[j]] if i != j]
+        case = forms[j], frozenset(forms[i] for i in beside)
+        fresh = case not in known or (alike and j in front[0])
+        if fresh and case not in cases:
+            cases[case] = j, beside
+        if len(cases) == N_TUNED:
+            break
+    known.update(cases)
+    for j, beside in cases.values():
+        others = dictionary.theta[:, [*range(n_fixed), *(n_fixed + i for i in beside)]]
+        tuned += tune(
+            [dictionary.terms[j]],
+            problem.x[::step],
+            dictionary.y[::step],
+            others[::step],
+            project=problem.project,
+        )
+    return tuned
 
 
 def _around(start: np.ndarray) -> list[np.ndarray]:

@@ -18,7 +18,6 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -26,8 +25,9 @@ from tqdm.auto import tqdm
 
 from . import parsimony, regression
 from .beam import best_subsets, with_exchanges
-from .constants import tune
+from .constants import tune_constants
 from .dictionary import Dictionary, Problem, Project, build_dictionary, price
+from .generation import Evolution, Generation, Settings
 from .genetics import Genetics
 from .operators import Operator
 from .plateau import Plateau
@@ -36,77 +36,10 @@ from .relatives import relatives
 from .selection import Selection, select
 from .terms import ONE, Product, Variable
 
-__all__ = ["Evolution", "Generation", "Settings", "evolve"]
+__all__ = ["evolve"]
 
 ROWS = 3000  # rows that a generation is scored on; the final refit sees all of them
 FINALISTS = 24  # terms that are weighed against each other on all rows
-N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
-TUNING_ROWS = 800  # are enough to tune one or two constants
-
-
-@dataclass(frozen=True)
-class Settings:
-    """Parameters of the search, named as in `EvolvingLibrary`."""
-
-    population_size: int = 80
-    n_generations: int = 30
-    crossover_rate: float = 0.9
-    mutation_rate: float = 0.1
-    max_depth: int = 4
-    max_terms: int = 12
-    patience: int = 10
-
-
-@dataclass(frozen=True)
-class Generation:
-    """What one generation found.
-
-    Parameters
-    ----------
-    number : int
-        Counted from one.
-    terms : tuple of Product
-        The best equation, without coefficients.
-    coef : tuple of float
-        Its coefficients, in units of the target per unit of the term.
-    fitness : float
-        Mean square error of the best equation, as a share of the mean square of the target.
-    time : float
-        Seconds since the search began.
-    """
-
-    number: int
-    terms: tuple[Product, ...]
-    coef: tuple[float, ...]
-    fitness: float
-    time: float
-
-    @property
-    def n_terms(self) -> int:
-        """Number of terms of the best equation."""
-        return len(self.terms)
-
-
-@dataclass(frozen=True)
-class Evolution:
-    """Result of a search.
-
-    Parameters
-    ----------
-    terms : tuple of Product
-        Terms of the equation, found on top of the fixed columns.
-    coef : tuple of float
-        Their coefficients, least squares on all rows, in units of the target per unit of term.
-    history : tuple of Generation
-        One record for each generation.
-    finalists : tuple of Product
-        Terms that were weighed against each other at the end, best first.
-    """
-
-    terms: tuple[Product, ...]
-    coef: tuple[float, ...]
-    history: tuple[Generation, ...]
-    finalists: tuple[Product, ...] = ()
 
 
 def evolve(
@@ -277,46 +210,6 @@ def rate(
         row[:] = n_effective * np.log(with_term / gram.n) + cost[support].sum() + cost
         row[support] -= cost[support]
     return value.min(axis=0), value.argmin(axis=0)
-
-
-def tune_constants(
-    dictionary: Dictionary,
-    front: Sequence[np.ndarray],
-    fitness: np.ndarray,
-    partners: np.ndarray,
-    known: set[Hashable],
-    alike: bool = False,
-) -> list[Product]:
-    """Tune the inner constants of the best terms that have some, each beside its equation.
-
-    What has been tuned beside an equation of the same form is `known`; where terms are `alike`,
-    it makes way for another, and the best equation is tuned again.
-    """
-    problem, n_fixed = dictionary.problem, dictionary.n_fixed
-    tuned: list[Product] = []
-    step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
-    order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
-    forms = [term.skeleton for term in dictionary.terms]
-    cases: dict[Hashable, tuple[int, list[int]]] = {}
-    for j in order if alike else order[:N_TUNED]:
-        beside = [i for i in front[partners[j]] if i != j]
-        case = forms[j], frozenset(forms[i] for i in beside)
-        fresh = case not in known or (alike and j in front[0])
-        if fresh and case not in cases:
-            cases[case] = j, beside
-        if len(cases) == N_TUNED:
-            break
-    known.update(cases)
-    for j, beside in cases.values():
-        others = dictionary.theta[:, [*range(n_fixed), *(n_fixed + i for i in beside)]]
-        tuned += tune(
-            [dictionary.terms[j]],
-            problem.x[::step],
-            dictionary.y[::step],
-            others[::step],
-            project=problem.project,
-        )
-    return tuned
 
 
 def _leaves_nothing(dictionary: Dictionary) -> bool:

@@ -14,7 +14,8 @@ from sklearn.utils import check_random_state
 from . import checks, handover
 from .denoise import Rows, denoise
 from .dictionary import Problem, build_dictionary
-from .evolution import Evolution, Settings, evolve
+from .evolution import evolve
+from .generation import Evolution, Settings
 from .operators import Operator, resolve
 from .term_library import TermColumns
 from .terms import ONE, Product

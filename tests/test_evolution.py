@@ -9,7 +9,8 @@ from pysindy_evolve import regression
 from pysindy_evolve.constants import tune
 from pysindy_evolve.datasets import duffing
 from pysindy_evolve.dictionary import Problem, build_dictionary, price, written_out
-from pysindy_evolve.evolution import Settings, evolve, rate
+from pysindy_evolve.evolution import evolve, rate
+from pysindy_evolve.generation import Settings
 from pysindy_evolve.library import EvolvingLibrary
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.optimizer import ElasticNet

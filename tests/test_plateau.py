@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pysindy_evolve.dictionary import Problem
-from pysindy_evolve.evolution import Generation
+from pysindy_evolve.generation import Generation
 from pysindy_evolve.plateau import Plateau, likeness
 from pysindy_evolve.terms import Product, Variable
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..signals import Record
 from .candidate import Candidate
+from .chance import p_value_of
 from .design import Design
 from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models, gains_of_terms
 from .effects import candidates, standing
@@ -138,7 +139,7 @@ def _limits(
     for limit in limits_of(model.design, records):
         equations = model.design.equations(refit(model.design, acted, "derivative"))
         length, lengths = plateaus(limit, equations, acted, N_SIGNS, rng)
-        p_value = (1.0 + float(np.sum(lengths >= length))) / (1.0 + len(lengths))
+        p_value = p_value_of(length, lengths)
         if p_value <= rules.level_of_runs:
             candidate = Candidate(LIMITED, limit.state, (limit.term,))
             own = (candidate, (), float(length), p_value, lengths)

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..signals import Record
 from .candidate import Candidate
+from .chance import p_value_of
 from .design import Column, Design
 from .drifting import DriftingTwins
 from .scoring import columns_of
@@ -69,7 +70,7 @@ def twin_chance(
             break
         if len(leads) >= FEWEST and CLEAR * max(leads) < observed:
             return 1.0 / (1 + N_TWINS)
-    return float((1 + np.sum(np.array(leads) >= observed)) / (1 + len(leads)))
+    return p_value_of(observed, leads)
 
 
 def _lead(

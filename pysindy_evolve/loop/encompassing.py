@@ -38,6 +38,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .chance import p_value_of
 from .linear import solve
 
 __all__ = ["Left", "chance", "left_by"]
@@ -135,7 +136,7 @@ def chance(
     both = replace(left, slopes=left.slopes - explained[..., 0])
     signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(grams)))
     largest = both.ratios(signs).max(axis=1)
-    return float((1 + np.sum(largest >= observed)) / (1 + N_SIGNS))
+    return p_value_of(observed, largest)
 
 
 def _freed(grams: np.ndarray, model: Sequence[int]) -> np.ndarray:

@@ -12,7 +12,8 @@ from functools import partial
 import numpy as np
 
 from ..dictionary import Problem
-from ..evolution import Settings, evolve
+from ..evolution import evolve
+from ..generation import Settings
 from ..operators import Operator
 from ..signals import Record
 from ..terms import Product, Sum

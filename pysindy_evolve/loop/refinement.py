@@ -15,6 +15,7 @@ import numpy as np
 
 from ..signals import Record
 from .candidate import Candidate
+from .chance import p_value_of
 from .design import Design
 from .rules import Rules
 from .scoring import columns_of, quick_fit, score
@@ -67,7 +68,7 @@ def justified(
     lead = partial(_lead, design=design, forms=forms, plain=[s.group[0] for s in plain])
     observed = lead(part, [])
     twins = twin_values(TwinMaker.of(equations, records), part, lead, observed, rules, rng)
-    p_value = (1.0 + float(np.sum(twins >= observed))) / (1.0 + len(twins))
+    p_value = p_value_of(observed, twins)
     return candidate if p_value <= rules.level else null
 
 

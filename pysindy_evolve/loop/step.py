@@ -11,6 +11,7 @@ import numpy as np
 from ..equations import Equations
 from ..signals import Record
 from .candidate import Candidate
+from .chance import p_value_of
 from .design import Column, Design
 from .drifting import DriftingTwins
 from .refinement import justified
@@ -124,7 +125,7 @@ def find(
     statistic = partial(_best_score, design=design, proposer=proposer)
     observed = min(best.value, searched[0].value)
     twins = twin_values(maker, part, statistic, observed, rules, rng)
-    p_value = float((1.0 + np.sum(twins >= observed)) / (1.0 + len(twins)))
+    p_value = p_value_of(observed, twins)
     if p_value > rules.level or not worthy:
         rejected.append(Rejected(best, shares.of(best), p_value, twins, names))
         return []

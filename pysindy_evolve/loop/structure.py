@@ -17,6 +17,7 @@ import numpy as np
 
 from ..signals import Record
 from ..terms import Cache
+from .chance import p_value_of
 from .design import Column, Design
 from .rules import Rules
 from .scoring import quick_fit
@@ -92,7 +93,7 @@ def structure_chance(
     maker = TwinMaker.of(quick_fit(design, part), records)
     statistic = partial(_gain_in_twin, design=design, columns=columns)
     values = twin_values(maker, part, statistic, observed, rules, rng)
-    return float((1 + np.sum(values >= observed)) / (1 + len(values)))
+    return p_value_of(observed, values)
 
 
 def _gain_in_twin(

@@ -1,0 +1,74 @@
+"""What a search is told and what it tells: its settings, its generations, its result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .terms import Product
+
+__all__ = ["Evolution", "Generation", "Settings"]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Parameters of the search, named as in `EvolvingLibrary`."""
+
+    population_size: int = 80
+    n_generations: int = 30
+    crossover_rate: float = 0.9
+    mutation_rate: float = 0.1
+    max_depth: int = 4
+    max_terms: int = 12
+    patience: int = 10
+
+
+@dataclass(frozen=True)
+class Generation:
+    """What one generation found.
+
+    Parameters
+    ----------
+    number : int
+        Counted from one.
+    terms : tuple of Product
+        The best equation, without coefficients.
+    coef : tuple of float
+        Its coefficients, in units of the target per unit of the term.
+    fitness : float
+        Mean square error of the best equation, as a share of the mean square of the target.
+    time : float
+        Seconds since the search began.
+    """
+
+    number: int
+    terms: tuple[Product, ...]
+    coef: tuple[float, ...]
+    fitness: float
+    time: float
+
+    @property
+    def n_terms(self) -> int:
+        """Number of terms of the best equation."""
+        return len(self.terms)
+
+
+@dataclass(frozen=True)
+class Evolution:
+    """Result of a search.
+
+    Parameters
+    ----------
+    terms : tuple of Product
+        Terms of the equation, found on top of the fixed columns.
+    coef : tuple of float
+        Their coefficients, least squares on all rows, in units of the target per unit of term.
+    history : tuple of Generation
+        One record for each generation.
+    finalists : tuple of Product
+        Terms that were weighed against each other at the end, best first.
+    """
+
+    terms: tuple[Product, ...]
+    coef: tuple[float, ...]
+    history: tuple[Generation, ...]
+    finalists: tuple[Product, ...] = ()

@@ -1,0 +1,19 @@
+"""The chance that a statistic is so large where nothing is missing, from values of it there.
+
+References
+----------
+Phipson and Smyth, Stat. Appl. Genet. Mol. Biol. 9 (2010), DOI 10.2202/1544-6115.1585: never zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+__all__ = ["p_value_of"]
+
+
+def p_value_of(observed: float, values: np.ndarray | Sequence[float]) -> float:
+    """Return (1 + number of values at least as large) / (1 + number of values)."""
+    return float((1 + np.sum(np.asarray(values) >= observed)) / (1 + len(values)))
