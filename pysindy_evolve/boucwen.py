@@ -20,7 +20,6 @@ Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8, on what its numbers mean.
 
 from __future__ import annotations
 
-import math
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -53,24 +52,18 @@ def yielding_along(x: np.ndarray, length: float, unloading: float) -> np.ndarray
     """
     steps = np.diff(x)
     ups, runs = np.where(steps < 0.0, -1.0, 1.0), np.abs(steps) / length
+    fading, slower = np.exp(-runs), np.exp(-unloading * runs)
     w, out = 0.0, [0.0]
-    for up, run, fading in zip(ups.tolist(), runs.tolist(), np.exp(-runs).tolist(), strict=True):
-        along = up * w
-        if along < 0.0:
-            along = _unloaded(along, run, unloading)
+    for up, fades, holds in zip(ups.tolist(), fading.tolist(), slower.tolist(), strict=True):
+        along = up * w  # seen along the motion
+        if along >= 0.0:
+            along = 1.0 - (1.0 - along) * fades
         else:
-            along = 1.0 - (1.0 - along) * fading
+            held = (1.0 - unloading * along) * holds  # 1 where w comes to zero
+            along = (1.0 - held) / unloading if held > 1.0 else 1.0 - held ** (1.0 / unloading)
         w = up * along
         out.append(w)
     return np.array(out)
-
-
-def _unloaded(along: float, run: float, unloading: float) -> float:
-    """Return w, seen along the motion and negative so far, after a run in units of L."""
-    until_zero = math.log1p(-unloading * along) / unloading
-    if run > until_zero:
-        return -math.expm1(until_zero - run)
-    return (1.0 - (1.0 - unloading * along) * math.exp(-unloading * run)) / unloading
 
 
 def _on_rows(x: np.ndarray, v: np.ndarray, length: np.ndarray, unloading: np.ndarray) -> np.ndarray:
