@@ -257,7 +257,7 @@ def _notable(rules: Rules) -> float:
 def _as_rejected(finding: Finding, drift: Drift) -> Rejected:
     design = drift.model.design
     left = np.full(1, np.exp(-finding.score))
-    tried = Score((finding.candidate,), (), np.ones(1), left)
+    tried = Score((finding.candidate,), (), np.ones(1), left, finding.score)
     names = (*design.states, *design.inputs, "t")
     return Rejected(tried, float(1.0 - left[0]), finding.p_value, finding.twin_scores, names)
 

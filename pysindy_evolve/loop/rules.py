@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Integral, Real
 from typing import Any
 
@@ -26,6 +26,7 @@ class Rules:
     progress: bool = False
     refine: str = "auto"
     by_trajectory: bool = False  # as the records say, see witness.py
+    n_looks: int = N_LOOKS
 
     def __post_init__(self) -> None:
         for name in ("significance", "min_share"):
@@ -63,10 +64,18 @@ class Rules:
         """The error that final coefficients minimize, or "auto"."""
         return "trajectory" if self.by_trajectory and self.refine == "auto" else self.refine
 
+    def at(self, n_found: int) -> Rules:
+        """Return the rules for the next look at names, after so many effects.
+
+        A trajectory is looked at for nothing else, so the first of them has all the chance; what
+        may stand beside it shares the chance that anything false does.
+        """
+        return replace(self, n_looks=1) if self.by_trajectory and n_found == 0 else self
+
     @property
     def level(self) -> float:
         """Largest p-value that counts: names, grown terms, any structure are three looks."""
-        return self.significance / N_LOOKS
+        return self.significance / self.n_looks
 
     @property
     def level_of_runs(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.fft import dct
+from scipy.fft import dct, prev_fast_len
 
 from ..equations import stack
 from ..signals import Record, Windows, choose_windows
@@ -130,10 +130,15 @@ def segments(
 def places_of(
     records: Sequence[Record], n_segments: int, max_rows: int | None = None
 ) -> tuple[tuple[tuple[int, int], ...], int]:
-    """Return record and first row of each piece, and the length of all of them."""
+    """Return record and first row of each piece, and the length of all of them.
+
+    Pieces that are cut for a search are transformed over and over: their length has small factors.
+    """
     sizes = [record.n_samples for record in records]
     step = max(8, min(sum(sizes) // n_segments, min(sizes)))
-    length = step if max_rows is None else max(8, min(step, max_rows // n_segments))
+    length = step
+    if max_rows is not None:
+        length = prev_fast_len(max(8, min(step, max_rows // n_segments)))
     places = ((i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step))
     return tuple(places), length
 

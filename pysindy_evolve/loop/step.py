@@ -107,6 +107,7 @@ def find(
     if is_exact(design, part):
         return []
     proposer = proposer or propose
+    rules = rules.at(len(design.columns) - len(declared.columns))
     equations = quick_fit(design, part)
     proposed = proposer(design, equations, records)
     searched = score(design, part, proposed)  # as in the twins, which tune no shapes
@@ -154,4 +155,5 @@ def _best_score(
     part: Segments, records: list[Record], *, design: Design, proposer: Proposer
 ) -> float:
     proposed = proposer(design, quick_fit(design, part), records)
-    return max((s.value for s in score(design, part, proposed)), default=0.0)
+    scores = score(design, part, proposed)  # best first
+    return scores[0].value if scores else 0.0

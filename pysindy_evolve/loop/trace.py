@@ -29,19 +29,16 @@ NEW = 1e-6  # share of a column's square that the model's columns must leave
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """How a group of one or two candidates did: errors of each fold without and with it."""
+    """How a group of one or two candidates did: errors of each fold without and with it.
+
+    Its value is log(error without / error with), per effect of the group.
+    """
 
     group: tuple[Candidate, ...]
     places: tuple[int, ...]
     without: np.ndarray
     errors: np.ndarray
-
-    @property
-    def value(self) -> float:
-        """log(error without / error with), per effect of the group."""
-        before, after = self.without.sum(), self.errors.sum()
-        gain = np.log(max(before, 1e-300)) - np.log(max(after, 1e-300))
-        return float(gain) / len(self.group)
+    value: float
 
 
 def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.ndarray:
@@ -147,7 +144,9 @@ def ranked(
         for i, j in combinations(new if pairs else [], 2)
         if candidates[i].name != candidates[j].name or candidates[i].name == EVOLVED
     ]
-    allowed = [g for g in groups if _parents_stand([candidates[i] for i in g], present)]
+    missing = [{(c.state, parent) for parent in c.parents} - present for c in candidates]
+    brought = [{(c.state, term) for term in c.terms} for c in candidates]
+    allowed = [g for g in groups if all(missing[i] <= _union(brought, g) for i in g if missing[i])]
     scores = _scored(judge, n_fixed, candidates, own, allowed, without)
     return sorted(scores, key=lambda score: -score.value)
 
@@ -169,16 +168,17 @@ def _scored(
     scores = []
     for entries in models.values():
         errors = judge(np.array([base + columns for _, columns in entries]))
+        before, after = (np.maximum(e.sum(axis=-1), 1e-300) for e in (without, errors))
+        values = (np.log(before) - np.log(after)) / np.array([len(group) for group, _ in entries])
         scores += [
-            Score(tuple(candidates[i] for i in group), columns, without, error)
-            for (group, columns), error in zip(entries, errors, strict=True)
+            Score(tuple(candidates[i] for i in group), columns, without, error, value)
+            for (group, columns), error, value in zip(entries, errors, values.tolist(), strict=True)
         ]
     return scores
 
 
-def _parents_stand(group: Sequence[Candidate], present: set[tuple[int, Sum]]) -> bool:
-    standing = present | {(c.state, term) for c in group for term in c.terms}
-    return all((c.state, parent) in standing for c in group for parent in c.parents)
+def _union(sets: Sequence[set[tuple[int, Sum]]], group: Sequence[int]) -> set[tuple[int, Sum]]:
+    return set().union(*(sets[i] for i in group))
 
 
 def is_new(total: np.ndarray, n_fixed: int, own: Sequence[int]) -> bool:
