@@ -72,6 +72,7 @@ def test_empty_list_of_records_is_refused():
     [
         ({"q": "-k*q"}, (), "one column of x for each state of the model; got 2 for 1"),
         ({"q": "v", "v": "F"}, ("F",), "one column of u for each input of the model; got 0 for 1"),
+        ({"q": "v", "w": "-k*q"}, (), "velocity 'w' in the equation of 'q', .* parameters: v"),
     ],
 )
 def test_record_that_does_not_fit_the_model_is_refused(equations, inputs, message):

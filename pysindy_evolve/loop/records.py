@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -87,6 +88,26 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
             )
         _check_finite(design, record)
     _check_columns(design, records)
+    _check_velocities(design, records)
+
+
+def _check_velocities(design: Design, records: Sequence[Record]) -> None:
+    """Raise where a state is the velocity of another, and stands under another name in the model.
+
+    A name that is no state is a free parameter, so nothing else would say so.
+    """
+    for position, velocity in permutations(range(len(design.states)), 2):
+        sides = (design.fixed[position], *(c.parts[position] for c in design.columns))
+        if any(velocity in side.variables for side in sides):
+            continue
+        if all(np.array_equal(r.x_dot[:, position], r.x[:, velocity]) for r in records):
+            q, v = design.states[position], design.states[velocity]
+            free = [column.name for column in design.columns if column.parts[position].parts]
+            raise ValueError(
+                f"close_loop(declared=...) must use the velocity {v!r} in the equation of {q!r}, "
+                f"as the records hold a position and its velocity; got free parameters: "
+                f"{', '.join(free) or 'none'}. Write {q!r}: {v!r}, or prepare with order=1."
+            )
 
 
 LARGEST = 1e50  # of a term of the model
