@@ -12,7 +12,7 @@ from .candidate import Candidate
 from .design import Design
 from .effects import candidates
 from .recall import MemoryFinding
-from .rivals import rivals_of
+from .rivals import Rival, rivals_of
 from .scoring import MARGIN, columns_of, score
 from .segments import Segments, ranges
 from .step import Finding
@@ -155,5 +155,27 @@ def contested(
         if free:
             found = rivals_of(finding.candidate, design, part, REFUTED * significance, rng)
             finding = replace(finding, rivals=found)
+            if part.tracks:
+                finding = _lasting(finding, design, significance)
         judged.append(finding)
     return judged
+
+
+def _lasting(finding: Finding, design: Design, significance: float) -> Finding:
+    """Put an effect of the states in the place of one of the time, if the record allows it.
+
+    On a short trajectory most things change with the time. What depends on nothing else says
+    nothing about the next record, so it is named only where it has to be.
+    """
+    time = len(design.states) + len(design.inputs)
+
+    def lasts(candidate: Candidate) -> bool:
+        return not any(time in term.variables for term in candidate.terms)
+
+    able = [r for r in finding.rivals if r.p_value > significance and lasts(r.candidate)]
+    if lasts(finding.candidate) or not able:
+        return finding
+    likeliest = max(able, key=lambda rival: rival.p_value)
+    rivals = (Rival(finding.candidate, 1.0), *(r for r in finding.rivals if r is not likeliest))
+    columns = columns_of(likeliest.candidate, design)
+    return replace(finding, candidate=likeliest.candidate, columns=columns, rivals=rivals)
