@@ -26,13 +26,14 @@ from tqdm import tqdm
 from undeclared_tables import print_effects, print_nulls
 
 import pysindy_evolve as pse
+from pysindy_evolve.boucwen import BOUC_WEN
 
 
 def declare(name, extra=""):
     system = SYSTEMS[name]
     sides = dict(system.equations)
     sides[system.state] += extra
-    return pse.DeclaredModel(sides, inputs=["u"])
+    return pse.DeclaredModel(sides, inputs=["u"], operators=[BOUC_WEN])
 
 
 def run_null(name, kind, seed, options):

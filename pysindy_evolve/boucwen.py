@@ -29,13 +29,16 @@ from .equations import Equations
 from .operators import BUILTIN, Operator
 from .terms import Call, Sum, add, call, constant, mul, sub
 
-__all__ = ["BOUC_WEN", "SUFFIX", "path_rate", "paths_in", "yielding", "yielding_along"]
+__all__ = ["BOUC_WEN", "SUFFIX", "numbers_of", "path_parts", "path_rate", "paths_in"]
+__all__ += ["yielding", "yielding_along", "yielding_from"]
 
 SUFFIX = "yield"  # what the name of the hidden state ends in, after that of the position
 
 
-def yielding_along(x: np.ndarray, length: float, unloading: float) -> np.ndarray:
-    """Return w along a path, zero where it begins.
+def yielding_along(
+    x: np.ndarray, length: float, unloading: float, start: float = 0.0
+) -> np.ndarray:
+    """Return w along a path.
 
     Parameters
     ----------
@@ -45,16 +48,19 @@ def yielding_along(x: np.ndarray, length: float, unloading: float) -> np.ndarray
         L, units of x.
     unloading : float
         k, dimensionless, positive.
+    start : float
+        w where the path begins, between -1 and 1.
 
     Returns
     -------
     ndarray of shape (n_samples,)
     """
-    steps = np.diff(x)
-    ups, runs = np.where(steps < 0.0, -1.0, 1.0), np.abs(steps) / length
+    ups, begins = _directions(x)
+    runs = np.abs(np.diff(x[begins])) / length
     fading, slower = np.exp(-runs), np.exp(-unloading * runs)
-    w, out = 0.0, [0.0]
+    w, at_turns = start, []
     for up, fades, holds in zip(ups.tolist(), fading.tolist(), slower.tolist(), strict=True):
+        at_turns.append(w)
         along = up * w  # seen along the motion
         if along >= 0.0:
             along = 1.0 - (1.0 - along) * fades
@@ -62,8 +68,30 @@ def yielding_along(x: np.ndarray, length: float, unloading: float) -> np.ndarray
             held = (1.0 - unloading * along) * holds  # 1 where w comes to zero
             along = (1.0 - held) / unloading if held > 1.0 else 1.0 - held ** (1.0 / unloading)
         w = up * along
-        out.append(w)
-    return np.array(out)
+    # The same on all rows between two turns: numpy is slow on one row, and a loop on many.
+    rows = np.diff(begins)
+    first, turned, up = (np.repeat(p, rows) for p in (x[begins[:-1]], np.array(at_turns), ups))
+    along, run = up * turned, np.abs(x[1:] - first) / length
+    held = (1.0 - unloading * np.minimum(along, 0.0)) * np.exp(-unloading * run)
+    after_zero = 1.0 - np.minimum(held, 1.0) ** (1.0 / unloading)
+    turning = np.where(held > 1.0, (1.0 - held) / unloading, after_zero)
+    moved = np.where(along >= 0.0, 1.0 - (1.0 - along) * np.exp(-run), turning)
+    return np.concatenate([[start], up * moved])
+
+
+def _directions(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the signs of the stretches in which a path goes one way, and where they begin.
+
+    The last row ends them. A rest belongs to what came before it.
+    """
+    ups = np.sign(np.diff(x))
+    moves = np.flatnonzero(ups)
+    if not len(moves):
+        return np.ones(1 if len(x) > 1 else 0), np.unique([0, len(x) - 1])
+    signs = ups[moves]
+    turns = np.flatnonzero(np.diff(signs)) + 1
+    begins = np.concatenate([[0], moves[turns], [len(x) - 1]]).astype(int)
+    return signs[np.concatenate([[0], turns])], begins
 
 
 def _on_rows(x: np.ndarray, v: np.ndarray, length: np.ndarray, unloading: np.ndarray) -> np.ndarray:
@@ -96,10 +124,26 @@ def _is_path(atom: object) -> TypeGuard[Call]:
     return isinstance(atom, Call) and atom.operator == BOUC_WEN
 
 
+def numbers_of(path: Call) -> tuple[float, float]:
+    """Return L and k of a hysteresis."""
+    length, unloading = (float(a.evaluate(np.empty((1, 0)))[0]) for a in path.args[2:])
+    return length, unloading
+
+
+def yielding_from(path: Call, rows: np.ndarray, start: float) -> np.ndarray:
+    """Return w on rows of a record, shape (n_samples,), from a start between -1 and 1."""
+    return yielding_along(path.args[0].evaluate(rows), *numbers_of(path), start)
+
+
 def path_rate(path: Call, state: Sum, v: Sum) -> Sum:
     """Return the right-hand side of w, from w itself and the velocity."""
-    length, unloading = (float(a.evaluate(np.empty((1, 0)))[0]) for a in path.args[2:])
-    beta, gamma = 0.5 * (1.0 + unloading), 0.5 * (1.0 - unloading)
-    size, speed = call(BUILTIN["abs"], state), call(BUILTIN["abs"], v)
-    held = add(mul(constant(beta), mul(speed, state)), mul(constant(gamma), mul(v, size)))
-    return mul(constant(1.0 / length), sub(v, held))
+    length, unloading = numbers_of(path)
+    plain, unloaded = path_parts(state, v)
+    return add(mul(constant(1.0 / length), plain), mul(constant(unloading / length), unloaded))
+
+
+def path_parts(state: Sum, v: Sum) -> tuple[Sum, Sum]:
+    """Return what 1 / L and k / L multiply in the right-hand side of w."""
+    half, size, speed = constant(0.5), call(BUILTIN["abs"], state), call(BUILTIN["abs"], v)
+    held, led = mul(half, mul(speed, state)), mul(half, mul(v, size))
+    return sub(v, add(held, led)), sub(led, held)

@@ -4,7 +4,7 @@ from .systems import System
 
 # Q, V, U: RMS of position, speed and input on the nominal path; L: length of the record; W: angular
 # frequency midway between two lines of the input, as no record tells a forcing from a line of the
-# input at the same frequency.
+# input at the same frequency. bouc_wen(q, v, length, unloading) is a state of its own.
 MECHANICAL = {
     "Coulomb": ("sgn(v)", {"Coulomb friction"}),
     "Stribeck": ("sgn(v)*(1 + 2*exp(-(v/(0.3*V))**2))", {"Coulomb friction", "Stribeck friction"}),
@@ -20,6 +20,7 @@ MECHANICAL = {
     "saturation": ("clip(u, 0.8*U) - u", {"saturation"}),
     "forcing": ("sin(W*t)", {"periodic forcing"}),
     "drift": ("t/L", {"drift", "constant offset"}),
+    "hysteresis": ("bouc_wen(q, v, 0.3*Q, 0.5)", {"hysteresis"}),
     "*v cos(q)": ("v*cos(2*q/Q)", None),
     "*tanh(q)": ("tanh(q/(0.3*Q))", None),
     "*q|v|": ("q*abs(v)", None),

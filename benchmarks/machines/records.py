@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 
 import pysindy_evolve as pse
 
-from .simulation import SUBSTEPS, fine, multisine, right_hand_side, simulate, sizes
+from .simulation import SUBSTEPS, fine, hidden_states, multisine, right_hand_side, simulate, sizes
 from .systems import SYSTEMS
 
 NULLS = (
@@ -42,7 +42,8 @@ def measure(name, n, kind, rng, effect="0", percent=0.5):
     if kind == "closed-loop":
         x, u_seen, noise = closed_loop(name, f, t, u, percent, rng)
     else:
-        x, u_seen = simulate(f, system.start, t, u, disturbance)
+        start = (*system.start, *(0.0 for _ in hidden_states(effect)))
+        x, u_seen = simulate(f, start, t, u, disturbance)
         noise = None
     y = x[:, system.measured]
     spread = y.std(axis=0)

@@ -13,13 +13,22 @@ SUBSTEPS = 2  # of the integration, a sample
 
 @cache
 def right_hand_side(name: str, effect: str = "0"):
-    """Compile f(x, u, t, disturbance) from the text of the equations."""
+    """Compile f(x, u, t, disturbance) from the text of the equations.
+
+    What an effect remembers of the motion is one more state.
+    """
     system = SYSTEMS[name]
     local = {"sgn": sympy.sign, "abs": sympy.Abs}
     local["clip"] = lambda x, e: (sympy.Abs(x + e) - sympy.Abs(x - e)) / 2
-    names = [*system.equations, "u", "t", "disturbance"]
+    names = [*system.equations, *hidden_states(effect), "u", "t", "disturbance"]
     local |= {n: sympy.Symbol(n, real=True) for n in names}
-    sides = []
+    sides, rates = [], []
+
+    def bouc_wen(q, v, length, unloading):
+        rates.append(yield_rate(v, local["yielded"], length, unloading))
+        return local["yielded"]
+
+    local["bouc_wen"] = bouc_wen
     for state, text in system.equations.items():
         side = sympy.sympify(text, locals=local | system.parameters)
         if state == system.state:
@@ -28,7 +37,27 @@ def right_hand_side(name: str, effect: str = "0"):
             side += local["disturbance"] * sympy.sympify(system.shaken, locals=local)
         sides.append(side)
     sign = {"sign": lambda x: (x > 0) - (x < 0)}
-    return sympy.lambdify([local[n] for n in names], sides, modules=[sign, "math"])
+    return sympy.lambdify([local[n] for n in names], sides + rates, modules=[sign, "math"])
+
+
+def hidden_states(effect):
+    return ["yielded"] if "bouc_wen(" in effect else []
+
+
+def yield_rate(v, w, length, unloading):
+    """Bouc and Wen's w', of a unit yield force."""
+    held = (1 + unloading) / 2 * abs(v) * w + (1 - unloading) / 2 * v * abs(w)
+    return (v - held) / length
+
+
+def along(q, v, length, unloading):
+    """Go along a path in small steps: how strong a hysteresis is there."""
+    w, path = 0.0, []
+    for step in np.diff(q, prepend=q[0]):
+        for _ in range(10):
+            w += yield_rate(step / 10, w, length, unloading)
+        path.append(w)
+    return np.array(path)
 
 
 def ahead(x, rate, h):
@@ -106,6 +135,7 @@ def scaled_effect(name: str, effect: str, share: float, n: int) -> tuple[str, st
     for symbol, value in size["scale"].items():
         text = text.replace(symbol, f"{value:.6g}")
     tools = {"sgn": np.sign, "abs": np.abs, "clip": lambda x, e: np.clip(x, -e, e)}
+    tools["bouc_wen"] = along
     tools |= {k: getattr(np, k) for k in ("exp", "sin", "cos", "tanh", "sqrt")}
     rms = np.sqrt(np.mean(np.square(eval(text, {}, tools | size["values"]))))  # noqa: S307
     # Away from equilibrium a growth term would only make a population explode.

@@ -28,8 +28,10 @@ from .segments import Segments
 from .step import Finding
 from .structure import structure_chance
 from .trace import EVOLVED
+from .unfolding import paths_of
 from .variants import Model
 from .witness import witnessed
+from .yielding import with_numbers, with_numbers_of_runs
 
 __all__ = ["close_loop"]
 
@@ -218,7 +220,8 @@ class _Search:
                 self.findings = [*before, *_numbered(found, before)]
                 found = self.garden.better(design, found) or found
             found = [*before, *_numbered(found, before)]
-            self.findings = exchange(self.declared, found, self.part)
+            found = exchange(self.declared, found, self.part)
+            self.findings = with_numbers(self.declared, found, self.part)
         kept = prune(self.declared, self.findings, self.part)
         self.findings = merged(self.declared, kept, self.part)
 
@@ -229,6 +232,8 @@ class _Search:
 
     def _watch_runs(self) -> None:
         child = self.rng.spawn(1)[0]
+        if paths_of(self.design):  # whose state those runs do not have
+            return
         found, pasts = find_by_runs(
             self.declared, self.findings, self.plain, self.wide, self.rules, child, self.rejected
         )
@@ -257,6 +262,9 @@ class _Search:
             self.has_structure = chance <= self.rules.level
 
     def _hold(self) -> None:
+        if paths_of(self.design):
+            self.findings = with_numbers_of_runs(self.declared, self.findings, self.records)
+            return
         model = Model(self.declared, memories_of(self.findings), limits_in(self.findings))
         grown = [c for c in self.garden.grown if c.name == EVOLVED]
         kept = held_against(model, self.findings, grown, self.plain, self.part, self.rules)

@@ -62,7 +62,7 @@ class Design:
     """A model whose right-hand sides are known parts plus columns times coefficients.
 
     An algebraic one gives the states themselves, not their rates; its motions are the variables
-    that are position and velocity to each other.
+    that are position and velocity to each other. So many states as are hidden come last.
     """
 
     states: tuple[str, ...]
@@ -71,6 +71,7 @@ class Design:
     columns: tuple[Column, ...]
     algebraic: bool = False
     motions: tuple[tuple[int, int], ...] = ()
+    n_hidden: int = 0
 
     def adding(self, columns: Iterable[Column]) -> Design:
         """Return the design with more columns at its end."""

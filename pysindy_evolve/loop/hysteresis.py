@@ -8,24 +8,25 @@ boucwen.py.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from ..boucwen import yielding
+from ..boucwen import yielding, yielding_along
 from ..operators import BUILTIN
 from ..terms import Sum, add, call, constant, mul, sub, variable
 from .candidate import Candidate, CandidateMaker, Shape
 
-__all__ = ["remembering", "rounded", "rounded_sign", "yields"]
+__all__ = ["remembered_ways", "remembering", "rounded", "rounded_sign", "yields"]
 
 PLAINER = ("Coulomb friction",)  # which hysteresis may be taken for, where the velocity is noisy
 SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
 WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
 LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the stroke
 UNLOADINGS = (0.25, 1.0, 4.0)  # Dahl's friction in the middle
+ENOUGH = 8  # times that a friction must have turned round, or its memory does not show
 CENTERED = 0.1  # share of half the stroke that a zero of the position may lie off its middle
 
 
@@ -90,12 +91,48 @@ def yields(
 
 
 def remembering(
-    effect: CandidateMaker, x: int, v: int, scales: np.ndarray, middle: float
+    effect: CandidateMaker,
+    x: int,
+    v: int,
+    scales: np.ndarray | Mapping[int, float],
+    middle: float,
+    unloadings: Sequence[float] = UNLOADINGS,
 ) -> Iterator[Candidate]:
     """Go through hystereses of Bouc and Wen, which remember the path of a position."""
     stroke = float(scales[x]) - abs(middle)
     build = partial(yielding, variable(x), variable(v))
     for length in LENGTHS:
-        for unloading in UNLOADINGS:
+        for unloading in unloadings:
             shape = Shape((length * stroke, unloading), (build,))
             yield effect("hysteresis", shape=shape, refines=PLAINER)
+
+
+def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]:
+    """Return the hystereses of Bouc and Wen that an equation of motion may lack.
+
+    Parameters
+    ----------
+    state : int
+        The velocity, whose equation it is.
+    position : int
+        The state that remembers its path.
+    x : ndarray of shape (n_samples,)
+        The position in time order. Where it hardly ever turns there is nothing to remember.
+
+    Returns
+    -------
+    list of Candidate
+        With the friction of Dahl in the middle; the rate of unloading is tuned from there.
+    """
+    low, high = float(x.min()), float(x.max())
+    scales = {position: max(abs(low), abs(high))}
+    ways = remembering(
+        CandidateMaker(state), position, state, scales, 0.5 * (low + high), UNLOADINGS[1:2]
+    )
+    return [way for way in ways if _turns(way, x) >= ENOUGH]
+
+
+def _turns(way: Candidate, x: np.ndarray) -> int:
+    """Return how often a friction changes its sign along a path."""
+    w = yielding_along(x, *way.shape.values) if way.shape else np.zeros(1)
+    return int(np.sum(w[1:] * w[:-1] < 0.0))

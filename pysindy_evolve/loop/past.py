@@ -1,21 +1,23 @@
-"""Where hidden states begin: what the inputs of a record were before it."""
+"""Where hidden states begin: what inputs and motions of a record were before it."""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ..equations import Equations
+from ..boucwen import yielding_from
+from ..equations import Equations, stack
 from ..hidden import MemoryEquations
 from ..memory import preceded, raw_inputs
 from ..signals import Record
 from .segments import scale_of
 from .sticking import noise_of
 
-__all__ = ["begun"]
+__all__ = ["begun", "first_state"]
 
 LONGEST = 8  # no more than the eighth part of a record tells how it began
 HALVED = 4.0  # times the mean square that another past must leave: it halves the error
+FADED = 0.05  # of what a friction remembered at the beginning is left when it counts no more
 CLEAR = 3.0  # standard deviations of the noise, that the error must be in the mean of its rows
 
 
@@ -74,3 +76,54 @@ def _begun_in(
     found = minimize_scalar(miss, bounds=ends, method="bounded", options=options)
     given = miss(float(raw[0, column]))
     return at(float(found.x)) if given > max(1.0, HALVED * found.fun) else record
+
+
+def first_state(equations: Equations, record: Record) -> np.ndarray:
+    """Return where a free run over a record begins.
+
+    What a friction remembers of the motion before the record nobody measured. It fades over a
+    short way, and until then the derivatives say what it was.
+
+    Parameters
+    ----------
+    equations : Equations
+        The model; memories of its inputs are not looked at here.
+    record : Record
+        What was measured.
+
+    Returns
+    -------
+    ndarray of shape (n_states,)
+        The first measured state, and the hysteresis of the motion there.
+    """
+    if not isinstance(equations, MemoryEquations) or not equations.paths:
+        return np.asarray(record.x[0])
+    starts = np.zeros(len(equations.paths))
+    for k in range(len(starts)):
+        starts[k] = _remembered(equations, record, starts, k)
+    return np.concatenate([record.x[0], starts])
+
+
+def _remembered(
+    equations: MemoryEquations, record: Record, starts: np.ndarray, place: int
+) -> float:
+    """Return w of one hysteresis at the first row, given the others."""
+    head = record[: max(2, len(record) // LONGEST)]
+    rows = stack(head.x, head.u, head.t)
+    path = equations.paths[place]
+    apart = yielding_from(path, rows, 1.0) - yielding_from(path, rows, -1.0)
+    n = max(2, int(np.sum(apart > 2.0 * FADED)))  # it only falls
+    rows, scale = rows[:n], scale_of([record.x_dot])
+
+    def miss(start: float) -> float:
+        at = [*starts[:place], start, *starts[place + 1 :]]
+        hidden = [yielding_from(p, rows, w) for p, w in zip(equations.paths, at, strict=True)]
+        rates = equations.evaluate(np.column_stack([head.x[:n], *hidden]), *_acting(head, n))
+        error = head.x_dot[:n] - rates[:, : record.n_states]
+        return float(np.sum((error / scale) ** 2))
+
+    return float(minimize_scalar(miss, bounds=(-1.0, 1.0), method="bounded").x)
+
+
+def _acting(record: Record, n: int) -> tuple[np.ndarray | None, np.ndarray]:
+    return None if record.u is None else record.u[:n], record.t[:n]

@@ -17,6 +17,7 @@ from numpy.polynomial import Polynomial
 from scipy.interpolate import CubicSpline
 
 from ..equations import Equations
+from ..hidden import MemoryEquations, with_memories
 from ..signals import Preparation, Record
 from ..simulation import simulate
 from ..substitution import acting
@@ -68,7 +69,7 @@ def follow(equations: Equations, record: Record) -> Path | None:
     if made.u is not None:
         equations, columns = acting(equations)
         made = replace(made, u=made.u[:, columns] if columns else None)
-    course = _Course(equations, record, made)
+    course = _Course(with_memories(equations, ()), record, made)
     length = int(course.samples[-1] + 1 - course.samples[0])
     path = course.path(length)
     while path is None and length // 2 >= max(SHORTEST, 2 * made.trim):
@@ -89,6 +90,14 @@ class _Course:
     def samples(self) -> np.ndarray:
         """Raw sample of each row of the record."""
         return np.rint((self.record.t - self.made.t[0]) / self.made.dt).astype(int)
+
+    @cached_property
+    def states(self) -> np.ndarray:
+        """Where runs begin at each row of the record: what was measured, and hidden states."""
+        if not isinstance(self.equations, MemoryEquations):
+            return np.asarray(self.record.x)
+        hidden = self.equations.along(self.record.x, None, self.record.t)
+        return np.column_stack([self.record.x, hidden])
 
     @cached_property
     def refinement(self) -> int:
@@ -125,7 +134,7 @@ class _Course:
             return None
         x, push = joined
         y = np.array(self.made.y, dtype=float)
-        stray = x[:, :: self.made.order] - y[first:stop]
+        stray = x[:, : self.record.n_states : self.made.order] - y[first:stop]
         if np.any(np.sqrt(np.mean(stray**2, axis=0)) >= FAITHFUL * y.std(axis=0)):
             return None
         y[:first] += stray[0]  # what lies outside only needs to join without a jump
@@ -141,7 +150,7 @@ class _Course:
         rows = np.unique(np.searchsorted(self.samples, wanted))
         starts = self.samples[rows]
         ends = np.minimum(np.append(starts[1:] + fade, stop), stop)
-        x = np.empty((stop - first, self.record.n_states))
+        x = np.empty((stop - first, self.states.shape[1]))
         push = np.zeros(self.made.y.shape)
         for row, start, end in zip(rows, starts, ends, strict=True):
             piece = self._run(row, start, end)
@@ -161,7 +170,7 @@ class _Course:
         span = slice(start * steps, (end - 1) * steps + 1)
         return simulate(
             self.equations,
-            self.record.x[row],
+            self.states[row],
             t[span],
             None if u is None else u[span],
             tolerance=self.tolerance,
@@ -182,7 +191,9 @@ class _Course:
             before[m] + sum(comb(m, k) * weight[k] * gap[m - k] for k in range(m + 1))
             for m in range(order + 1)
         ]
-        x = np.stack(levels[:-1], axis=2).reshape(old.shape)
+        n = self.record.n_states
+        x = np.stack(levels[:-1], axis=2).reshape(len(old), n)
+        x = np.column_stack([x, old[:, n:] + weight[0] * (new[:, n:] - old[:, n:])])
         return x, levels[-1] - self._levels(x, at)[-1]
 
     def _levels(self, x: np.ndarray, at: slice) -> list[np.ndarray]:
@@ -191,7 +202,9 @@ class _Course:
         u = None if self.made.u is None else self.made.u[at]
         with np.errstate(all="ignore"):  # the caller looks whether they are finite
             rates = self.equations.evaluate(x, u, self.made.t[at])
-        return [*(x[:, level::order] for level in range(order)), rates[:, order - 1 :: order]]
+        n = self.record.n_states
+        levels = (x[:, level:n:order] for level in range(order))
+        return [*levels, rates[:, order - 1 : n : order]]
 
 
 def _weight(n: int, span: float, order: int) -> list[np.ndarray]:

@@ -24,13 +24,15 @@ __all__ = ["contested", "exchange", "merged", "prune"]
 REFUTED = 0.2
 
 
-def exchange(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
-    """Replace an earlier effect where another one does better beside what was found later.
+def exchange(
+    declared: Design, findings: list[Finding], part: Segments, *, latest: bool = False
+) -> list[Finding]:
+    """Replace an earlier effect, or the latest too, where another one does better by now.
 
     Effects that only work together may enter one after the other, and the first of them under a
     wrong name: cubic damping for drag, as long as the friction is not there yet.
     """
-    for place, finding in enumerate(findings[:-1]):
+    for place, finding in enumerate(findings if latest else findings[:-1]):
         if isinstance(finding, MemoryFinding):
             continue
         rest = [f for k, f in enumerate(findings) if k != place]

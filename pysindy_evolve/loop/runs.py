@@ -12,7 +12,7 @@ from ..equations import AlgebraicEquations, Equations
 from ..hidden import MemoryEquations, with_memories
 from ..signals import Record
 from ..simulation import simulate
-from .past import begun
+from .past import begun, first_state
 
 __all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 
@@ -34,7 +34,7 @@ def free_run(
     if isinstance(equations, MemoryEquations) and equations.n_algebraic:
         forces = equations.inner.evaluate(record.x, record.u, record.t)
         return np.column_stack([forces, equations.along(record.x, record.u, record.t)])
-    start = record.x[0] if start is None else start
+    start = first_state(equations, record) if start is None else start
     if record.u is None:
         return simulate(equations, start, record.t, **options)
     fine = np.interp(
@@ -60,7 +60,7 @@ def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any)
 
 def simulation_errors(equations: Equations, records: Sequence[Record]) -> np.ndarray:
     """Return the NRMSE of free runs over records, percent, shape (n_states,)."""
-    errors = []
+    equations, errors = with_memories(equations, ()), []
     for record in records:
         run = free_run(equations, record, on_divergence="nan", tolerance=1e-7)
         errors.append(run[:, : record.n_states] - record.x)
@@ -85,10 +85,10 @@ def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches:
     """
     spread = np.concatenate([record.x for record in records]).std(axis=0)
     scale = np.where(spread > 0.0, spread, 1.0)
-    squares = []
+    equations, squares = with_memories(equations, ()), []
     for record in records:
         for rows in np.array_split(np.arange(len(record)), n_stretches):
             piece = record[int(rows[0]) : int(rows[-1]) + 1]
             run = free_run(equations, piece, on_divergence="nan", tolerance=1e-7)
-            squares.append(np.sum(((run - piece.x) / scale) ** 2))
+            squares.append(np.sum(((run[:, : piece.n_states] - piece.x) / scale) ** 2))
     return float(np.nan_to_num(np.sum(squares), nan=np.inf))

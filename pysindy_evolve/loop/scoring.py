@@ -10,9 +10,11 @@ from scipy.optimize import minimize, minimize_scalar
 
 from ..equations import Equations
 from ..signals import Record
+from ..terms import variable
 from .candidate import Candidate
 from .design import Column, Design, in_state
 from .effects import candidates, standing
+from .hysteresis import remembered_ways
 from .linear import solve_gram
 from .periodic import periodic_candidates, ripple_candidates
 from .residual import derivative_grams
@@ -20,6 +22,7 @@ from .segments import Segments, ranges, variables_of
 from .spectral import spectral_grams
 from .trace import Score, rank, ranked
 from .trajectory import Trajectories
+from .unfolding import paths_of
 from .vocabulary import VOCABULARY
 
 __all__ = [
@@ -60,6 +63,8 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
             made, q = longest.preparation, longest.x[:, position]
             noise = 0.0 if made is None else float(made.noise[position // made.order])
             proposed += ripple_candidates(state, position, residual[:, state], q, noise)
+            if not any(path.args[0] == variable(position) for path in paths_of(design)):
+                proposed += remembered_ways(state, position, q)
     return proposed
 
 

@@ -8,8 +8,9 @@ of the sensor enters neither the states nor their derivatives of such a run, and
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -19,13 +20,16 @@ from .fit import Fit, derivative_square
 from .runs import free_run
 from .segments import segments
 from .trial import Trial, bettered
+from .unfolding import unfolded, with_paths
 
-__all__ = ["shot"]
+__all__ = ["met", "shot"]
 
 N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little
 SETTLED = 1e-3  # relative gain of a step after which no other one is taken: the runs are dear
+
+Loss = Callable[[np.ndarray], float]
 
 
 def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
@@ -46,14 +50,41 @@ def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
         The same one where the model cannot follow the records, or where what every second stretch
         says does not hold on those between.
     """
-    if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
+    loss = partial(derivative_square, design, records)
+    coef = met(unfolded(design), fitted.coef, with_paths(design, records), loss)
+    if coef is None:
         return fitted
-    begun = _begun(design, fitted.coef, records)
-    if begun is None or not _holds(begun, records):
-        return fitted
-    coef = _settled(begun, records).coef
     intervals = fitted.intervals + (coef - fitted.coef)[:, None]
     return Fit(coef, intervals, "simulation")
+
+
+def met(
+    design: Design, coef: np.ndarray, records: Sequence[Record], loss: Loss
+) -> np.ndarray | None:
+    """Return the coefficients whose free runs meet records best.
+
+    Parameters
+    ----------
+    design : Design
+        The model, with p columns, its hystereses unfolded.
+    coef : ndarray of shape (p,)
+        Where to begin.
+    records : sequence of Record
+        Training records, with the paths that the hystereses take.
+    loss : callable
+        Maps coefficients to the sum of squares that they leave of the derivative.
+
+    Returns
+    -------
+    ndarray of shape (p,) or None
+        None as described in `shot`.
+    """
+    if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
+        return None
+    begun = _begun(design, coef, records)
+    if begun is None or not _holds(begun, records, loss):
+        return None
+    return _settled(begun, records).coef
 
 
 def _begun(design: Design, coef: np.ndarray, records: Sequence[Record]) -> Trial | None:
@@ -66,7 +97,7 @@ def _begun(design: Design, coef: np.ndarray, records: Sequence[Record]) -> Trial
         length, x = part.z.shape[1], part.z[:, :, : part.n_states]
         trial = _run(Trial(design, part, part.state_scale, coef, x[:, 0], x), records)
         missed = np.sqrt(np.mean((trial.target - trial.x) ** 2, axis=(0, 1)))
-        if not np.all(missed < FAITHFUL * part.state_scale):  # so too for NaN
+        if not np.all((missed < FAITHFUL * part.state_scale)[: trial.n_seen]):  # so too for NaN
             continue
         trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
         if trial.rows() is not None:
@@ -74,7 +105,7 @@ def _begun(design: Design, coef: np.ndarray, records: Sequence[Record]) -> Trial
     return None
 
 
-def _holds(begun: Trial, records: Sequence[Record]) -> bool:
+def _holds(begun: Trial, records: Sequence[Record], loss: Loss) -> bool:
     """Tell whether steps on one half of the stretches better the other half, and the reverse.
 
     Where a model lacks something, runs can be bettered by coefficients that are wrong. So what the
@@ -86,9 +117,8 @@ def _holds(begun: Trial, records: Sequence[Record]) -> bool:
     halves = [begun.picked(slice(k, None, 2)) for k in (0, 1)]
     for seen, judged in (halves, halves[::-1]):
         coef = _settled(seen, records).coef
-        losses = [derivative_square(begun.design, records, c) for c in (begun.coef, coef)]
-        before += judged.error * losses[0]
-        after += _run(replace(judged, coef=coef), records).error * losses[1]
+        before += judged.error * loss(begun.coef)
+        after += _run(replace(judged, coef=coef), records).error * loss(coef)
     return after < before
 
 

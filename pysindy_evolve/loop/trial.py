@@ -62,6 +62,11 @@ class Trial:
     x: np.ndarray
 
     @property
+    def n_seen(self) -> int:
+        """Number of states that were measured: of hidden ones, the last, no miss counts."""
+        return len(self.scale) - self.design.n_hidden
+
+    @property
     def target(self) -> np.ndarray:
         """States to meet, shape (n_stretches, n, n_states)."""
         return self.part.z[:, :, : self.part.n_states]
@@ -70,7 +75,8 @@ class Trial:
     def error(self) -> float:
         """Sum of the squared misses; infinite if a run diverges."""
         with np.errstate(over="ignore", invalid="ignore"):
-            total = float(np.sum(((self.target - self.x) / self.scale) ** 2))
+            misses = ((self.target - self.x) / self.scale)[..., : self.n_seen]
+            total = float(np.sum(misses**2))
         return total if np.isfinite(total) else np.inf
 
     def aimed_at(self, target: np.ndarray) -> Trial:
@@ -89,11 +95,18 @@ class Trial:
         """
         n_stretches, length, _ = self.x.shape
         keep = max(1, n_stretches * length // ROWS)
-        free, response = self.sensitivities(keep)
+        free, response = map(self._of_seen, self.sensitivities(keep))
         if not np.max(np.abs(free)) <= MAX_GROWTH:
             return None
         basis, _ = np.linalg.qr(free)
-        return Rows(response, basis, np.linalg.pinv(free), self.scale, keep)
+        return Rows(response, basis, np.linalg.pinv(free), self.scale, keep, self.n_seen)
+
+    def _of_seen(self, rows: np.ndarray) -> np.ndarray:
+        """Leave out the rows of states that were not measured."""
+        n_stretches, n_rows, n_columns = rows.shape
+        n_states = len(self.scale)
+        of_states = rows.reshape(n_stretches, n_rows // n_states, n_states, n_columns)
+        return of_states[:, :, : self.n_seen].reshape(n_stretches, -1, n_columns)
 
     def sensitivities(self, keep: int) -> tuple[np.ndarray, np.ndarray]:
         """Return what the runs owe to their starts and to the coefficients, as in `respond`."""
@@ -134,6 +147,8 @@ class Rows:
         Unit of the error of each state.
     keep : int
         Every so many samples a row is taken.
+    n_seen : int
+        Number of states, the first ones, that were measured.
     """
 
     response: np.ndarray
@@ -141,11 +156,12 @@ class Rows:
     to_starts: np.ndarray
     scale: np.ndarray
     keep: int
+    n_seen: int
 
     def of(self, deviation: np.ndarray) -> np.ndarray:
         """Return deviations of the states, (n_stretches, n, n_states), as (..., n_rows, 1)."""
         last = (deviation.shape[1] - 1) // self.keep * self.keep
-        kept = (deviation / self.scale)[:, : last + 1 : self.keep]
+        kept = (deviation / self.scale)[:, : last + 1 : self.keep, : self.n_seen]
         return kept.reshape(len(kept), -1, 1)
 
     def freed(self, rows: np.ndarray) -> np.ndarray:
