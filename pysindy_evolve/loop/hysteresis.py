@@ -22,6 +22,20 @@ from .candidate import Candidate, CandidateMaker, Shape
 __all__ = ["remembered_ways", "remembering", "rounded", "rounded_sign", "yields"]
 
 PLAINER = ("Coulomb friction",)  # which hysteresis may be taken for, where the velocity is noisy
+# In an equation of motion position and velocity are noisy states, and any friction or spring may
+# look like a friction that remembers.
+SIMPLER = (
+    *PLAINER,
+    "Stribeck friction",
+    "position-dependent friction",
+    "quadratic drag",
+    "nonlinear damping",
+    "quadratic stiffness",
+    "cubic stiffness",
+    "quintic stiffness",
+    "dead zone",
+    "gravity",
+)
 SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
 WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
 LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the stroke
@@ -97,6 +111,7 @@ def remembering(
     scales: np.ndarray | Mapping[int, float],
     middle: float,
     unloadings: Sequence[float] = UNLOADINGS,
+    refines: tuple[str, ...] = PLAINER,
 ) -> Iterator[Candidate]:
     """Go through hystereses of Bouc and Wen, which remember the path of a position."""
     stroke = float(scales[x]) - abs(middle)
@@ -104,7 +119,7 @@ def remembering(
     for length in LENGTHS:
         for unloading in unloadings:
             shape = Shape((length * stroke, unloading), (build,))
-            yield effect("hysteresis", shape=shape, refines=PLAINER)
+            yield effect("hysteresis", shape=shape, refines=refines)
 
 
 def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]:
@@ -126,9 +141,8 @@ def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]
     """
     low, high = float(x.min()), float(x.max())
     scales = {position: max(abs(low), abs(high))}
-    ways = remembering(
-        CandidateMaker(state), position, state, scales, 0.5 * (low + high), UNLOADINGS[1:2]
-    )
+    middle, dahl = 0.5 * (low + high), UNLOADINGS[1:2]
+    ways = remembering(CandidateMaker(state), position, state, scales, middle, dahl, SIMPLER)
     return [way for way in ways if _turns(way, x) >= ENOUGH]
 
 

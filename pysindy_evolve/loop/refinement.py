@@ -18,7 +18,7 @@ from .candidate import Candidate
 from .chance import p_value_of
 from .design import Design
 from .rules import Rules
-from .scoring import columns_of, quick_fit, score
+from .scoring import MARGIN, columns_of, quick_fit, score
 from .segments import Segments
 from .testing import twin_values
 from .twins import TwinMaker
@@ -67,6 +67,8 @@ def justified(
     equations = quick_fit(design.adding(columns_of(null, design)), part)
     lead = partial(_lead, design=design, forms=forms, plain=[s.group[0] for s in plain])
     observed = lead(part, [])
+    if observed < MARGIN:
+        return null
     twins = twin_values(TwinMaker.of(equations, records), part, lead, observed, rules, rng)
     p_value = p_value_of(observed, twins)
     return candidate if p_value <= rules.level else null

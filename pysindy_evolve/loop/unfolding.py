@@ -24,7 +24,7 @@ from .design import Column, Design, in_state
 __all__ = ["paths_of", "retuned", "unfolded", "with_paths"]
 
 FARTHEST = 4.0  # times by which runs may change a number; beyond, they have lost their way
-STRAIGHTEST = 0.05  # k; smaller ones look alike
+RATES = (0.05, 20.0)  # of unloading; smaller ones look alike, and so do larger ones
 
 
 def paths_of(design: Design) -> tuple[Call, ...]:
@@ -110,7 +110,7 @@ def retuned(candidate: Candidate, path: Call, numbers: Sequence[float]) -> Candi
     if candidate.terms != (as_sum(path),) or candidate.shape is None or numbers[0] <= 0.0:
         return candidate
     old = numbers_of(path)
-    new = 1.0 / numbers[0], max(numbers[1] / numbers[0], STRAIGHTEST)
+    new = 1.0 / numbers[0], np.clip(numbers[1] / numbers[0], *RATES)
     if max(new[0] / old[0], old[0] / new[0]) > FARTHEST:
         return candidate
     shape = replace(candidate.shape, values=(float(new[0]), float(new[1])))
