@@ -19,7 +19,7 @@ from ..substitution import substituted
 from ..terms import Sum, sub, variable
 from .candidate import Candidate
 from .design import Column, Design
-from .scoring import propose
+from .scoring import Proposer
 from .segments import Segments
 from .spectral import spectral_grams
 from .trace import fold_errors
@@ -164,9 +164,15 @@ class Probes:
         return np.column_stack([u, *probes])
 
     def propose(
-        self, design: Design, equations: Equations, records: Sequence[Record], *, part: Segments
+        self,
+        design: Design,
+        equations: Equations,
+        records: Sequence[Record],
+        *,
+        part: Segments,
+        offer: Proposer,
     ) -> list[Candidate]:
-        """Return the effects of the vocabulary, and for each input the best memory of each kind.
+        """Return the effects that are on offer, and for each input the best memory of each kind.
 
         Of the records, which may be twins, the same pieces are looked at as in `part`.
         """
@@ -174,7 +180,7 @@ class Probes:
         plain = [replace(r, u=None if r.u is None else r.u[:, :n_inputs]) for r in records]
         terms = tuple(self.narrow(Sum(((1.0, term),))).parts[0][1] for term in equations.terms)
         own = replace(equations, terms=terms, inputs=self.design.inputs)
-        proposed = [self._widened(c) for c in propose(self.design, own, plain)]
+        proposed = [self._widened(c) for c in offer(self.design, own, plain)]
         return [*proposed, *self._best(design, part.of(records))]
 
     def _widened(self, candidate: Candidate) -> Candidate:

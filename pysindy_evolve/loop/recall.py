@@ -21,7 +21,7 @@ from .probes import RATIO, Exchange, MemoryCandidate, Probes, exchanges, grid_of
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
-from .scoring import MARGIN, columns_of
+from .scoring import MARGIN, columns_of, proposer_for
 from .segments import Segments
 from .spectral import spectral_grams
 from .step import Finding, find
@@ -75,7 +75,8 @@ def find_or_recall(
     wide = probes.widened(declared), probes.widened(design)
     pieces = part.of(extended)
     failed: list[Rejected] = []
-    found = find(*wide, extended, pieces, rules, rng, partial(probes.propose, part=part), failed)
+    proposer = partial(probes.propose, part=part, offer=proposer_for(design, part, records))
+    found = find(*wide, extended, pieces, rules, rng, proposer, failed)
     if rejected is not None:
         rejected += [_narrowed_failure(one, probes) for one in failed]
     return [

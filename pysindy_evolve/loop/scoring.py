@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,9 +27,11 @@ from .vocabulary import VOCABULARY
 
 __all__ = [
     "MARGIN",
+    "Proposer",
     "columns_of",
     "plainest",
     "propose",
+    "proposer_for",
     "quick_fit",
     "score",
     "sharpened",
@@ -37,6 +39,8 @@ __all__ = [
 ]
 
 LOOKS = 16  # at each number of a shape
+Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
+
 MARGIN = 0.02  # of the log error: names do not change for less
 
 
@@ -63,9 +67,41 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
             made, q = longest.preparation, longest.x[:, position]
             noise = 0.0 if made is None else float(made.noise[position // made.order])
             proposed += ripple_candidates(state, position, residual[:, state], q, noise)
-            if not any(path.args[0] == variable(position) for path in paths_of(design)):
-                proposed += remembered_ways(state, position, q)
     return proposed
+
+
+def propose_remembering(
+    design: Design, equations: Equations, records: Sequence[Record]
+) -> list[Candidate]:
+    """Return what `propose` does, and frictions that remember the motion."""
+    return [*propose(design, equations, records), *_ways(design, records)]
+
+
+def _ways(design: Design, records: Sequence[Record]) -> list[Candidate]:
+    longest, taken = max(records, key=len), [path.args[0] for path in paths_of(design)]
+    found = []
+    for state in () if design.algebraic else design.open_states:
+        position = design.position_of(state)
+        if position is not None and variable(position) not in taken:
+            found += remembered_ways(state, position, longest.x[:, position])
+    return found
+
+
+def proposer_for(design: Design, part: Segments, records: Sequence[Record]) -> Proposer:
+    """Return what proposes: with hysteresis of the motion only where that leads all other effects.
+
+    Each look at a record and its twins then takes no longer than it must, and what hysteresis could
+    explain of the noise does not change what other effects are worth.
+    """
+    ways = [] if part.tracks else _ways(design, records)
+    if not ways:
+        return propose
+    scores = score(
+        design, part, [*propose(design, quick_fit(design, part), records), *ways], pairs=False
+    )
+    best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
+    leads = any(s.value > best + MARGIN for s in scores if s.group[0] in ways)
+    return propose_remembering if leads else propose
 
 
 def score(

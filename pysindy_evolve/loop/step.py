@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from ..equations import Equations
 from ..signals import Record
 from .candidate import Candidate
 from .chance import p_value_of
@@ -18,7 +17,16 @@ from .refinement import justified
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
-from .scoring import columns_of, plainest, propose, quick_fit, score, sharpened, tuned
+from .scoring import (
+    Proposer,
+    columns_of,
+    plainest,
+    proposer_for,
+    quick_fit,
+    score,
+    sharpened,
+    tuned,
+)
 from .segments import Segments
 from .shares import Shares, is_exact
 from .testing import twin_values
@@ -30,8 +38,6 @@ __all__ = ["Finding", "find"]
 HALVED = float(
     np.log(4.0)
 )  # score of an effect that halves the error: no trace, whatever its share
-
-Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +112,7 @@ def find(
     rejected = [] if rejected is None else rejected
     if is_exact(design, part):
         return []
-    proposer = proposer or propose
+    proposer = proposer or proposer_for(design, part, records)
     rules = rules.at(len(design.columns) - len(declared.columns))
     equations = quick_fit(design, part)
     proposed = proposer(design, equations, records)
