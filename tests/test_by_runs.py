@@ -8,10 +8,11 @@ from loop_systems import equations_of, multisine
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden import with_memories
-from pysindy_evolve.loop.by_runs import LimitFinding, find_by_runs
+from pysindy_evolve.loop.by_runs import find_by_runs
 from pysindy_evolve.loop.candidate import Candidate
 from pysindy_evolve.loop.declared import design_of
 from pysindy_evolve.loop.drift import drift_of
+from pysindy_evolve.loop.halts import LimitFinding
 from pysindy_evolve.loop.limits import limited, limits_of
 from pysindy_evolve.loop.past import begun
 from pysindy_evolve.loop.recall import MemoryFinding
@@ -83,9 +84,8 @@ def test_single_tank_that_an_unmeasured_inflow_disturbs_has_nothing_hidden(seed)
 
 
 def test_readings_that_stop_at_a_value_show_a_limit():
-    design = design_of(TANK, [tanks(1)])
-    assert limits_of(design, [tanks(1)]) == []
-    (limit,) = limits_of(design, [tanks(1, clip=8.0)])
+    assert limits_of([tanks(1)]) == []
+    (limit,) = limits_of([tanks(1, clip=8.0)])
     assert (limit.state, limit.value, limit.upper) == (0, 8.0, True)
 
 
@@ -93,13 +93,13 @@ def test_rest_of_a_coarse_sensor_is_no_limit():
     record = tanks(1, noise=0.0)
     coarse = np.round(np.minimum(record.preparation.y, 7.0) / 0.25) * 0.25
     again = pse.prepare(record.preparation.t, coarse, record.preparation.u, order=1)
-    assert limits_of(design_of(TANK, [again]), [again]) == []
+    assert limits_of([again]) == []
 
 
 def test_what_only_free_runs_showed_is_not_pruned_by_the_derivative():
     record = tanks(1, clip=8.0)
     design = design_of(TANK, [record])
-    (limit,) = limits_of(design, [record])
+    (limit,) = limits_of([record])
     candidate = Candidate("saturation", 0, (limit.term,))
     found = LimitFinding(candidate, (), 30.0, 0.001, np.zeros(3), by_runs=True, limit=limit)
     assert prune(design, [found], segments([record])) == [found]
@@ -107,7 +107,7 @@ def test_what_only_free_runs_showed_is_not_pruned_by_the_derivative():
 
 def test_limited_state_stays_at_its_limit_and_leaves_it_again():
     record = tanks(1, clip=8.0)
-    limits = limits_of(design_of(TANK, [record]), [record])
+    limits = limits_of([record])
     design = limited(design_of(TANK, [record]), limits)
     t = np.arange(0.0, 600.0, DT)
     u = np.where(t < 300.0, 6.0, 0.5)[:, None]

@@ -151,6 +151,12 @@ class TextPrinter(StrPrinter):
     def _print_Abs(self, expression: Any) -> str:
         return f"|{self._print(expression.args[0])}|"
 
+    def _print_Min(self, expression: Any) -> str:
+        last = sorted(expression.args, key=lambda argument: bool(argument.is_number))
+        return f"{type(expression).__name__.lower()}({', '.join(map(self._print, last))})"
+
+    _print_Max = _print_Min
+
     def _print_Mul(self, expression: Any) -> str:
         return str(super()._print_Mul(expression)).replace("*", " ")
 

@@ -9,45 +9,30 @@ bettered by a memory that is not there; the derivative, which sees the disturban
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..signals import Record
-from .candidate import Candidate
-from .chance import p_value_of
 from .design import Design
 from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models, gains_of_terms
 from .effects import candidates, standing
-from .fit import refit
-from .limits import LIMITED, Limit, limited, limits_of, off_limits, plateaus
+from .halts import drift_from, limits_in, needed, notable, stops_of
+from .limits import limited, off_limits
 from .recall import MemoryFinding, exchanged, memories_of
 from .rejected import Rejected
 from .rules import Rules
 from .scoring import MARGIN, columns_of, score
 from .segments import ranges, segments, variables_of
-from .shares import is_exact
 from .step import Finding
 from .trace import Score
 from .tuning import tuned
 from .variants import Model, Pasts, Variant, memories_beside
 
-__all__ = ["LimitFinding", "find_by_runs", "limits_in", "with_findings"]
+__all__ = ["find_by_runs", "with_findings"]
 
 
-N_SIGNS = 999  # draws and twins of runs, which cost next to nothing
-
-
-@dataclass(frozen=True, eq=False)
-class LimitFinding(Finding):
-    """A limit of a state that passed. It adds no column: its term has no free coefficient."""
-
-    limit: Limit = field(kw_only=True)
-
-
-def limits_in(findings: Sequence[Finding]) -> tuple[Limit, ...]:
-    """Return the limits among findings."""
-    return tuple(f.limit for f in findings if isinstance(f, LimitFinding))
+N_SIGNS = 999  # draws, which cost next to nothing
 
 
 def with_findings(declared: Design, findings: Sequence[Finding]) -> Design:
@@ -92,23 +77,23 @@ def find_by_runs(
         For each record, where its inputs stood before it; empty where that does not matter.
     """
     before = list(findings)
-    limits = _limits(_model(declared, before), records, rules, rng)
+    stops = stops_of(_model(declared, before), records, rules, rng)
     new: list[Finding] = []
     pasts: Pasts = ()
     while len(before) + len(new) < rules.max_effects:
         model = replace(
             _model(declared, [*before, *new]),
-            limits=tuple(one.limit for one in limits),
+            limits=tuple(one.limit for one in stops),
             n_known=len(memories_of(before)),
             pasts=pasts,
         )
-        drift = _drift(model, records)
+        drift = drift_from(model, records)
         step = None if drift is None else _best(drift, wide, bool(new), rules, rng, rejected)
         if step is None:
             break
         new, pasts = _retuned([*new, step[0]], step[1]), step[1].pasts
     whole = replace(_model(declared, [*before, *new]), pasts=pasts)
-    kept = _needed(whole, limits, records, rules)
+    kept = needed(whole, stops, records, rules)
     memories = [f for f in new if isinstance(f, MemoryFinding)]
     terms = [f for f in new if f not in memories]
     number = 1 + max((f.step for f in before), default=0)
@@ -125,48 +110,6 @@ def _retuned(new: list[Finding], model: Model) -> list[Finding]:
     """Return findings with the memories of a model."""
     memories = iter(model.memories[model.n_known :])
     return [replace(f, memory=next(memories)) if isinstance(f, MemoryFinding) else f for f in new]
-
-
-def _limits(
-    model: Model, records: Sequence[Record], rules: Rules, rng: np.random.Generator
-) -> list[LimitFinding]:
-    """Return the limits at which records stay longer than twins without them.
-
-    They are believed while the search goes on: what a sensor cannot show must not mislead it.
-    """
-    acted = model.acted(records)
-    found = []
-    for limit in limits_of(model.design, records):
-        equations = model.design.equations(refit(model.design, acted, "derivative"))
-        length, lengths = plateaus(limit, equations, acted, N_SIGNS, rng)
-        p_value = p_value_of(length, lengths)
-        if p_value <= rules.level_of_runs:
-            candidate = Candidate(LIMITED, limit.state, (limit.term,))
-            own = (candidate, (), float(length), p_value, lengths)
-            found.append(LimitFinding(*own, by_runs=True, limit=limit))
-    return found
-
-
-def _needed(
-    model: Model, limits: Sequence[LimitFinding], records: Sequence[Record], rules: Rules
-) -> list[LimitFinding]:
-    """Return the limits without which the runs would be notably worse."""
-    kept = []
-    for one in limits:
-        others = tuple(f.limit for f in limits if f is not one)
-        drift = _drift(replace(model, limits=others), records)
-        whole = replace(model, limits=(*others, one.limit))
-        if drift is not None and gains_of_models(drift, [whole])[0, 0] >= _notable(rules):
-            kept.append(one)
-    return kept
-
-
-def _drift(model: Model, records: Sequence[Record]) -> Drift | None:
-    """Return the drift of a model; None where there is none to explain."""
-    acted = model.acted(records)
-    if not model.design.columns or is_exact(model.design, segments(acted, model.design.velocities)):
-        return None
-    return drift_of(model, refit(model.design, acted, "derivative"), records)
 
 
 def _best(
@@ -203,7 +146,7 @@ def _memory_or_term(
     by_terms, in_twins = gains_of_terms(drift, [v.columns for v in terms], signs)
     by_models = gains_of_models(drift, [v.model for v in memories])
     plain = np.append(by_terms, by_models[0])
-    heads = _heads([*terms, *memories], plain, _notable(rules))
+    heads = _heads([*terms, *memories], plain, notable(rules))
     heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]
     if not heads:
         return None
@@ -247,11 +190,6 @@ def _plainest(
     near = gains >= gains.max() - max(MARGIN, 0.01 * gains.max())
     k = min(np.flatnonzero(near).tolist(), key=lambda k: variants[k].plainness)
     return variants[k], passing[k][1], passing[k][2]
-
-
-def _notable(rules: Rules) -> float:
-    """Return the gain of what removes the least share that matters."""
-    return float(-np.log1p(-rules.min_share))
 
 
 def _as_rejected(finding: Finding, drift: Drift) -> Rejected:

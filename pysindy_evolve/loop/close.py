@@ -12,11 +12,13 @@ from ..memory import preceded, remembered
 from ..operators import Operator, resolve
 from ..signals import Record
 from .algebraic import as_algebraic
-from .by_runs import find_by_runs, limits_in, with_findings
+from .by_runs import find_by_runs, with_findings
+from .clipped import clipped_sensors
 from .declared import DeclaredModel, design_of
 from .design import Design
 from .duels import held_against
 from .grow import OPERATORS, Garden
+from .halts import limits_in, may_stop_itself
 from .limits import off_limits
 from .recall import find_or_recall, memories_of, resettled
 from .records import alike, check_records, split_records, widened
@@ -135,6 +137,9 @@ def close_loop(
     wide = widened(fit_on)
     if declared_design.algebraic:
         wide = [replace(r, x=np.zeros_like(r.x)) for r in wide]  # a target explains nothing
+    if may_stop_itself(declared_design, fit_on, rules, rng):
+        every = fit_on, judge_on, wide
+        fit_on, judge_on, wide = ([replace(r, seen=None) for r in one] for one in every)
     part = witnessed(declared_design, wide)
     rules = replace(rules, by_trajectory=bool(part.tracks))
     basis = resolve(operators, "close_loop") if operators and not part.tracks else ()
@@ -177,9 +182,9 @@ class _Search:
 
     @property
     def verdict(self) -> str:
-        if self.findings:
-            return "traced"
-        return "untraced" if self.has_structure else "complete"
+        if self.has_structure:  # beside what sensors do not show
+            return "untraced"
+        return "traced" if self.findings else "complete"
 
     @property
     def design(self) -> Design:
@@ -195,6 +200,7 @@ class _Search:
         self._grow()
         if not self.declared.algebraic and not self.whole.tracks:
             self._hold()
+            self._read()
 
     def _look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
@@ -269,6 +275,13 @@ class _Search:
         grown = [c for c in self.garden.grown if c.name == EVOLVED]
         kept = held_against(model, self.findings, grown, self.plain, self.part, self.rules)
         self.findings = prune(self.declared, kept, self.part)
+
+    def _read(self) -> None:
+        found = self.findings
+        if len(found) < self.rules.max_effects:
+            columns = (column for finding in found for column in finding.columns)
+            model = Model(self.declared.adding(columns), memories_of(found), limits_in(found))
+            self.findings = clipped_sensors(model, found, self.plain, self.rules, self.rng)
 
 
 def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:

@@ -66,7 +66,7 @@ class Drift:
     @property
     def left(self) -> np.ndarray:
         """What the runs leave of the record, shape (n_stretches, n, n_states)."""
-        return np.asarray(self.trial.target - self.trial.x)
+        return np.asarray(self.trial.miss)
 
     @property
     def in_twins(self) -> Trial:
@@ -108,9 +108,9 @@ def drift_of(
         part = segments(records, model.design.velocities, n, MAX_ROWS)
         (trial,) = settled([model.trial(coef, part.state_scale, records, part)])
         rows = trial.rows()
-        missed = np.sqrt(np.mean((trial.target - trial.x) ** 2, axis=(0, 1)))
+        missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
         if rows is not None and np.all(missed < FAITHFUL * part.state_scale):
-            misses = rows.freed(rows.of(trial.target - trial.x))
+            misses = rows.freed(rows.of(trial.miss))
             trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
             stride = max(1, round(0.5 / (part.cutoff * part.dt * rows.keep)))
             whitener = Whitener.of(misses.reshape(len(misses), -1, part.n_states), stride)

@@ -144,4 +144,4 @@ def _begun(model: Model, candidate: Candidate, drift: Drift, records: Sequence[R
 
 def _squares(trial: Trial) -> np.ndarray:
     """Return the squared error of each stretch, shape (n_stretches,)."""
-    return np.asarray(np.sum(((trial.target - trial.x) / trial.scale) ** 2, axis=(1, 2)))
+    return np.asarray(np.sum((trial.miss / trial.scale) ** 2, axis=(1, 2)))

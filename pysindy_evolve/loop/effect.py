@@ -108,7 +108,9 @@ class Effect:
         Whether free runs showed it; `explained` then is a share of the variance of their error.
     quantities : tuple of str
         What the `coefficients` are, if they multiply nothing: the delay or time constant of a
-        memory, in units of t, or the limit of a state.
+        memory, in units of t, or the limit of a state or of its sensor.
+    of_sensor : bool
+        Whether it is in what is read of the state, and not in its equation.
     """
 
     name: str
@@ -126,6 +128,12 @@ class Effect:
     memory: Memory | None = None
     by_runs: bool = False
     quantities: tuple[str, ...] = ()
+    of_sensor: bool = False
+
+    @property
+    def place(self) -> str:
+        """Where it is: in the equation of a state, or in its sensor."""
+        return f"the {'sensor' if self.of_sensor else 'equation'} of {self.state}"
 
     def __repr__(self) -> str:
         intervals = zip(self.coefficients, self.confidence_intervals, strict=True)

@@ -57,7 +57,7 @@ class HeldOut:
         rows = trial.rows() if np.isfinite(trial.error) else None
         if rows is None or not np.isfinite(rows.response).all():
             return None
-        target = rows.response @ trial.coef[:, None] + rows.of(trial.target - trial.x)
+        target = rows.response @ trial.coef[:, None] + rows.of(trial.miss)
         added = np.zeros_like(target) if noise is None else rows.of(noise)
         every, basis = np.concatenate([rows.response, target, added], axis=2), rows.basis
         if whitener is not None:

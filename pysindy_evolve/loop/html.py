@@ -81,7 +81,7 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
     parts = zip(effect.coefficients, effect.confidence_intervals, strict=True)
     return {
         "name": effect.name,
-        "state": effect.state,
+        "place": effect.place,
         "coefficients": [
             (_shown_term(effect, k, symbols), *map(format_number, (value, low, high)))
             for k, (value, (low, high)) in enumerate(parts)
@@ -113,7 +113,8 @@ def _shown_term(effect: Effect, k: int, symbols: Sequence[Any]) -> str:
 def _shown(report: LoopReport) -> list[int]:
     """Return the equations to draw: those with effects, or the one with the largest error."""
     states = report.before.model.states
-    with_effects = dict.fromkeys(states.index(effect.state) for effect in report.effects)
+    in_equations = (effect for effect in report.effects if not effect.of_sensor)
+    with_effects = dict.fromkeys(states.index(effect.state) for effect in in_equations)
     return list(with_effects) or [int(np.argmax(report.before.derivative_error))]
 
 

@@ -1,4 +1,4 @@
-"""Limits that a record shows: a state that stays at its highest or lowest value for a while."""
+"""Limits that a record shows: a reading that stays at its highest or lowest value for a while."""
 
 from __future__ import annotations
 
@@ -11,17 +11,20 @@ from scipy.ndimage import maximum_filter1d
 from ..equations import Equations
 from ..operators import BUILTIN
 from ..signals import Record
-from ..signals.noise import DWELL
+from ..signals.clipping import longest
 from ..terms import Sum, add, call, constant, mul, sub, variable
+from .chance import p_value_of
 from .design import Design
 from .paths import follow
+from .rules import Rules
 from .segments import Segments
+from .sensor import ends_of
 
-__all__ = ["LIMITED", "Limit", "limited", "limits_of", "off_limits", "plateaus"]
+__all__ = ["LIMITED", "Limit", "limited", "limits_of", "off_limits", "plateaus", "tested"]
 
 LIMITED = "saturation"  # its name
-LEAST = 3  # samples at the limit, one after the other
 NEAR = 0.01  # standard deviations from a limit at which a state counts as being there
+N_TWINS = 999  # which cost next to nothing: one run, and noise
 
 
 @dataclass(frozen=True)
@@ -48,10 +51,19 @@ class Limit:
     @property
     def term(self) -> Sum:
         """What it adds to the rate of the state: -rate * max(x - value, 0), or the mirror image."""
+        return mul(constant(-self.rate), self._excess)
+
+    @property
+    def reading(self) -> Sum:
+        """What a sensor with this limit shows: min(x, value), or max."""
+        return sub(variable(self.state), self._excess)
+
+    @property
+    def _excess(self) -> Sum:
         beyond = sub(variable(self.state), constant(self.value))
         size = call(BUILTIN["abs"], beyond)
         both = add(beyond, size) if self.upper else sub(beyond, size)
-        return mul(constant(-0.5 * self.rate), both)
+        return mul(constant(0.5), both)
 
 
 def limited(design: Design, limits: Sequence[Limit]) -> Design:
@@ -62,15 +74,11 @@ def limited(design: Design, limits: Sequence[Limit]) -> Design:
     return replace(design, fixed=tuple(fixed))
 
 
-def limits_of(design: Design, records: Sequence[Record]) -> list[Limit]:
-    """Return the limits that raw records of first-order states show.
-
-    A coarse sensor repeats its readings wherever the state is slow, and shows none.
+def limits_of(records: Sequence[Record]) -> list[Limit]:
+    """Return the limits of readings that raw records show, whatever they are limits of.
 
     Parameters
     ----------
-    design : Design
-        The model: a state whose equation is open may be limited.
     records : sequence of Record
         Training records; without raw data nothing is seen.
 
@@ -78,21 +86,56 @@ def limits_of(design: Design, records: Sequence[Record]) -> list[Limit]:
     -------
     list of Limit
     """
-    made = [record.preparation for record in records]
-    if any(one is None or one.order != 1 for one in made):
+    ends = ends_of(records)
+    if ends is None:
         return []
+    rate = 1.0 / records[0].dt
+    found = (
+        Limit(state, float(ends[int(upper), state]), rate, upper)
+        for state in range(ends.shape[1])
+        for upper in (True, False)
+    )
+    return [limit for limit in found if np.isfinite(limit.value)]
+
+
+def tested(
+    limits: Sequence[Limit],
+    equations: Equations,
+    records: Sequence[Record],
+    rules: Rules,
+    rng: np.random.Generator,
+) -> list[tuple[Limit, int, float, np.ndarray]]:
+    """Return the limits at which records stay longer than twins without them, with the evidence.
+
+    Parameters
+    ----------
+    limits : sequence of Limit
+        What the records show.
+    equations : Equations
+        The model in which nothing is limited.
+    records : sequence of Record
+        Training records, inputs as they act.
+    rules : Rules
+        When a limit counts.
+    rng : numpy.random.Generator
+        Draws the noise of the twins.
+
+    Returns
+    -------
+    list of (Limit, int, float, ndarray of shape (n_twins,))
+        With samples in a row, their chance, and the same samples in the twins.
+    """
     found = []
-    for state in design.open_states:
-        columns = [one.y[:, state] for one in made if one is not None]
-        for upper in (True, False):
-            extreme = max(c.max() for c in columns) if upper else min(c.min() for c in columns)
-            if _plateau(columns, upper) >= LEAST and not _is_coarse(columns, extreme):
-                found.append(Limit(state, float(extreme), 1.0 / records[0].dt, upper))
+    for limit in limits:
+        length, lengths = plateaus(limit, equations, records, N_TWINS, rng)
+        p_value = p_value_of(length, lengths)
+        if p_value <= rules.level_of_runs:
+            found.append((limit, length, p_value, lengths))
     return found
 
 
 def off_limits(part: Segments, limits: Sequence[Limit]) -> Segments:
-    """Return pieces in which rows at a limit carry no weight: there the sensor says nothing."""
+    """Return pieces in which rows at a limit carry no weight: there no equation holds."""
     weight = part.weight.copy()
     for limit in limits:
         x, near = part.z[:, :, limit.state], NEAR * part.state_scale[limit.state]
@@ -134,12 +177,13 @@ def plateaus(
     """
     paths = [follow(equations, record) for record in records]
     made = [record.preparation for record in records if record.preparation is not None]
-    found = [path.y[:, limit.state] for path in paths if path is not None]
-    raw = [one.y[:, limit.state] for one in made]
+    column = limit.state // made[0].order
+    found = [path.y[:, column] for path in paths if path is not None]
+    raw = [one.y[:, column] for one in made]
     observed = _plateau(raw, limit.upper)
     if len(found) < len(raw):
         return observed, np.full(n_twins, np.inf)
-    noise = [float(one.noise[limit.state]) for one in made]
+    noise = [float(one.noise[column]) for one in made]
     lengths = []
     for _ in range(n_twins):
         twins = [y + s * rng.standard_normal(len(y)) for y, s in zip(found, noise, strict=True)]
@@ -147,20 +191,7 @@ def plateaus(
     return observed, np.array(lengths, dtype=float)
 
 
-def _is_coarse(columns: Sequence[np.ndarray], extreme: float) -> bool:
-    """Tell whether readings repeat away from an extreme as well: it then is no more than a rest."""
-    repeats = [np.diff(c[c != extreme]) == 0.0 for c in columns]
-    every = np.concatenate(repeats)
-    return len(every) == 0 or bool(every.mean() >= DWELL)
-
-
 def _plateau(columns: Sequence[np.ndarray], upper: bool) -> int:
     """Return for how many samples in a row columns stay at the extreme of all of them."""
     extreme = max(c.max() for c in columns) if upper else min(c.min() for c in columns)
-    return max(_longest(column == extreme) for column in columns)
-
-
-def _longest(there: np.ndarray) -> int:
-    """Return the length of the longest run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
-    return int(np.max(edges[1::2] - edges[::2], initial=0))
+    return max(longest(column == extreme) for column in columns)

@@ -134,8 +134,10 @@ class _Course:
             return None
         x, push = joined
         y = np.array(self.made.y, dtype=float)
-        stray = x[:, : self.record.n_states : self.made.order] - y[first:stop]
-        if np.any(np.sqrt(np.mean(stray**2, axis=0)) >= FAITHFUL * y.std(axis=0)):
+        measured = x[:, : self.record.n_states : self.made.order]
+        stray = measured - y[first:stop]
+        seen = np.clip(measured, *self.made.limits) - y[first:stop]
+        if np.any(np.sqrt(np.mean(seen**2, axis=0)) >= FAITHFUL * y.std(axis=0)):
             return None
         y[:first] += stray[0]  # what lies outside only needs to join without a jump
         y[first:stop] += stray

@@ -210,7 +210,8 @@ def _state_index(report: LoopReport, state: str | None) -> int:
     states = report.before.model.states
     if state is None:
         worst = int(np.argmax(report.before.derivative_error))
-        return states.index(report.effects[0].state) if report.effects else worst
+        first = next((one.state for one in report.effects if not one.of_sensor), None)
+        return worst if first is None else states.index(first)
     if state not in states:
         raise ValueError(
             f"LoopReport.plot(state=...) must be a state of the model; got {state!r}. "

@@ -6,18 +6,31 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import sympy
 
+from ..equations import Equations
 from ..hidden import with_memories
 from ..signals import Record
-from .by_runs import LimitFinding
+from .clipped import SensorFinding
 from .design import Design
 from .effect import Effect, Errors
+from .halts import LimitFinding
+from .limits import Limit
 from .recall import MemoryFinding, memories_of, memory_interval
+from .runs import free_run
+from .sensor import limits_of_states, shown
 from .step import Finding
 from .tuning import intervals_by_runs
 from .variants import Model
 
-__all__ = ["with_intervals", "with_limit", "with_memory", "with_share_of_runs"]
+__all__ = [
+    "as_read",
+    "with_intervals",
+    "with_limit",
+    "with_memory",
+    "with_sensor",
+    "with_share_of_runs",
+]
 
 
 def with_share_of_runs(effect: Effect, finding: Finding, before: Errors, after: Errors) -> Effect:
@@ -29,16 +42,54 @@ def with_share_of_runs(effect: Effect, finding: Finding, before: Errors, after: 
 
 def with_limit(effect: Effect, finding: LimitFinding, train: Sequence[Record]) -> Effect:
     """Return the effect of a limit, which is known as well as the sensor reads it."""
-    limit = finding.limit
-    noise = max(float(r.preparation.noise[limit.state]) for r in train if r.preparation)
+    made = [record.preparation for record in train if record.preparation is not None]
+    noise = max(float(one.noise[finding.limit.state // one.order]) for one in made)
+    return _ending(effect, finding.limit, noise, "value")
+
+
+def _ending(effect: Effect, limit: Limit, noise: float, what: str) -> Effect:
     ends = limit.value + 1.96 * noise * np.array([-1.0, 1.0])
-    side = "largest value" if limit.upper else "smallest value"
+    side = "largest" if limit.upper else "smallest"
     return replace(
         effect,
         coefficients=np.array([limit.value]),
         confidence_intervals=ends[None, :],
-        quantities=(f"{side} of {effect.state}",),
+        quantities=(f"{side} {what} of {effect.state}",),
     )
+
+
+def with_sensor(
+    effect: Effect, finding: SensorFinding, equations: Equations, test: Sequence[Record]
+) -> Effect:
+    """Return the effect of a sensor that clips, whose limit is read without noise.
+
+    Its share is that of the free runs' error, had they been compared with the readings as they are.
+    """
+    limit = finding.limit
+    end = sympy.Min if limit.upper else sympy.Max
+    effect = replace(
+        _ending(effect, limit, 0.0, "reading"),
+        term=end(sympy.Symbol(effect.state, real=True), limit.value),
+        of_sensor=True,
+        by_runs=True,
+    )
+    limits, squares = limits_of_states(test), np.zeros(2)
+    for record in test:
+        run = free_run(equations, record, on_divergence="nan")[:, : record.n_states]
+        reading = shown(record.x, limits)[:, limit.state]
+        for k, there in enumerate((run, shown(run, limits))):
+            squares[k] += np.sum((there[:, limit.state] - reading) ** 2)
+    return replace(effect, explained=float(1.0 - squares[1] / max(squares[0], 1e-300)))
+
+
+def as_read(run: np.ndarray, states: Sequence[str], effects: Sequence[Effect]) -> np.ndarray:
+    """Return a run (n_samples, n_states) as sensors show it that were found to clip."""
+    run = np.array(run)
+    for effect in (one for one in effects if one.of_sensor):
+        reading = run[:, states.index(effect.state)]
+        end = np.minimum if isinstance(effect.term, sympy.Min) else np.maximum
+        end(reading, effect.coefficients[0], out=reading)
+    return run
 
 
 def with_intervals(

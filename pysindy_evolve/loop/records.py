@@ -207,7 +207,8 @@ def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
             "close_loop(train=..., test=...) must have raw sampling times that are multiples of "
             f"one another; got {made.dt:g} for {step:g}. Interpolate the records first."
         )
-    again = prepare(made.t, made.y, made.u, made.order, cutoff, decimation, made.method)
+    settings = made.settings | {"cutoff": cutoff, "decimate": decimation}
+    again = prepare(made.t, made.y, made.u, **settings)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
     return again[int(inside[0]) : int(inside[-1]) + 1]
 

@@ -17,20 +17,30 @@ from ..hidden import MemoryEquations
 from ..memory import Memory, remembered
 from ..signals import Record
 from ..terms import Sum
-from .by_runs import LimitFinding, with_findings
+from .by_runs import with_findings
+from .clipped import SensorFinding
 from .design import Design
 from .effect import Alternative, Effect, Errors, Step
 from .experiment import Plan, plan
 from .fit import Fit, derivative_fit_errors, refit
+from .halts import LimitFinding
 from .judge import judge
 from .model import as_sindy
-from .quantities import with_intervals, with_limit, with_memory, with_share_of_runs
+from .quantities import (
+    as_read,
+    with_intervals,
+    with_limit,
+    with_memory,
+    with_sensor,
+    with_share_of_runs,
+)
 from .recall import MemoryFinding, memories_of
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
 from .runs import free_run
 from .scoring import columns_of
+from .sensor import heard
 from .step import Finding
 from .text import as_markdown, as_text
 
@@ -88,12 +98,12 @@ class LoopReport:
 
     @property
     def residual_before(self) -> list[np.ndarray]:
-        """x_dot minus the declared model, for each held-out record."""
+        """x_dot minus the declared model, for each held-out record; zero where nobody saw it."""
         return [_residual(self.before.model, record) for record in self.test]
 
     @property
     def residual_after(self) -> list[np.ndarray]:
-        """x_dot minus the corrected model, for each held-out record."""
+        """x_dot minus the corrected model, for each held-out record; zero where nobody saw it."""
         return [_residual(self.after.model, record) for record in self.test]
 
     def simulate(self, record: Record) -> np.ndarray:
@@ -107,8 +117,10 @@ class LoopReport:
         Returns
         -------
         ndarray of shape (n_samples, n_states)
+            As the sensors show them, where one of the effects is that a sensor clips.
         """
-        return free_run(self.equations, record)
+        run = free_run(self.equations, record)
+        return as_read(run, self.equations.states, self.effects)
 
     def __str__(self) -> str:
         return as_text(self)
@@ -173,7 +185,7 @@ class LoopReport:
 def _residual(equations: Equations, record: Record) -> np.ndarray:
     if isinstance(equations, MemoryEquations):
         record, equations = remembered(record, equations.memories), equations.inner
-    return record.x_dot - equations.evaluate(record.x, record.u, record.t)
+    return heard(record, record.x_dot - equations.evaluate(record.x, record.u, record.t))
 
 
 def make_report(
@@ -219,6 +231,8 @@ def make_report(
             effects[k] = with_memory(effects[k], finding, design, fitted.coef, train, rng)
         elif isinstance(finding, LimitFinding):
             effects[k] = with_limit(effects[k], finding, train)
+        elif isinstance(finding, SensorFinding):
+            effects[k] = with_sensor(effects[k], finding, errors.model, test)
         else:
             acted = [remembered(record, memories) for record in train]
             rivals = tuple(

@@ -13,6 +13,7 @@ from ..hidden import MemoryEquations, with_memories
 from ..signals import Record
 from ..simulation import simulate
 from .past import begun, first_state
+from .sensor import limits_of_states, missed, shown
 
 __all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 
@@ -60,12 +61,13 @@ def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any)
 
 def simulation_errors(equations: Equations, records: Sequence[Record]) -> np.ndarray:
     """Return the NRMSE of free runs over records, percent, shape (n_states,)."""
-    equations, errors = with_memories(equations, ()), []
+    equations, limits = with_memories(equations, ()), limits_of_states(records)
+    errors, values = [], []
     for record in records:
         run = free_run(equations, record, on_divergence="nan", tolerance=1e-7)
-        errors.append(run[:, : record.n_states] - record.x)
-    x = np.concatenate([record.x for record in records])
-    return np.nan_to_num(nrmse(np.concatenate(errors), x), nan=np.inf)
+        errors.append(missed(record.x, run[:, : record.n_states], limits, record.seen))
+        values.append(shown(record.x, limits))
+    return np.nan_to_num(nrmse(np.concatenate(errors), np.concatenate(values)), nan=np.inf)
 
 
 def nrmse(errors: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -85,10 +87,12 @@ def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches:
     """
     spread = np.concatenate([record.x for record in records]).std(axis=0)
     scale = np.where(spread > 0.0, spread, 1.0)
-    equations, squares = with_memories(equations, ()), []
+    equations, limits = with_memories(equations, ()), limits_of_states(records)
+    squares = []
     for record in records:
         for rows in np.array_split(np.arange(len(record)), n_stretches):
             piece = record[int(rows[0]) : int(rows[-1]) + 1]
             run = free_run(equations, piece, on_divergence="nan", tolerance=1e-7)
-            squares.append(np.sum(((run[:, : piece.n_states] - piece.x) / scale) ** 2))
+            miss = missed(piece.x, run[:, : piece.n_states], limits, piece.seen)
+            squares.append(np.sum((miss / scale) ** 2))
     return float(np.nan_to_num(np.sum(squares), nan=np.inf))

@@ -19,6 +19,7 @@ from .linear import solve_gram
 from .periodic import periodic_candidates, ripple_candidates
 from .residual import derivative_grams
 from .segments import Segments, ranges, variables_of
+from .sensor import heard
 from .spectral import spectral_grams
 from .trace import Score, rank, ranked
 from .trajectory import Trajectories
@@ -57,7 +58,7 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
     variables = np.concatenate([variables_of(record) for record in records])
     proposed = candidates(design, *ranges(variables))
     longest = max(records, key=len)
-    residual = longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t)
+    residual = heard(longest, longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t))
     time = len(design.states) + len(design.inputs)
     for state in design.open_states:
         drivers = longest.x[:, :0] if longest.u is None else longest.u

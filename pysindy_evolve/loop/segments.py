@@ -10,6 +10,7 @@ from scipy.fft import dct, prev_fast_len
 
 from ..equations import stack
 from ..signals import Record, Windows, choose_windows
+from .sensor import limits_of_states, missed
 from .sticking import moving
 
 __all__ = ["Segments", "places_of", "ranges", "scale_of", "segments", "variables_of"]
@@ -38,6 +39,8 @@ class Segments:
     cutoff: float
     places: tuple[tuple[int, int], ...]
     tracks: tuple[Record, ...] = ()  # the records, where their trajectories bear witness
+    limits: np.ndarray | None = None  # of the sensors of the states, (2, n_states)
+    seen: np.ndarray | None = None  # where the states are measurements, (n_segments, n, n_states)
 
     @property
     def n_states(self) -> int:
@@ -72,13 +75,20 @@ class Segments:
             x_dot=self.x_dot[pick],
             weight=self.weight[pick],
             places=self.places[pick],
+            seen=None if self.seen is None else self.seen[pick],
         )
 
     def of(self, records: Sequence[Record]) -> Segments:
         """Return the same pieces of other records of the same shape, such as twins."""
-        z, x_dot, weight = _cut(records, self.velocities, self.places, self.z.shape[1])
+        length = self.z.shape[1]
+        z, x_dot, weight = _cut(records, self.velocities, self.places, length)
         tracks = tuple(records) if self.tracks else ()
-        return replace(self, z=z, x_dot=x_dot, weight=weight, tracks=tracks)
+        seen = _seen(records, self.places, length)
+        return replace(self, z=z, x_dot=x_dot, weight=weight, tracks=tracks, seen=seen)
+
+    def missed(self, x: np.ndarray) -> np.ndarray:
+        """Return by how much runs (n_segments, n, n_states) miss what the sensors show."""
+        return missed(self.z[:, :, : self.n_states], x, self.limits, self.seen)
 
 
 def segments(
@@ -124,6 +134,8 @@ def segments(
         rate_scale,
         cutoff,
         places,
+        limits=limits_of_states(records),
+        seen=_seen(records, places, length),
     )
 
 
@@ -185,6 +197,15 @@ def _cut(
     x_dot = np.stack([records[i].x_dot[start : start + length] for i, start in places])
     weight = np.stack([weights[i][start : start + length] for i, start in places])
     return z, x_dot, weight
+
+
+def _seen(
+    records: Sequence[Record], places: Sequence[tuple[int, int]], length: int
+) -> np.ndarray | None:
+    if all(record.seen is None for record in records):
+        return None
+    seen = [np.ones(r.x.shape, dtype=bool) if r.seen is None else r.seen for r in records]
+    return np.stack([seen[i][start : start + length] for i, start in places])
 
 
 def _band(record: Record, slowest: float) -> float:

@@ -96,7 +96,7 @@ def _begun(design: Design, coef: np.ndarray, records: Sequence[Record]) -> Trial
             continue  # many short records are cut alike
         length, x = part.z.shape[1], part.z[:, :, : part.n_states]
         trial = _run(Trial(design, part, part.state_scale, coef, x[:, 0], x), records)
-        missed = np.sqrt(np.mean((trial.target - trial.x) ** 2, axis=(0, 1)))
+        missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
         if not np.all((missed < FAITHFUL * part.state_scale)[: trial.n_seen]):  # so too for NaN
             continue
         trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))

@@ -34,7 +34,7 @@ def moving(record: Record, velocities: Sequence[int]) -> np.ndarray:
     Returns
     -------
     ndarray of shape (n_samples, n_states)
-        Between 0 (at rest) and 1 (in motion).
+        Between 0 (at rest) and 1 (in motion); 0 where a sensor was at an end of its range.
     """
     weights = np.ones_like(record.x)
     for state in velocities:
@@ -45,6 +45,8 @@ def moving(record: Record, velocities: Sequence[int]) -> np.ndarray:
         share = np.clip((speed - low) / max(high - low, 1e-300), 0.0, 1.0)
         if share.mean() >= ENOUGH:
             weights[:, state] = share * share * (3.0 - 2.0 * share)
+    if record.seen is not None:  # each equation may hold every state
+        weights *= np.all(record.seen, axis=1)[:, None]
     return weights
 
 

@@ -32,7 +32,8 @@ def as_text(report: LoopReport) -> str:
         "Declared model, fitted\n" + indent(_model(report.before), "    "),
     ]
     if report.effects:
-        parts.append("Corrected model\n" + indent(_model(report.after), "    "))
+        said = "\n".join([_model(report.after), *readings(report)])
+        parts.append("Corrected model\n" + indent(said, "    "))
     parts.append(_table(report))
     symbols = report.equations.inner_symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
@@ -45,6 +46,12 @@ def _model(errors: Errors) -> str:
     said = free_parameters(errors)
     lines = [format_equations(errors.model), fill(said, 92, subsequent_indent="  ")]
     return "\n".join(line for line in lines if line)
+
+
+def readings(report: LoopReport) -> list[str]:
+    """Return what sensors show that do not show their state everywhere, a line each."""
+    read = (effect for effect in report.effects if effect.of_sensor)
+    return [f"The sensor of {one.state} shows {format_expression(one.term)}" for one in read]
 
 
 def free_parameters(errors: Errors) -> str:
@@ -107,7 +114,7 @@ def interval(low: float, high: float) -> str:
 
 def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
     """Return what is known of one effect, in a few lines."""
-    lines = [f"{number}. {effect.name} in the equation of {effect.state}"]
+    lines = [f"{number}. {effect.name} in {effect.place}"]
     lines += ["   " + line for line in evidence(effect, symbols)]
     return "\n".join(lines)
 
@@ -118,8 +125,8 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     lines = []
     for k, (value, (low, high)) in enumerate(parts):
         if effect.quantities:
-            shown = f"{format_expression(effect.term)}: {effect.quantities[k]}"
-            lines.append(f"{shown} {value:.4g}   {interval(low, high)}")
+            shown = f"{format_expression(effect.term)}: {effect.quantities[k]} {value:.4g}"
+            lines.append(shown if effect.of_sensor else f"{shown}   {interval(low, high)}")
             continue
         shown = format_expression(effect.expressions[k].to_sympy(symbols))
         lines.append(f"{value:.4g} times {shown}   {interval(low, high)}")
@@ -155,14 +162,15 @@ def as_markdown(report: LoopReport) -> str:
         f"Declared model, fitted:\n\n{_code(_model(report.before))}",
     ]
     if report.effects:
-        parts.append(f"Corrected model:\n\n{_code(_model(report.after))}")
+        said = "\n".join([_model(report.after), *readings(report)])
+        parts.append(f"Corrected model:\n\n{_code(said)}")
     head, rows = table_cells(report)
     lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
     lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
     parts.append("\n".join(lines))
     for effect in report.effects:
         facts = [*evidence(effect, report.equations.inner_symbols, wide=True), _twins(effect)]
-        name = f"### {effect.name} in the equation of {effect.state}"
+        name = f"### {effect.name} in {effect.place}"
         parts.append("\n".join([name, "", *(f"- {_shielded(fact)}" for fact in facts)]))
     parts.append("\n\n".join(["### What remains", *map(_shielded, remains(report))]))
     if plan := report.suggest_experiment().experiments:

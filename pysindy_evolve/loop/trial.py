@@ -25,6 +25,7 @@ from .design import Design
 from .residual import MAX_GROWTH, forces, jacobian, respond
 from .saltation import saltation
 from .segments import Segments
+from .sensor import told
 
 __all__ = ["Rows", "Trial", "bettered", "runs_of", "settled"]
 
@@ -72,10 +73,15 @@ class Trial:
         return self.part.z[:, :, : self.part.n_states]
 
     @property
+    def miss(self) -> np.ndarray:
+        """What the sensors show of the states to meet, minus what they show of the runs."""
+        return self.part.missed(self.x)
+
+    @property
     def error(self) -> float:
         """Sum of the squared misses; infinite if a run diverges."""
         with np.errstate(over="ignore", invalid="ignore"):
-            misses = ((self.target - self.x) / self.scale)[..., : self.n_seen]
+            misses = (self.miss / self.scale)[..., : self.n_seen]
             total = float(np.sum(misses**2))
         return total if np.isfinite(total) else np.inf
 
@@ -98,6 +104,10 @@ class Trial:
         free, response = map(self._of_seen, self.sensitivities(keep))
         if not np.max(np.abs(free)) <= MAX_GROWTH:
             return None
+        if self.part.limits is not None:
+            there = told(self.x, self.part.limits, self.part.seen)
+            there = picked(there[..., : self.n_seen], keep)
+            free, response = free * there, response * there
         basis, _ = np.linalg.qr(free)
         return Rows(response, basis, np.linalg.pinv(free), self.scale, keep, self.n_seen)
 
@@ -123,7 +133,7 @@ class Trial:
         rows = self.rows()
         if rows is None or not np.isfinite(rows.response).all():
             return None
-        miss = rows.of(self.target - self.x)
+        miss = rows.of(self.miss)
         change = rows.change(rows.response, miss)
         return change, rows.starts(rows.response, miss, change)
 
@@ -160,9 +170,7 @@ class Rows:
 
     def of(self, deviation: np.ndarray) -> np.ndarray:
         """Return deviations of the states, (n_stretches, n, n_states), as (..., n_rows, 1)."""
-        last = (deviation.shape[1] - 1) // self.keep * self.keep
-        kept = (deviation / self.scale)[:, : last + 1 : self.keep, : self.n_seen]
-        return kept.reshape(len(kept), -1, 1)
+        return picked((deviation / self.scale)[..., : self.n_seen], self.keep)
 
     def freed(self, rows: np.ndarray) -> np.ndarray:
         """Return rows without what the starts can explain."""
@@ -195,6 +203,12 @@ class Rows:
         """Return by how much the starts follow a change, shape (n_stretches, n_states)."""
         left = miss - (response @ change)[..., None]
         return np.asarray((self.to_starts @ left)[..., 0] * self.scale)
+
+
+def picked(states: np.ndarray, keep: int) -> np.ndarray:
+    """Return every `keep`-th sample of (n_stretches, n, n_states) as (n_stretches, n_rows, 1)."""
+    last = (states.shape[1] - 1) // keep * keep
+    return states[:, : last + 1 : keep].reshape(len(states), -1, 1)
 
 
 def settled(trials: Sequence[Trial]) -> list[Trial]:

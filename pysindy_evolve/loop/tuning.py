@@ -76,7 +76,7 @@ def _steps(
         for one, step in zip(runs_of(begun), numbers.steps, strict=True)
     ]
     response = np.concatenate([rows.response, *slopes], axis=2)
-    miss = rows.of(trial.target - trial.x)
+    miss = rows.of(trial.miss)
     if not np.isfinite(response).all():
         return []
     found, n_coef = [], len(trial.coef)
@@ -146,7 +146,7 @@ def intervals_by_runs(
     moved = [
         rows.of((one.x - trial.x) / step) for one, step in zip(runs, numbers.steps, strict=True)
     ]
-    miss = rows.of(trial.target - trial.x)
+    miss = rows.of(trial.miss)
     every = rows.freed(np.concatenate([rows.response, *moved, miss], axis=2))
     grams = np.swapaxes(every, 1, 2) @ every
     draws = rng.integers(len(grams), size=(N_RESAMPLES, len(grams)))

@@ -22,6 +22,7 @@ from scipy.ndimage import fourier_gaussian
 from ..equations import Equations
 from ..signals import Preparation, Record
 from .paths import Path, follow
+from .sensor import heard
 
 __all__ = ["TwinMaker", "memory_of", "shuffle_signs"]
 
@@ -53,7 +54,7 @@ class TwinMaker:
         -------
         TwinMaker
         """
-        residuals = tuple(r.x_dot - equations.evaluate(r.x, r.u, r.t) for r in records)
+        residuals = tuple(heard(r, r.x_dot - equations.evaluate(r.x, r.u, r.t)) for r in records)
         simulated = tuple(follow(equations, record) for record in records)
         memories = tuple(memory_of(residual) for residual in residuals)
         return cls(equations, tuple(records), simulated, residuals, memories)
@@ -74,12 +75,13 @@ class TwinMaker:
         twin, explained = record, np.zeros_like(residual)
         if path is not None and record.preparation is not None:
             twin = replace(_measured(record.preparation, path, rng), u=record.u)
+            twin = twin if record.seen is not None else replace(twin, seen=None)
         elif record.motion is not None:
             forces = self.equations.evaluate(record.x, record.u, record.t)
             twin = replace(record, u=_noisier(record, record.motion, rng), x_dot=forces)
         rates = self.equations.evaluate(twin.x, twin.u, twin.t)
         if twin is not record:
-            explained = twin.x_dot - rates
+            explained = heard(twin, twin.x_dot - rates)
         left = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
         share = np.sqrt(left / np.maximum(residual.var(axis=0), 1e-300))
         disturbed = rates + explained + share * shuffle_signs(residual, rng, memory)
@@ -99,7 +101,8 @@ def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record
 
 def _noisier(record: Record, made: Preparation, rng: np.random.Generator) -> np.ndarray | None:
     """Return the motion that explains a force, with the noise of its sensor once more."""
-    noise = made.apply(made.t, made.noise * rng.standard_normal(made.y.shape))
+    linear = replace(made, limits=np.full_like(made.limits, np.inf) * [[-1.0], [1.0]])
+    noise = linear.apply(made.t, made.noise * rng.standard_normal(made.y.shape))
     columns = np.column_stack([noise.x, noise.x_dot[:, made.order - 1 :: made.order]])
     return record.u if record.u is None else record.u + columns
 

@@ -88,7 +88,10 @@ def _with_paths(paths: Sequence[Call], record: Record) -> Record:
         rate = path_rate(path, variable(n), path.args[1])
         x.append(w[:, None])
         x_dot.append(rate.evaluate(np.column_stack([rows, w]))[:, None])
-    return replace(record, x=np.hstack(x), x_dot=np.hstack(x_dot), states=None)
+    seen = record.seen
+    if seen is not None:  # what remembers a motion that nobody saw is not known either
+        seen = np.hstack([seen, np.repeat(np.all(seen, axis=1)[:, None], len(paths), axis=1)])
+    return replace(record, x=np.hstack(x), x_dot=np.hstack(x_dot), states=None, seen=seen)
 
 
 def retuned(candidate: Candidate, path: Call, numbers: Sequence[float]) -> Candidate:

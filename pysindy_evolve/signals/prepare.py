@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import checks
+from .clipping import as_limits, beyond, bridged, widened
 from .filters import METHODS, MOST_ORDERS, derivatives
 from .noise import auto_cutoff, sensor_noise
 from .record import Record, constant_column
@@ -23,6 +25,8 @@ OVERSAMPLING = 8.0
 LEAST_ROWS = 500
 # Samples per period of the cutoff below which decimation would alias.
 LEAST_OVERSAMPLING = 3.0
+# Of cutoff and bridges over gaps, each of which follows from the other.
+N_ROUNDS = 3
 # Periods of the cutoff dropped at each end, where the unknown continuation is felt.
 TRIM = 1.5
 
@@ -53,6 +57,8 @@ class Preparation:
         Estimated standard deviation of the sensor noise, units of y.
     rows : tuple of two int
         First row and end of the record within all prepared rows (slices of a record).
+    limits : ndarray of shape (2, n_columns)
+        Lowest and highest reading of the sensors; infinite where no limit shows.
     """
 
     t: Array
@@ -65,6 +71,7 @@ class Preparation:
     trim: int
     noise: Array
     rows: tuple[int, int]
+    limits: Array
 
     def __repr__(self) -> str:
         band = "cutoff=None" if self.cutoff is None else f"cutoff={self.cutoff:.4g}"
@@ -82,7 +89,9 @@ class Preparation:
     def settings(self) -> dict[str, Any]:
         """Arguments that prepare another record alike: ``prepare(t, y, u, **settings)``."""
         names = {"order": "order", "cutoff": "cutoff", "decimate": "decimation", "method": "method"}
-        return {argument: getattr(self, name) for argument, name in names.items()}
+        settings = {argument: getattr(self, name) for argument, name in names.items()}
+        low, high = self.limits.tolist()
+        return settings | {"limits": (tuple(low), tuple(high))}
 
     @cached_property
     def _filter(self) -> SpectralFilter:
@@ -105,7 +114,9 @@ class Preparation:
         return raw
 
     def apply(self, t: ArrayLike, y: ArrayLike, u: ArrayLike | None = None) -> Record:
-        """Repeat the identical linear operation on other data, such as a simulated twin.
+        """Repeat the identical operation on other data, such as a simulated twin.
+
+        It is linear but for what passes a limit of a sensor, which is clipped first.
 
         Parameters
         ----------
@@ -137,14 +148,25 @@ class Preparation:
             got = f"steps of {step:g}"
             advice = "Simulate at preparation.t."
             checks.refuse(call, "t", f"sampled every {self.dt:g}", got, advice)
-        levels = self._derive(positions, tuple(range(self.order + 1)))
+        readings = np.clip(positions, *self.limits)
+        whole = bridged(readings, self.limits, self.dt, self.cutoff, self.order)
+        levels = self._derive(whole, tuple(range(self.order + 1)))
         return Record(
             t=times[self._filter.kept][slice(*self.rows)],
             x=_interleave(levels[:-1]),
             x_dot=_interleave(levels[1:]),
             u=None if inputs is None else self._derive(inputs, (0,))[0],
             preparation=self,
+            seen=self._seen(readings),
         )
+
+    def _seen(self, readings: Array) -> NDArray[np.bool_] | None:
+        """Return on which rows each state is that of the machine; None if on all of them."""
+        gone = beyond(readings, self.limits)
+        if not gone.any():
+            return None
+        spoiled = widened(gone, self.dt, self.cutoff)[self._filter.kept][slice(*self.rows)]
+        return np.asarray(np.repeat(~spoiled, self.order, axis=1))
 
     def lowpass(self, columns: ArrayLike) -> Array:
         """Low-pass, decimate and trim any columns given at the raw times, as y and u were.
@@ -176,6 +198,7 @@ def prepare(
     cutoff: float | str | None = "auto",
     decimate: int | str = "auto",
     method: str = "fft",
+    limits: str | Sequence[Any] | None = "auto",
 ) -> Record:
     r"""Turn a raw record of positions into states and derivatives, all filtered alike.
 
@@ -206,6 +229,10 @@ def prepare(
         Keep every so many samples; automatically eight or more per period of the cutoff.
     method : {"fft", "savgol", "central"}
         How derivatives are taken: spectral, Savitzky-Golay or central differences.
+    limits : "auto", None or pair of float or of ndarray of shape (n_columns,)
+        Lowest and highest value that the sensors can show, units of y. Where they show them, the
+        true value may be anywhere beyond: such rows are bridged before the filter, and marked as
+        not `seen`. By default extremes at which fine readings heap; None knows of no limits.
 
     Returns
     -------
@@ -248,7 +275,8 @@ def prepare(
         got = f"{raw_y[0, still or 0]:g} in all samples of column {still}"
         checks.refuse("prepare", "y", "changing", got, "Drop this column of y.")
     dt = float((grid[-1] - grid[0]) / (grid.size - 1))
-    resolved = _resolve_cutoff(cutoff, even_y, dt, order)
+    ends = as_limits(limits, even_y)
+    resolved, whole = _resolve_cutoff(cutoff, even_y, dt, order, ends)
     trim = 2 if resolved is None else int(np.ceil(TRIM / (resolved * dt)))
     plan = Preparation(
         t=grid,
@@ -259,8 +287,9 @@ def prepare(
         cutoff=resolved,
         decimation=_resolve_decimation(decimate, resolved, dt, grid.size),
         trim=min(trim, grid.size // 16),
-        noise=sensor_noise(even_y, dt, resolved),
+        noise=sensor_noise(whole, dt, resolved),
         rows=(0, grid.size),
+        limits=ends,
     )
     return plan.apply(plan.t, plan.y, plan.u)
 
@@ -273,16 +302,28 @@ def _enough(n: int, order: int) -> None:
         checks.refuse("prepare", "t", f"at least {least} samples long", f"{n}", advice)
 
 
-def _resolve_cutoff(cutoff: Any, y: Array, dt: float, order: int) -> float | None:
-    """Return the cutoff in cycles per unit of t."""
-    if cutoff is None:
-        return None
+def _resolve_cutoff(
+    cutoff: Any, y: Array, dt: float, order: int, limits: Array
+) -> tuple[float | None, Array]:
+    """Return the cutoff in cycles per unit of t, and the readings without gaps."""
     if isinstance(cutoff, str):
         if cutoff != "auto":
             advice = 'Write "auto" to take it from the noise floor.'
             checks.refuse("prepare", "cutoff", '"auto", a number or None', repr(cutoff), advice)
-        return auto_cutoff(y, dt, order)
-    return checks.cutoff("prepare", cutoff, dt)
+        return _auto_cutoff(y, dt, order, limits)
+    resolved = None if cutoff is None else checks.cutoff("prepare", cutoff, dt)
+    return resolved, bridged(y, limits, dt, resolved, order)
+
+
+def _auto_cutoff(y: Array, dt: float, order: int, limits: Array) -> tuple[float, Array]:
+    """Return cutoff and bridged readings, which depend on each other."""
+    cutoff, whole = auto_cutoff(y, dt, order), y
+    if not beyond(y, limits).any():
+        return cutoff, whole
+    for _ in range(N_ROUNDS):
+        whole = bridged(y, limits, dt, cutoff, order)
+        cutoff = auto_cutoff(whole, dt, order)
+    return cutoff, whole
 
 
 def _resolve_decimation(decimate: Any, cutoff: float | None, dt: float, n: int) -> int:

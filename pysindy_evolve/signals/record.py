@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import checks
 from .spectral import Array
@@ -35,6 +36,9 @@ class Record:
         How the record was made from raw data; None if the user made it.
     motion : Preparation, optional
         How the inputs were, where they are a motion that explains a force.
+    seen : ndarray of bool of shape (n_samples, n_states), optional
+        False on rows where a sensor was at an end of its range, and as far as a filter carries
+        this: what is in x and x_dot there is a bridge, and no measurement. None if all are seen.
 
     Raises
     ------
@@ -64,6 +68,7 @@ class Record:
     inputs: tuple[str, ...] | None = None
     preparation: Preparation | None = None
     motion: Preparation | None = None
+    seen: NDArray[np.bool_] | None = None
 
     def __post_init__(self) -> None:
         t = checks.times("Record", self.t)
@@ -77,6 +82,9 @@ class Record:
         if x.shape != x_dot.shape:
             got = f"shape {x_dot.shape}, x has {x.shape}"
             checks.refuse("Record", "x_dot", "of the shape of x", got, "Give one per state.")
+        if self.seen is not None and np.shape(self.seen) != x.shape:
+            got = f"shape {np.shape(self.seen)}, x has {x.shape}"
+            checks.refuse("Record", "seen", "of the shape of x", got, "Give one per state.")
         fields: dict[str, object] = {"t": t, "x": x, "x_dot": x_dot, "u": u}
         fields["states"] = names("states", self.states, x.shape[1])
         fields["inputs"] = names("inputs", self.inputs, 0 if u is None else u.shape[1])
@@ -128,6 +136,7 @@ class Record:
             u=u,
             preparation=made,
             motion=motion,
+            seen=None if self.seen is None else self.seen[rows],
         )
 
     def split(self, fraction: float = 0.3) -> tuple[Record, Record]:

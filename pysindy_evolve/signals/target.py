@@ -43,4 +43,8 @@ def as_target(record: Record) -> Record:
         checks.refuse("as_target", "record", "a record with inputs", "none", "Give forces as u.")
     order = 1 if record.preparation is None else record.preparation.order
     u = np.column_stack([record.x, record.x_dot[:, order - 1 :: order]])
-    return Record(t=record.t, x=record.u, x_dot=record.u, u=u, motion=record.preparation)
+    seen = record.seen
+    if seen is not None:  # a force says nothing of a motion that nobody saw
+        seen = np.repeat(np.all(seen, axis=1)[:, None], record.n_inputs, axis=1)
+    made = record.preparation
+    return Record(t=record.t, x=record.u, x_dot=record.u, u=u, motion=made, seen=seen)
