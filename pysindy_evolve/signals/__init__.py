@@ -7,7 +7,8 @@ over smooth windows before they are compared.
 from .files import read_csv
 from .filters import Motion, differentiate, integrate, lowpass
 from .noise import noise_level
-from .prepare import Preparation, prepare
+from .preparation import Preparation
+from .prepare import prepare
 from .record import Record
 from .sampling import resample
 from .slopes import fuse

@@ -13,7 +13,7 @@ from . import checks
 from .spectral import Array
 
 if TYPE_CHECKING:
-    from .prepare import Preparation
+    from .preparation import Preparation
 
 
 @dataclass(frozen=True, eq=False)
