@@ -19,7 +19,8 @@ from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models, gai
 from .effects import candidates, standing
 from .halts import drift_from, limits_in, needed, notable, stops_of
 from .limits import limited, off_limits
-from .recall import MemoryFinding, exchanged, memories_of
+from .reach import exchanged
+from .recall import MemoryFinding, memories_of
 from .rejected import Rejected
 from .rules import Rules
 from .scoring import MARGIN, columns_of, score

@@ -16,7 +16,8 @@ from .design import Design
 from .effect import Effect, Errors
 from .halts import LimitFinding
 from .limits import Limit
-from .recall import MemoryFinding, memories_of, memory_interval
+from .reach import memory_interval
+from .recall import MemoryFinding, memories_of
 from .runs import free_run
 from .sensor import limits_of_states, shown
 from .step import Finding

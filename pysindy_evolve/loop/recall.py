@@ -1,4 +1,4 @@
-"""Find memories of the inputs beside all other effects, and settle how long they reach back."""
+"""Find memories of the inputs beside all other effects, and look at them again in the end."""
 
 from __future__ import annotations
 
@@ -7,27 +7,22 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
-from ..memory import DELAY, LAG, VESSEL, Memory, remembered
+from ..memory import Memory, remembered
 from ..signals import Record
-from ..substitution import substituted
-from ..terms import Sum, constant, mul, sub, variable
+from ..terms import variable
 from .candidate import Candidate
-from .design import Column, Design
-from .encompassing import chance
-from .fit import derivative_intervals
-from .probes import RATIO, Exchange, MemoryCandidate, Probes, exchanges, grid_of
+from .design import Design
+from .probes import MemoryCandidate, Probes, grid_of
+from .reach import exchanged, reach_of, settled
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
 from .scoring import MARGIN, columns_of, proposer_for
 from .segments import Segments
-from .spectral import spectral_grams
 from .step import Finding, find
 
-__all__ = ["MemoryFinding", "exchanged", "find_or_recall", "memories_of", "memory_interval"]
-__all__ += ["resettled", "settled"]
+__all__ = ["MemoryFinding", "find_or_recall", "memories_of", "resettled"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,101 +122,6 @@ def _narrowed(
     )
 
 
-def settled(
-    memory: Memory,
-    design: Design,
-    records: Sequence[Record],
-    part: Segments,
-    level: float,
-    rng: np.random.Generator,
-    present: Sequence[Memory] = (),
-) -> tuple[Memory, tuple[tuple[str, float], ...]]:
-    """Tune how long a memory reaches back, and compare it with the other kinds at their best.
-
-    Parameters
-    ----------
-    memory : Memory
-        From the grid.
-    design, records, part
-        The model, training records without this memory, pieces of them.
-    level : float
-        A rival with a smaller p-value is refuted.
-    rng : numpy.random.Generator
-        Draws the signs.
-    present : sequence of Memory
-        Memories that the records have already.
-
-    Returns
-    -------
-    memory : Memory
-        Of the plainest kind that does as well as the best.
-    rivals : tuple of (str, float)
-        Kinds that could stand in its place, with their p-values.
-    """
-    tried = {m.kind for m in grid_of(design, records, part, present) if m.column == memory.column}
-    kinds = [kind for kind in (DELAY, LAG, VESSEL) if kind in tried]
-    best = [_tuned(replace(memory, kind=kind), design, records, part) for kind in kinds]
-    compared = exchanged(best, design, records, part)
-    top = max(exchange.gain for exchange in compared)
-    chosen = next(k for k, e in enumerate(compared) if e.gain >= top - max(MARGIN, 0.01 * top))
-    others = [m for m in best if m is not best[chosen]]
-    rivals = [(m.kind, _chance_of(m, best[chosen], design, records, part, rng)) for m in others]
-    return best[chosen], tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
-
-
-def exchanged(
-    memories: Sequence[Memory], design: Design, records: Sequence[Record], part: Segments
-) -> list[Exchange]:
-    """Return what each of several memories does to the held-out errors of a design."""
-    probes = Probes(design, tuple(memories))
-    extended = [probes.extended(record) for record in records]
-    swaps = [probes.swap(k) for k in range(len(memories))]
-    return exchanges(probes.widened(design), part.of(extended), swaps)
-
-
-def _tuned(memory: Memory, design: Design, records: Sequence[Record], part: Segments) -> Memory:
-    start = float(np.log(memory.values[0]))
-
-    def at(log_value: float) -> Memory:
-        return replace(memory, values=(float(np.exp(log_value)),))
-
-    reach = 1.5 * float(np.log(RATIO))
-    found = minimize_scalar(
-        lambda place: -exchanged([at(place)], design, records, part)[0].gain,
-        bounds=(start - reach, start + reach),
-        method="bounded",
-        options={"maxiter": 20, "xatol": 0.01},
-    )
-    return at(float(found.x))
-
-
-def _chance_of(
-    rival: Memory,
-    chosen: Memory,
-    design: Design,
-    records: Sequence[Record],
-    part: Segments,
-    rng: np.random.Generator,
-) -> float:
-    """Return the chance that one memory gains as much beside another, if that were the cause."""
-    probes = Probes(design, (rival, chosen))
-    pieces = part.of([probes.extended(record) for record in records])
-    wide = probes.widened(design)
-    there = _swapped(wide, probes.swap(0))
-    columns = [*there.columns, *_swapped(wide, probes.swap(1)).columns]
-    n_own = len(wide.columns)
-    grams = spectral_grams(pieces, there, columns)
-    return chance(grams, range(n_own), range(n_own, 2 * n_own), rng)
-
-
-def _swapped(design: Design, swap: dict[int, Sum]) -> Design:
-    """Return a design with variables replaced."""
-    columns = tuple(
-        replace(c, parts=tuple(substituted(p, swap) for p in c.parts)) for c in design.columns
-    )
-    return replace(design, columns=columns, fixed=tuple(substituted(p, swap) for p in design.fixed))
-
-
 def resettled(
     findings: Sequence[Finding], design: Design, records: Sequence[Record], part: Segments
 ) -> list[Finding]:
@@ -246,64 +146,10 @@ def resettled(
     for finding in (f for f in findings if isinstance(f, MemoryFinding)):
         others = memories_of([f for f in kept if f is not finding])
         there = [remembered(record, others) for record in records]
-        tuned = _tuned(finding.memory, design, there, part.of(there))
+        tuned = reach_of(finding.memory, design, there, part.of(there))
         (exchange,) = exchanged([tuned], design, there, part.of(there))
         place = kept.index(finding)
         kept[place : place + 1] = (
             [replace(finding, memory=tuned)] if exchange.gain >= MARGIN else []
         )
     return kept
-
-
-STEP = 0.02  # of a delay or time constant, to see what it changes
-
-
-def memory_interval(
-    memory: Memory,
-    design: Design,
-    coef: np.ndarray,
-    records: Sequence[Record],
-    rng: np.random.Generator,
-) -> tuple[float, float]:
-    """Return the 95 % interval of a delay or time constant, from blocks of the training data.
-
-    What a small change of it does to the rates is one more column of the model; the interval of
-    that column's coefficient is how far the value could be off.
-
-    Parameters
-    ----------
-    memory : Memory
-        The memory, tuned.
-    design : Design
-        The model.
-    coef : ndarray of shape (n_columns,)
-        Its coefficients.
-    records : sequence of Record
-        Training records without this memory.
-    rng : numpy.random.Generator
-        Draws the blocks.
-
-    Returns
-    -------
-    low, high : float
-    """
-    (value,) = memory.values
-    longer = replace(memory, values=(value * (1.0 + STEP),))
-    probes = Probes(design, (memory, longer))
-    extended = [probes.extended(record) for record in records]
-    swap, swap_longer = probes.swap(0), probes.swap(1)
-    own = len(design.states) + memory.column
-    sides = [probes.widen(side) for side in design.equations(coef).sums]
-    slopes = tuple(
-        mul(
-            constant(1.0 / (STEP * value)),
-            sub(substituted(side, swap_longer), substituted(side, swap)),
-        )
-        if own in side.variables
-        else Sum(())
-        for side in sides
-    )
-    wide = _swapped(probes.widened(design), swap).adding([Column("change", slopes)])
-    low, high = derivative_intervals(wide, extended, rng)[-1]
-    half = 0.5 * float(high - low)
-    return max(value - half, 0.0), value + half
