@@ -43,6 +43,7 @@ LOOKS = 16  # at each number of a shape
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
 MARGIN = 0.02  # of the log error: names do not change for less
+LEAD = 0.1  # of the log error: what a state of its own and two numbers must be worth
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
@@ -101,7 +102,7 @@ def proposer_for(design: Design, part: Segments, records: Sequence[Record]) -> P
         design, part, [*propose(design, quick_fit(design, part), records), *ways], pairs=False
     )
     best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
-    leads = any(s.value > best + MARGIN for s in scores if s.group[0] in ways)
+    leads = any(s.value > best + LEAD for s in scores if s.group[0] in ways)
     return propose_remembering if leads else propose
 
 
