@@ -19,6 +19,7 @@ N_SEGMENTS = 16
 N_FOLDS = 8
 TO_TRANSFER = 3  # records, from which on each fold is made of whole ones
 MAX_ROWS = 24_000  # the search looks at no more rows; coefficients are fitted on all of them
+LOST = 0.01  # share of the rows that a length may cost which transforms fast
 LOOK = 0.6  # share of the cutoff below which the low-pass of the states is hardly felt
 BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
 FEWEST_FREQUENCIES = 8  # of a segment
@@ -144,13 +145,16 @@ def places_of(
 ) -> tuple[tuple[tuple[int, int], ...], int]:
     """Return record and first row of each piece, and the length of all of them.
 
-    Pieces that are cut for a search are transformed over and over: their length has small factors.
+    Pieces that are cut for a search are transformed over and over: their length has small factors,
+    where that costs hardly any rows.
     """
     sizes = [record.n_samples for record in records]
     step = max(8, min(sum(sizes) // n_segments, min(sizes)))
     length = step
     if max_rows is not None:
-        length = prev_fast_len(max(8, min(step, max_rows // n_segments)))
+        length = max(8, min(step, max_rows // n_segments))
+        fast = prev_fast_len(length)
+        length = fast if length - fast <= LOST * length else length
     places = ((i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step))
     return tuple(places), length
 
