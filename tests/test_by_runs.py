@@ -222,3 +222,10 @@ def test_a_record_that_begins_in_balance_stays_as_it_is():
     truth = with_memories(design.equations([0.02, 0.024]), [Memory("hidden state", 0, (40.0,))])
     assert begun(truth, record) is record
     assert begun(truth.inner, record) is record
+
+
+def test_a_lag_shorter_than_a_sample_has_no_past_to_find():
+    record = tanks(1, upper=(40.0,))
+    design = design_of(TANK, [record])
+    short = with_memories(design.equations([0.02, 0.024]), [Memory("hidden state", 0, (0.1 * DT,))])
+    assert begun(short, record) is record

@@ -154,6 +154,34 @@ def test_parent_in_another_equation_does_not_count(columns):
     assert not any("three" in group for group in groups)
 
 
+@pytest.mark.parametrize(("offset", "names"), [(0.0, {"square"}), (0.5, {"offset", "square"})])
+def test_what_could_pose_as_an_offset_needs_one_only_where_there_is_one(columns, offset, names):
+    model, a, _, _, noise, _ = columns
+    square = a**2
+    posing = [
+        Candidate("offset", 0, (OFFSET,)),
+        Candidate("square", 0, (variable(1),), parents=(OFFSET,)),
+    ]
+    target = model + square + offset + 0.01 * noise
+    scores = rank(made(target, model, np.ones(1600), square), 1, posing, set(), FOLDS)
+    assert {candidate.name for candidate in scores[0].group} == names
+    assert scores[0].value == pytest.approx(max(s.value for s in scores))
+    alone = [s.group for s in scores if {c.name for c in s.group} == {"square"}]
+    assert alone == ([(Candidate("square", 0, (variable(1),)),)] if not offset else [])
+
+
+def test_an_offset_is_not_taken_for_what_could_pose_as_one(columns):
+    model, a, _, _, noise, _ = columns
+    posing = [
+        Candidate("offset", 0, (OFFSET,)),
+        Candidate("square", 0, (variable(1),), parents=(OFFSET,)),
+    ]
+    grams = made(model + 1.0 + 0.1 * noise, model, np.ones(1600), 1.0 + 0.1 * a)
+    groups = [{c.name for c in s.group} for s in rank(grams, 1, posing, set(), FOLDS)]
+    assert groups[0] == {"offset"}
+    assert {"square"} not in groups
+
+
 def test_two_shapes_of_one_effect_are_no_pair(columns):
     model, a, b, c, *_ = columns
     same = [Candidate("drag", 0, (variable(1),)), Candidate("drag", 0, (variable(2),))]

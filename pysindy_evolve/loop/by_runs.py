@@ -30,7 +30,7 @@ from .trace import Score
 from .tuning import tuned
 from .variants import Model, Pasts, Variant, memories_beside
 
-__all__ = ["find_by_runs", "with_findings"]
+__all__ = ["find_by_runs", "model_of", "with_findings"]
 
 
 N_SIGNS = 999  # draws, which cost next to nothing
@@ -78,12 +78,12 @@ def find_by_runs(
         For each record, where its inputs stood before it; empty where that does not matter.
     """
     before = list(findings)
-    stops = stops_of(_model(declared, before), records, rules, rng)
+    stops = stops_of(model_of(declared, before), records, rules, rng)
     new: list[Finding] = []
     pasts: Pasts = ()
     while len(before) + len(new) < rules.max_effects:
         model = replace(
-            _model(declared, [*before, *new]),
+            model_of(declared, [*before, *new]),
             limits=tuple(one.limit for one in stops),
             n_known=len(memories_of(before)),
             pasts=pasts,
@@ -93,7 +93,7 @@ def find_by_runs(
         if step is None:
             break
         new, pasts = _retuned([*new, step[0]], step[1]), step[1].pasts
-    whole = replace(_model(declared, [*before, *new]), pasts=pasts)
+    whole = replace(model_of(declared, [*before, *new]), pasts=pasts)
     kept = needed(whole, stops, records, rules)
     memories = [f for f in new if isinstance(f, MemoryFinding)]
     terms = [f for f in new if f not in memories]
@@ -102,7 +102,8 @@ def find_by_runs(
     return [*before, *(replace(f, step=number + k) for k, f in enumerate(found))], pasts
 
 
-def _model(declared: Design, findings: Sequence[Finding]) -> Model:
+def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
+    """Return a design with all findings, memories and limits among them."""
     design = declared.adding(column for f in findings for column in f.columns)
     return Model(design, memories_of(findings), limits_in(findings))
 

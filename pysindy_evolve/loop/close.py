@@ -20,6 +20,7 @@ from .duels import held_against
 from .grow import OPERATORS, Garden
 from .halts import limits_in, may_stop_itself
 from .limits import off_limits
+from .outlived import without_outlived
 from .recall import find_or_recall, memories_of, resettled
 from .records import alike, check_records, split_records, widened
 from .rejected import Rejected
@@ -29,6 +30,7 @@ from .rules import Rules, generator
 from .segments import Segments
 from .step import Finding
 from .structure import structure_chance
+from .thinning import thinned
 from .trace import EVOLVED
 from .unfolding import paths_of
 from .variants import Model
@@ -268,6 +270,7 @@ class _Search:
             self.has_structure = chance <= self.rules.level
 
     def _hold(self) -> None:
+        self._drop()
         if paths_of(self.design):
             self.findings = with_numbers_of_runs(self.declared, self.findings, self.records)
             return
@@ -275,6 +278,15 @@ class _Search:
         grown = [c for c in self.garden.grown if c.name == EVOLVED]
         kept = held_against(model, self.findings, grown, self.plain, self.part, self.rules)
         self.findings = prune(self.declared, kept, self.part)
+
+    def _drop(self) -> None:
+        """Drop what grown terms made superfluous."""
+        kept = prune(self.declared, self.findings, self.part)
+        if not paths_of(self.design):
+            kept = without_outlived(self.declared, kept, self.plain, self.wide)
+        if len(memories_of(kept)) < len(memories_of(self.findings)):
+            self._look_through(kept)
+        self.findings = thinned(self.declared, kept, self.part)
 
     def _read(self) -> None:
         found = self.findings

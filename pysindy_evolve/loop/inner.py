@@ -8,17 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial, reduce
+from functools import reduce
 
 import numpy as np
 
-from ..genetics import CURVED
 from ..signals import Record
-from ..terms import Call, Product, Sum, add, constant, mul, simplified, sub
+from ..terms import add, constant, mul, sub
 from .candidate import Candidate, Shape
 from .design import in_state
 from .drift import Drift
 from .scoring import columns_of
+from .shaping import shape_of
 from .trial import Trial, settled
 from .variants import Model
 
@@ -28,7 +28,6 @@ N_STEPS = 2
 FAR = 4.0  # times the least error: an effect that misses by more will not catch up
 MOST = 0.7  # change of a logarithm in one step: a factor of two
 SLOPE = 1e-3  # of a logarithm, to see what it changes
-MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +83,7 @@ def _moved(
     one: Contender, model: Model, drift: Drift, records: Sequence[Record]
 ) -> Contender | None:
     """Return an effect with its numbers a step further, not run yet; None if it has none."""
-    shape, trial = _shape_of(one.candidate), one.trial
+    shape, trial = shape_of(one.candidate), one.trial
     change = None if shape is None else _with_slopes(one, shape, model).change()
     if shape is None or change is None:
         return None
@@ -95,38 +94,6 @@ def _moved(
     coef = trial.coef + change[0][:n_own]
     begun = whole.trial(coef, drift.trial.scale, records, drift.part)
     return Contender(candidate, replace(begun, starts=trial.starts + change[1]))
-
-
-def _shape_of(candidate: Candidate) -> Shape | None:
-    """Return the numbers of an effect and how to build its terms; None if it has none."""
-    if candidate.shape is not None:
-        return candidate.shape
-    parts = [part for term in candidate.terms for part in term.parts]
-    term, numbers = parts[0][1], np.array(parts[0][1].constants)
-    if not len(numbers):  # exp(v) is exp(1 v)
-        term = _with_numbers(term)
-        numbers = np.ones(len(term.constants))
-    if len(parts) != 1 or not 0 < len(numbers) <= MOST_NUMBERS or not numbers.all():
-        return None
-    build = partial(_built, term, np.sign(numbers))
-    return Shape(tuple(np.abs(numbers).tolist()), (build,))
-
-
-def _with_numbers(term: Product) -> Product:
-    """Return a term with some number before the argument of each curved function."""
-    return simplified(
-        tuple(
-            (Call(atom.operator, tuple(mul(constant(2.0), a) for a in atom.args)), n)
-            if isinstance(atom, Call) and atom.operator.name in CURVED
-            else (atom, n)
-            for atom, n in term.factors
-        )
-    )
-
-
-def _built(term: Product, signs: np.ndarray, *values: float) -> Sum:
-    constants = [float(s * v) for s, v in zip(signs, values, strict=True)]
-    return Sum(((1.0, term.with_constants(constants)),))
 
 
 def _at(candidate: Candidate, shape: Shape, steps: np.ndarray) -> Candidate:

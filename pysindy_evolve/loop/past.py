@@ -19,6 +19,7 @@ LONGEST = 8  # no more than the eighth part of a record tells how it began
 HALVED = 4.0  # times the mean square that another past must leave: it halves the error
 FADED = 0.05  # of what a friction remembered at the beginning is left when it counts no more
 CLEAR = 3.0  # standard deviations of the noise, that the error must be in the mean of its rows
+_SHORTEST = 2  # rows: a record holds no less
 
 
 def begun(equations: Equations, record: Record) -> Record:
@@ -52,7 +53,8 @@ def _begun_in(
     equations: MemoryEquations, record: Record, column: int, time_constant: float
 ) -> Record:
     raw = raw_inputs(record)
-    n = int(np.clip(np.ceil(time_constant / record.dt), 1, max(1, len(record) // LONGEST)))
+    longest = max(_SHORTEST, len(record) // LONGEST)
+    n = int(np.clip(np.ceil(time_constant / record.dt), _SHORTEST, longest))
     noise = np.array([noise_of(record, state, 1) for state in range(record.n_states)])
     scale = np.maximum(CLEAR * noise, 1e-9 * scale_of([record.x_dot]))
 
@@ -108,11 +110,11 @@ def _remembered(
     equations: MemoryEquations, record: Record, starts: np.ndarray, place: int
 ) -> float:
     """Return w of one hysteresis at the first row, given the others."""
-    head = record[: max(2, len(record) // LONGEST)]
+    head = record[: max(_SHORTEST, len(record) // LONGEST)]
     rows = stack(head.x, head.u, head.t)
     path = equations.paths[place]
     apart = yielding_from(path, rows, 1.0) - yielding_from(path, rows, -1.0)
-    n = max(2, int(np.sum(apart > 2.0 * FADED)))  # it only falls
+    n = max(_SHORTEST, int(np.sum(apart > 2.0 * FADED)))  # it only falls
     rows, scale = rows[:n], scale_of([record.x_dot])
 
     def miss(start: float) -> float:

@@ -10,14 +10,14 @@ because some only show together: friction and drag, whose sum the viscous dampin
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 
 import numpy as np
 
 from ..terms import Sum
-from .candidate import Candidate
+from .candidate import OFFSET, Candidate
 from .linear import solve
 
 __all__ = ["Score", "fold_errors", "is_new", "rank", "ranked"]
@@ -25,6 +25,7 @@ __all__ = ["Score", "fold_errors", "is_new", "rank", "ranked"]
 ROUNDING = 1e-16  # relative to the square of the target
 EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
 NEW = 1e-6  # share of a column's square that the model's columns must leave
+IDLE = 0.05  # of what an effect gains beside its offset: an offset that gains less is not needed
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,8 +148,34 @@ def ranked(
     missing = [{(c.state, parent) for parent in c.parents} - present for c in candidates]
     brought = [{(c.state, term) for term in c.terms} for c in candidates]
     allowed = [g for g in groups if all(missing[i] <= _union(brought, g) for i in g if missing[i])]
-    scores = _scored(judge, n_fixed, candidates, own, allowed, without)
+    offsets = {candidates[i].state: i for i in new if candidates[i].terms == (OFFSET,)}
+    posing = [i for i in new if candidates[i].parents == (OFFSET,) and missing[i]]
+    lacking = [(offsets[candidates[i].state], i) for i in posing if candidates[i].state in offsets]
+    scorer = partial(_scored, judge, n_fixed, candidates, own, without=without)
+    scores = [*scorer(allowed), *_without_offset(scorer, candidates, lacking)]
     return sorted(scores, key=lambda score: -score.value)
+
+
+def _without_offset(
+    scorer: Callable[[Sequence[tuple[int, ...]]], list[Score]],
+    candidates: Sequence[Candidate],
+    pairs: Sequence[tuple[int, int]],
+) -> list[Score]:
+    """Score effects by themselves that could pose as an offset, but need none beside them.
+
+    `pairs` are the places of an offset and of such an effect. An offset that is really there would
+    gain beside the effect; one that gains nothing must not stand in its way.
+    """
+    places = {place for pair in pairs for place in pair}
+    scores = scorer([*((i,) for i in places), *pairs])
+    gains = {score.group: score.value * len(score.group) for score in scores}
+    free = []
+    for offset, effect in ((candidates[i], candidates[j]) for i, j in pairs):
+        both, alone = gains[offset, effect], gains[effect,]
+        if both - alone < IDLE * (both - gains[offset,]):
+            score = next(score for score in scores if score.group == (effect,))
+            free.append(replace(score, group=(replace(effect, parents=()),)))
+    return free
 
 
 def _scored(
