@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from loop_systems import equations_of, multisine
+from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden import with_memories
@@ -68,6 +68,48 @@ def test_hidden_vessel_is_found_with_its_time_constant():
     assert isinstance(finding, MemoryFinding)
     assert finding.memory.kind == "hidden state"
     assert finding.memory.values[0] == pytest.approx(40.0, rel=0.15)
+
+
+AXIS = pse.DeclaredModel({"q": "v", "v": "b*F - c*v"}, inputs=["F"])
+
+
+@pytest.mark.parametrize(
+    ("lacking", "name"),
+    [("- 0.15*v*abs(v)", "quadratic drag"), ("- 0.4*sgn(v)", "Coulomb friction")],
+)
+def test_what_position_noise_hides_in_the_derivative_shows_in_the_runs(lacking, name):
+    truth = {"q": "v", "v": f"F - 0.5*v {lacking}"}
+    (finding, *rest) = found_in(measured(truth, noise=0.02, size=4.0, duration=60.0), AXIS)
+    assert (finding.candidate.name, finding.by_runs, rest) == (name, True, [])
+
+
+def test_a_complete_axis_under_as_much_noise_lacks_nothing():
+    truth = {"q": "v", "v": "F - 0.5*v"}
+    assert found_in(measured(truth, noise=0.02, size=4.0, duration=60.0), AXIS) == []
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_what_a_regulator_answers_to_is_no_effect_of_the_input(seed):
+    assert found_in(regulated(seed), AXIS) == []
+
+
+def regulated(seed):
+    """An axis whose input fights a random force that nobody measured."""
+    dt, n = 0.01, 6000
+    rng = np.random.default_rng(seed)
+    wish = multisine(0.5, seed)(np.arange(n) * dt)
+    push = np.zeros(n)
+    for k in range(1, n):
+        push[k] = 0.98 * push[k - 1] + 0.2 * rng.standard_normal()
+    q, v, rows = 0.0, 0.0, []
+    for k in range(n):
+        seen = q + 0.002 * rng.standard_normal()
+        force = 30.0 * (wish[k] - seen) - 8.0 * v
+        rows.append((seen, force))
+        v += dt * (force + push[k] - 0.5 * v)
+        q += dt * v
+    seen, force = np.array(rows).T
+    return pse.prepare(np.arange(n) * dt, seen, force)
 
 
 def test_brim_of_a_hidden_vessel_is_found():

@@ -34,6 +34,7 @@ __all__ = ["find_by_runs", "model_of", "with_findings"]
 
 
 N_SIGNS = 999  # draws, which cost next to nothing
+HALVED = float(np.log(2.0))  # of the squares that the runs miss
 
 
 def with_findings(declared: Design, findings: Sequence[Finding]) -> Design:
@@ -89,7 +90,7 @@ def find_by_runs(
             pasts=pasts,
         )
         drift = drift_from(model, records)
-        step = None if drift is None else _best(drift, wide, bool(new), rules, rng, rejected)
+        step = None if drift is None else _best(drift, wide, not new, rules, rng, rejected)
         if step is None:
             break
         new, pasts = _retuned([*new, step[0]], step[1]), step[1].pasts
@@ -117,14 +118,13 @@ def _retuned(new: list[Finding], model: Model) -> list[Finding]:
 def _best(
     drift: Drift,
     wide: Sequence[Record],
-    with_terms: bool,
+    first: bool,
     rules: Rules,
     rng: np.random.Generator,
     rejected: list[Rejected],
 ) -> tuple[Finding, Model] | None:
     """Return the best effect that passes, and the model with it."""
-    terms = _terms(drift) if with_terms else []
-    found = _memory_or_term(drift, wide, terms, rules, rng)
+    found = _memory_or_term(drift, wide, first, rules, rng)
     if found is None or found[0].p_value <= rules.level_of_runs:
         return found
     rejected.append(_as_rejected(found[0], drift))
@@ -134,35 +134,61 @@ def _best(
 def _memory_or_term(
     drift: Drift,
     wide: Sequence[Record],
-    terms: Sequence[Variant],
+    first: bool,
     rules: Rules,
     rng: np.random.Generator,
 ) -> tuple[Finding, Model] | None:
     """Return the plainest memory or term of those that gain most, with its chance.
 
     Of memories that differ in numbers only, the best one of a grid is tested, as in the twins, and
-    those that pass are tuned.
+    those that pass are tuned. The first effect may be a term only if it halves what the runs miss:
+    a force that a noisy or delayed input brings with it is worth less.
     """
     signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(drift.part.z)))
     memories = memories_beside(drift.model, drift.records, segments(drift.records))
+    terms = [v for v in _terms(drift) if not first or _is_of_motion(v, drift)]
     by_terms, in_twins = gains_of_terms(drift, [v.columns for v in terms], signs)
-    by_models = gains_of_models(drift, [v.model for v in memories])
-    plain = np.append(by_terms, by_models[0])
+    if first:
+        by_terms = np.where(by_terms >= HALVED, by_terms, -np.inf)
+    plain = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
     heads = _heads([*terms, *memories], plain, notable(rules))
     heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]
     if not heads:
         return None
-    twins = chance_of_models(drift, [v.model for v in memories], signs)
+    beside = [v for _, v in heads if first and v.memory is None]
+    twins = chance_of_models(drift, [v.model for v in (*memories, *beside)], signs)
     twins[0] = np.maximum(twins[0], in_twins)
-    # A memory must also show in what is new: what an input answers to may look like one.
-    views = np.hstack([np.vstack([by_terms, np.full_like(by_terms, np.inf)]), by_models])
-    judged = [(variant, plain[k], _p_value(views[:, k], twins)) for k, variant in heads]
+    judged = _judged(drift, [v for _, v in heads], plain[[k for k, _ in heads]], twins, first)
     passing = [one for one in judged if one[2] <= rules.level_of_runs]
     variant, gain, p_value = _plainest(drift, passing) if passing else judged[0]
     own = (variant.candidate, variant.columns, gain, p_value, twins[0])
     if variant.memory is not None:
         return MemoryFinding(*own, by_runs=True, memory=variant.memory), variant.model
     return Finding(*own, by_runs=True), variant.model
+
+
+def _judged(
+    drift: Drift, heads: Sequence[Variant], gains: np.ndarray, twins: np.ndarray, first: bool
+) -> list[tuple[Variant, float, float]]:
+    """Return variants with their gains and chances.
+
+    What is new must show them as well: what an input answers to may look like a memory. Only a term
+    beside what is slow shows in nothing but the whole miss.
+    """
+    views = gains_of_models(drift, [variant.model for variant in heads])
+    views[0] = gains
+    views[1, [variant.memory is None and not first for variant in heads]] = np.inf
+    chances = [_p_value(view, twins) for view in views.T]
+    return list(zip(heads, gains.tolist(), chances, strict=True))
+
+
+def _is_of_motion(variant: Variant, drift: Drift) -> bool:
+    """Tell whether a term depends on what was measured, as chance in the twins does not.
+
+    What lasts for longer than a stretch, such as an offset or a drift, is there by chance as well.
+    """
+    time = len(drift.model.design.states) + len(drift.model.design.inputs)
+    return all(term.variables - {time} for term in variant.candidate.terms)
 
 
 def _p_value(gain: np.ndarray, twins: np.ndarray) -> float:

@@ -26,10 +26,9 @@ from .candidate import Candidate
 from .drift import Drift, drift_of
 from .effects import candidates
 from .fit import refit
-from .grow import PRICE
 from .inner import Contender, sharpened
 from .rules import Rules
-from .scoring import columns_of, score
+from .scoring import PRICE, columns_of, score
 from .segments import Segments, ranges
 from .step import Finding
 from .trace import EVOLVED

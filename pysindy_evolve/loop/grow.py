@@ -18,20 +18,21 @@ from ..operators import Operator
 from ..signals import Record
 from ..terms import Product, Sum
 from .candidate import OFFSET, Candidate
+from .climbing import climbed
 from .design import Design
 from .effects import candidates, standing
 from .fit import derivative_intervals
 from .residual import forces
 from .rules import Rules
-from .scoring import columns_of, score
+from .scoring import columns_of, net, score
 from .seeds import screened, small_terms
 from .segments import Segments, ranges
 from .shares import view_gain
 from .spectral import spectral_rows, spectral_weights
 from .step import Finding, find
-from .trace import EVOLVED, Score
+from .trace import EVOLVED
 
-__all__ = ["OPERATORS", "PRICE", "Garden", "grow", "named"]
+__all__ = ["OPERATORS", "Garden", "grow", "named"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
 # saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
@@ -42,7 +43,6 @@ SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
 BETTER = 1.25  # times the log error that names gain: the same effect filtered does a little better
 USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
-PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
 
 
 def grow(
@@ -73,7 +73,7 @@ def grow(
     force = forces(part, design, design.columns, weighed=False)
     flat = force.reshape(-1, *force.shape[2:])
     variables = part.z[..., :-1].reshape(len(flat), -1)
-    found = []
+    found: list[Candidate] = []
     for place, state in enumerate(design.open_states):
         # As in the vocabulary: a position may be measured from anywhere, a population may not.
         shifted = signed if design.position_of(state) is None else np.ones_like(signed)
@@ -92,10 +92,14 @@ def grow(
             keep_if_interrupted=False,  # the loop says itself that it was interrupted
         )
         finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS])
-        found += [
-            named(term, state, known, poses=_poses_as_offset(term, variables, shifted))
-            for term in dict.fromkeys(finalists)
-        ]
+        poses = partial(_poses_as_offset, variables=variables, signed=shifted)
+        grown = [named(t, state, known, poses=poses(t)) for t in dict.fromkeys(finalists)]
+        scores = score(design, part, [c for c in grown if c.name == EVOLVED], pairs=False)
+        best = max(scores, key=net, default=None)
+        if best is not None and net(best) > 0.0:
+            ((_, term),) = climbed(best.group[0], design, part, operators).terms[0].parts
+            grown.append(named(term, state, known, poses=poses(term)))
+        found += dict.fromkeys(grown)
     return found
 
 
@@ -174,9 +178,9 @@ class Garden:
             return []
         grown = score(design, self.fresh, fresh, pairs=False)
         ours = score(design, self.fresh, names, pairs=True)
-        named_scores = [_net(s) for s in ours if len(s.group) == len(names)]
-        best = max(grown, key=_net, default=None)
-        if best is None or _net(best) <= BETTER * max(named_scores, default=0.0):
+        named_scores = [net(s) for s in ours if len(s.group) == len(names)]
+        best = max(grown, key=net, default=None)
+        if best is None or net(best) <= BETTER * max(named_scores, default=0.0):
             return []
         return self._test(design, list(best.group))
 
@@ -196,7 +200,7 @@ class Garden:
 
     def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
         # Pairs too: 3 sin(v) - 4 sin(v)^3 is sin(3 v), and neither term gains anything alone.
-        scores = [s for s in score(design, self.fresh, grown, pairs=True) if _net(s) > 0.0]
+        scores = [s for s in score(design, self.fresh, grown, pairs=True) if net(s) > 0.0]
         useful = [s for s in scores if view_gain(design, s.group, self.fresh) > USEFUL]
         given = partial(_given, list(dict.fromkeys(c for s in useful for c in s.group)))
         found = find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
@@ -215,8 +219,3 @@ MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary
 
 def _given(grown: list[Candidate], *_: object) -> list[Candidate]:
     return grown
-
-
-def _net(score: Score) -> float:
-    """Return what a group gains per effect, less the price of its nodes."""
-    return score.value - PRICE * sum(c.size for c in score.group) / len(score.group)

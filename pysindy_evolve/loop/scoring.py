@@ -28,8 +28,10 @@ from .vocabulary import VOCABULARY
 
 __all__ = [
     "MARGIN",
+    "PRICE",
     "Proposer",
     "columns_of",
+    "net",
     "plainest",
     "propose",
     "proposer_for",
@@ -43,6 +45,7 @@ LOOKS = 16  # at each number of a shape
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
 MARGIN = 0.02  # of the log error: names do not change for less
+PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
 LEAD = 0.1  # of the log error: what a state of its own and two numbers must be worth
 
 
@@ -118,6 +121,11 @@ def score(
         return ranked(tracks.errors, tracks.total(0), n_fixed, proposed, present, pairs=pairs)
     grams = spectral_grams(part, design, columns)
     return rank(grams, n_fixed, proposed, present, part.folds, pairs=pairs)
+
+
+def net(score: Score) -> float:
+    """Return what a group gains per effect, less the price of its nodes."""
+    return score.value - PRICE * sum(c.size for c in score.group) / len(score.group)
 
 
 def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:

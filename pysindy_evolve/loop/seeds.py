@@ -21,7 +21,7 @@ from ..operators import Operator
 from ..regression import gains
 from ..terms import Product, Sum, call, constant, mul, variable
 
-__all__ = ["screened", "small_terms"]
+__all__ = ["functions", "screened", "small_terms"]
 
 SCALES = (0.5, 1.0, 3.0)  # numbers in a curved function, over the size of the variable
 CHUNK = 200  # terms that are evaluated at a time, so that memory does not grow with them
@@ -41,17 +41,30 @@ def small_terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
     -------
     list of Product
     """
-    straight = [f for i in range(x.shape[1]) for f in _straight(operators, variable(i))]
-    curved = [
-        f
-        for i, size in enumerate(np.sqrt(np.mean(x**2, axis=0)))
-        for f in _curved(operators, variable(i), float(size))
-    ]
+    straight, curved = _of_one_variable(operators, x)
     found = [*straight, *curved]
     if any(operator.name == "mul" for operator in operators):
         found += [mul(a, b) for a, b in combinations_with_replacement(straight, 2)]
         found += [mul(a, b) for a in straight for b in curved]
     return list(dict.fromkeys(term for one in found for _, term in one.parts))
+
+
+def functions(operators: Sequence[Operator], x: np.ndarray) -> list[Sum]:
+    """Return all functions of one variable that small terms are products of.
+
+    Parameters
+    ----------
+    operators : sequence of Operator
+        Basis functions.
+    x : ndarray of shape (n, n_variables)
+        Variables; their sizes set the numbers in curved functions.
+
+    Returns
+    -------
+    list of Sum
+    """
+    straight, curved = _of_one_variable(operators, x)
+    return [*straight, *curved]
 
 
 def screened(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
@@ -79,6 +92,16 @@ def _best(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
     dictionary = build_dictionary(problem, terms)
     left, _ = gains(dictionary.gram.scaled(dictionary.gram.scale), np.array([], dtype=int))
     return [dictionary.terms[j] for j in np.argsort(left, kind="stable")[:n]]
+
+
+def _of_one_variable(operators: Sequence[Operator], x: np.ndarray) -> tuple[list[Sum], list[Sum]]:
+    straight = [f for i in range(x.shape[1]) for f in _straight(operators, variable(i))]
+    curved = [
+        f
+        for i, size in enumerate(np.sqrt(np.mean(x**2, axis=0)))
+        for f in _curved(operators, variable(i), float(size))
+    ]
+    return straight, curved
 
 
 def _straight(operators: Sequence[Operator], x: Sum) -> Iterator[Sum]:
