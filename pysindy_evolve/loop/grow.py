@@ -7,6 +7,7 @@ as one fixed candidate among few, so the size of the search does not enter the c
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -32,7 +33,7 @@ from .spectral import spectral_rows, spectral_weights
 from .step import Finding, find
 from .trace import EVOLVED
 
-__all__ = ["OPERATORS", "Garden", "grow", "named"]
+__all__ = ["OPERATORS", "Garden", "grow"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
 # saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
@@ -92,15 +93,23 @@ def grow(
             keep_if_interrupted=False,  # the loop says itself that it was interrupted
         )
         finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS])
-        poses = partial(_poses_as_offset, variables=variables, signed=shifted)
-        grown = [named(t, state, known, poses=poses(t)) for t in dict.fromkeys(finalists)]
-        scores = score(design, part, [c for c in grown if c.name == EVOLVED], pairs=False)
-        best = max(scores, key=net, default=None)
-        if best is not None and net(best) > 0.0:
-            ((_, term),) = climbed(best.group[0], design, part, operators).terms[0].parts
-            grown.append(named(term, state, known, poses=poses(term)))
+        name = partial(_named, state=state, known=known, variables=variables, signed=shifted)
+        grown = [name(term) for term in dict.fromkeys(finalists)]
+        grown += [name(term) for term in _above(grown, design, part, operators)]
         found += dict.fromkeys(grown)
     return found
+
+
+def _above(
+    grown: Sequence[Candidate], design: Design, part: Segments, operators: Sequence[Operator]
+) -> list[Product]:
+    """Return the term to which the best one without a name climbs, if that is worth its nodes."""
+    free = [replace(c, parents=()) for c in grown if c.name == EVOLVED]
+    best = max(score(design, part, free, pairs=False), key=net, default=None)
+    if best is None or net(best) <= 0.0:
+        return []
+    top = climbed(best.group[0], design, part, operators)
+    return [term for _, term in top.terms[0].parts]
 
 
 def _project(columns: np.ndarray, part: Segments, state: int, weight: np.ndarray) -> np.ndarray:
@@ -112,16 +121,12 @@ def _project(columns: np.ndarray, part: Segments, state: int, weight: np.ndarray
     return stacked.reshape(-1, rows.shape[-1])
 
 
-def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:
-    """Tell whether a term of variables that change their sign has a mean that matters."""
-    if not all(signed[v] for v in term.variables):
-        return False
-    column = term.evaluate(variables)
-    return bool(abs(column.mean()) > MEAN * np.sqrt(np.mean(column**2)))
-
-
-def named(
-    term: Product, state: int, known: Sequence[Candidate], *, poses: bool = False
+def _named(
+    term: Product,
+    state: int,
+    known: Sequence[Candidate],
+    variables: np.ndarray,
+    signed: np.ndarray,
 ) -> Candidate:
     """Return a grown term as a candidate, named if it is an effect of the vocabulary.
 
@@ -131,7 +136,16 @@ def named(
     for candidate in known:
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
+    poses = _poses_as_offset(term, variables, signed)
     return Candidate(EVOLVED, state, (expression,), (OFFSET,) if poses else ())
+
+
+def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:
+    """Tell whether a term of variables that change their sign has a mean that matters."""
+    if not all(signed[v] for v in term.variables):
+        return False
+    column = term.evaluate(variables)
+    return bool(abs(column.mean()) > MEAN * np.sqrt(np.mean(column**2)))
 
 
 class Garden:
