@@ -14,7 +14,7 @@ from pysindy_evolve.loop.segments import ranges, segments
 from pysindy_evolve.loop.step import Finding
 from pysindy_evolve.loop.variants import Model
 from pysindy_evolve.operators import BUILTIN
-from pysindy_evolve.terms import call, mul, variable
+from pysindy_evolve.terms import call, constant, mul, variable
 
 RULES = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
 DRAG = oscillator("quadratic drag", "- 0.3*v*abs(v)")
@@ -24,12 +24,12 @@ ROOT_OF_SPEED = mul(call(BUILTIN["sgn"], V), call(BUILTIN["sqrt"], call(BUILTIN[
 
 
 def held(hidden, name, grown=(), **options):
-    """Plant an effect of the vocabulary as found, and hold it against the others."""
+    """Plant an effect as found, by its name if it has one, and hold it against the others."""
     record = hidden.record(**options)
     design = design_of(hidden.model, [record])
     part = segments([record], design.velocities)
     offered = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
-    planted = next(c for c in offered if c.name == name)
+    planted = name if isinstance(name, Candidate) else next(c for c in offered if c.name == name)
     finding = Finding(planted, columns_of(planted, design), 1.0, 0.016, np.zeros(60), step=1)
     (kept,) = held_against(Model(design), [finding], grown, [record], part, RULES)
     assert kept.columns == columns_of(kept.candidate, design)
@@ -47,6 +47,14 @@ def test_a_grown_term_takes_the_place_of_a_name_of_similar_shape():
     assert held(ROOT, "Coulomb friction", [root]) == root
     friction = oscillator("Coulomb friction", "- 2*sgn(v)")
     assert held(friction, "Coulomb friction", [root]).name == "Coulomb friction"
+
+
+def test_a_name_takes_the_place_of_a_grown_term_that_is_no_closer_to_the_record():
+    valve = oscillator("dead zone", "- 0.5*(abs(F + 4) - abs(F - 4))")
+    soft = call(BUILTIN["tanh"], mul(constant(0.3), variable(2)))
+    winner = held(valve, Candidate("evolved term", 1, (soft,)), noise=5e-3)
+    assert winner.name == "saturation"
+    assert winner.shape.values == pytest.approx([4.0], rel=0.1)
 
 
 def test_what_the_noise_does_not_tell_apart_stays_as_it_was():

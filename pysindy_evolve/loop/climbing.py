@@ -26,6 +26,7 @@ __all__ = ["climbed"]
 
 N_TUNED = 6  # of the terms around one
 SLOPE = 1e-3  # of a logarithm, to see what it changes
+MOST_FACTORS = 3  # different ones: more are a fit of something else
 MAX_STEPS = 4  # from where a search ended, the right term is seldom far
 
 
@@ -99,7 +100,8 @@ def _around(candidate: Candidate, factors: Sequence[Sum]) -> list[Sum]:
         mul(Sum(((1.0, rest),)), f) for rest in rests for f in (Sum(((1.0, ONE),)), *factors)
     )
     found = dict.fromkeys(p for product in products for _, p in product.parts)
-    return [Sum(((1.0, one),)) for one in found if one not in (term, ONE)]
+    short = [one for one in found if 0 < len(one.factors) <= MOST_FACTORS and one != term]
+    return [Sum(((1.0, one),)) for one in short]
 
 
 def _with_one_less(term: Product) -> Iterator[Product]:

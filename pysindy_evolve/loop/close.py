@@ -28,6 +28,7 @@ from .report import LoopReport, make_report
 from .revise import contested, exchange, merged, prune
 from .rules import Rules, generator
 from .segments import Segments
+from .slopes import told_by_slopes
 from .step import Finding
 from .structure import structure_chance
 from .thinning import thinned
@@ -157,6 +158,7 @@ def close_loop(
     acted = part.of([remembered(record, memories_of(findings)) for record in search.wide])
     acted = off_limits(acted, limits_in(findings))
     findings = contested(declared_design, findings, acted, rules.significance, rng.spawn(1)[0])
+    findings = told_by_slopes(declared_design, findings, acted)
     seen = search.plain
     report = make_report(declared_design, findings, seen, judge_on, verdict, finished, rules, rng)
     return replace(report, rejected=search.rejected[-1] if search.rejected else None)

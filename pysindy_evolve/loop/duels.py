@@ -99,12 +99,17 @@ def _winner(
     begun = [_begun(model, rival, drift, records) for rival in rivals]
     fitted = map(Contender, rivals, settled(begun))
     tuned = sharpened([Contender(own, drift.trial), *fitted], model, drift, records)
-    best = tuned[0]
+    best, level = tuned[0], rules.significance / len(rivals)
     for other in tuned[1:]:
         price = PRICE * max(other.candidate.size - best.candidate.size, 0)
         least = max(-np.log1p(-rules.min_share), price if other.candidate.name == EVOLVED else 0.0)
-        if _is_closer(other.trial, best.trial, least, rules.significance / len(rivals)):
+        if _is_closer(other.trial, best.trial, least, level):
             best = other
+    if best.candidate.name == EVOLVED:
+        names = [one for one in tuned if one.candidate.name != EVOLVED]
+        known = min(names, key=lambda one: one.error, default=best)
+        if not _is_closer(best.trial, known.trial, -np.log1p(-rules.min_share), level):
+            best = known  # what engineers know by name, unless it does worse
     columns = columns_of(best.candidate, model.design)
     return replace(finding, candidate=best.candidate, columns=columns)
 

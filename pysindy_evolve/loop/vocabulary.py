@@ -52,7 +52,7 @@ VOCABULARY = (
 # Stribeck speeds and widths of dead zones and saturations, as shares of the size of the signal.
 STRIBECK_SPEEDS = (0.03, 0.1, 0.3)
 DEAD_ZONES = (0.08, 0.2, 0.5)
-SATURATIONS = (0.2, 0.35, 0.5, 0.7, 0.9)
+SATURATIONS = (0.08, 0.2, 0.35, 0.5, 0.7, 0.9)
 
 
 def _abs(a: Sum) -> Sum:

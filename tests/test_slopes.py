@@ -1,0 +1,34 @@
+"""A clipped input is called a dead zone where less of its slope is left inside of the limits."""
+
+import numpy as np
+import pytest
+from loop_systems import oscillator
+
+from pysindy_evolve.loop.declared import design_of
+from pysindy_evolve.loop.effects import candidates
+from pysindy_evolve.loop.scoring import columns_of
+from pysindy_evolve.loop.segments import ranges, segments
+from pysindy_evolve.loop.slopes import told_by_slopes
+from pysindy_evolve.loop.step import Finding
+
+
+@pytest.mark.parametrize(
+    ("lacking", "name"),
+    [
+        ("- 0.5*(abs(F + 12) - abs(F - 12))", "dead zone"),
+        ("- F + 0.5*(abs(F + 12) - abs(F - 12))", "saturation"),
+        ("- 0.2*(abs(F + 12) - abs(F - 12))", "dead zone"),  # a part of the slope is left inside
+        ("+ 0.2*(abs(F + 12) - abs(F - 12))", "saturation"),
+    ],
+)
+def test_a_clipped_input_is_called_what_it_is(lacking, name):
+    hidden = oscillator(name, lacking)
+    record = hidden.record()
+    design, part = design_of(hidden.model, [record]), segments([record])
+    offered = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    clipped = [c for c in offered if c.name == "saturation"]
+    near = min(clipped, key=lambda c: abs(c.shape.values[0] - 12.0))
+    finding = Finding(near, columns_of(near, design), 1.0, 0.016, np.zeros(60), 1)
+    (told,) = told_by_slopes(design, [finding], part)
+    assert told.candidate.name == name
+    assert told.columns == finding.columns
