@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pysindy as ps
 import pytest
-from loop_systems import Hidden, hidden_effects, measured, oscillator
+from loop_systems import Hidden, equations_of, hidden_effects, measured, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop import close
+from pysindy_evolve.loop import search
 
 FRICTION = oscillator("Coulomb friction", "- 2*sgn(v)")
 NOTHING = oscillator("nothing", "")
@@ -217,7 +217,7 @@ def test_max_effects_ends_the_search_and_is_told():
 
 def test_interrupt_keeps_what_was_found(monkeypatch):
     hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
-    find, calls = close.find_or_recall, []
+    find, calls = search.find_or_recall, []
 
     def interrupted(*args, **options):
         if calls:
@@ -225,7 +225,7 @@ def test_interrupt_keeps_what_was_found(monkeypatch):
         calls.append(1)
         return find(*args, **options)
 
-    monkeypatch.setattr(close, "find_or_recall", interrupted)
+    monkeypatch.setattr(search, "find_or_recall", interrupted)
     report = close_by_name(hidden.model, hidden.record())
     assert not report.finished
     assert report.effects
@@ -260,7 +260,7 @@ def test_interrupt_after_a_name_keeps_it(monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(close.Garden, "better", interrupted)
+    monkeypatch.setattr(search.Garden, "better", interrupted)
     report = close_by_name(FRICTION.model, FRICTION.record())
     assert names(report) == ["Coulomb friction"]
     assert not report.finished
@@ -317,3 +317,48 @@ def test_two_masses_with_friction_between_them():
     assert names(report)[0] == "Coulomb friction"
     assert report.effects[0].state == "va"
     assert set(map(str, report.effects[0].term.free_symbols)) == {"va", "vb"}
+
+
+@pytest.mark.slow
+def test_two_names_are_not_swallowed_by_one_long_term():
+    t = np.arange(0.0, 400.0, 0.05)
+    pull = 1.5 + 1.2 * np.sin(0.1 * t) + 0.8 * np.sin(0.27 * t + 1.0)
+    car = equations_of({"v": "F - 0.02*v - 0.004*v*abs(v) - 0.3"}, ("F",))
+    v = pse.simulate(car, [10.0], t, pull)[:, 0]
+    v = v + 0.005 * v.std() * np.random.default_rng(0).standard_normal(len(t))
+    declared = pse.DeclaredModel({"v": "b*F - c*v"}, inputs=["F"])
+    report = pse.close_loop(declared, pse.prepare(t, v, pull, order=1), random_state=0)
+    assert sorted(names(report)) == ["constant offset", "quadratic drag"]
+    found = {e.name: e.coefficients[0] for e in report.effects}
+    assert found["constant offset"] == pytest.approx(-0.3, rel=0.05)
+    assert found["quadratic drag"] == pytest.approx(-0.004, rel=0.05)
+
+
+@pytest.mark.slow
+def test_a_square_of_another_speed_needs_no_offset():
+    truth = {
+        "q": "v", "v": "-10*q - 0.5*v + F + 0.4*w^2",
+        "p": "w", "w": "-6*p - 0.4*w + 1.5*F - 0.5*v*w",
+    }  # fmt: skip
+    sides = {"q": "v", "v": "-k*q - c*v + b*F", "p": "w", "w": "-n*p - d*w + e*F"}
+    report = pse.close_loop(
+        pse.DeclaredModel(sides, inputs=["F"]), measured(truth, noise=5e-3), random_state=0
+    )
+    assert names(report) == ["coupling", "coupling"]
+    assert [e.coefficients[0] for e in report.effects] == pytest.approx([0.4, -0.5], rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_reaction_that_saturates_is_grown_with_its_constant():
+    truth = {
+        "N": "0.8*N - 0.08*N^2 - 1.2*N*P/(2 + N)",
+        "P": "-0.4*P + 0.6*N*P/(2 + N)",
+    }  # fmt: skip
+    t = np.arange(0.0, 200.0, 0.1)
+    x = pse.simulate(equations_of(truth), [4.0, 1.5], t)
+    x = x + 0.002 * x.std(axis=0) * np.random.default_rng(0).standard_normal(x.shape)
+    declared = pse.DeclaredModel({"N": "r*N - a*N^2 - b*N*P", "P": "-m*P + e*N*P"})
+    report = pse.close_loop(declared, pse.prepare(t, x, order=1), random_state=0)
+    assert np.all(report.after.simulation_error < 1.0)
+    assert np.all(report.before.simulation_error > 10.0)
+    assert len(report.effects) <= 3

@@ -1,0 +1,178 @@
+"""The order of the looks: names, what remembers, what runs show, grown terms; what falls again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..memory import preceded, remembered
+from ..operators import Operator
+from ..signals import Record
+from .by_runs import find_by_runs, with_findings
+from .clipped import clipped_sensors
+from .design import Design
+from .duels import held_against
+from .grow import Garden
+from .halts import limits_in
+from .limits import off_limits
+from .outlived import without_outlived
+from .recall import find_or_recall, memories_of, resettled
+from .rejected import Rejected
+from .revise import exchange, merged, prune
+from .rules import Rules
+from .segments import Segments
+from .step import Finding
+from .structure import structure_chance
+from .thinning import thinned
+from .trace import EVOLVED
+from .unfolding import paths_of
+from .variants import Model
+from .yielding import with_numbers, with_numbers_of_runs
+
+__all__ = ["Search"]
+
+N_SEARCHES = 5  # for grown terms, where they are the only hope: one search may miss them
+LIKELY = 0.2  # chance that the residual has no structure, up to which there is such a hope
+
+
+@dataclass
+class Search:
+    """What a search has found so far, also if it is interrupted.
+
+    Runs are compared with the `plain` records, derivatives with the `wide` ones, of which `whole`
+    are the pieces and whose cutoff is higher. `records`, `part` and `garden` are what these become
+    with the memories and limits that were found.
+    """
+
+    declared: Design
+    plain: Sequence[Record]
+    wide: Sequence[Record]
+    whole: Segments
+    rules: Rules
+    operators: Sequence[Operator]
+    rng: np.random.Generator
+    findings: list[Finding] = field(default_factory=list)
+    rejected: list[Rejected] = field(default_factory=list)
+    has_structure: bool = False
+
+    @property
+    def verdict(self) -> str:
+        """What may be said of the declared model by now."""
+        if self.has_structure:  # beside what sensors do not show
+            return "untraced"
+        return "traced" if self.findings else "complete"
+
+    @property
+    def design(self) -> Design:
+        """The model with what was found until now."""
+        return with_findings(self.declared, self.findings)
+
+    def run(self) -> None:
+        """Find named effects until none passes, then what only free runs show, then grown terms."""
+        self._look_through(self.findings)
+        self._name()
+        self._settle()
+        if not self.declared.algebraic and not self.whole.tracks:  # those were compared with runs
+            self._watch_runs()
+        self._grow()
+        if not self.declared.algebraic and not self.whole.tracks:
+            self._hold()
+            self._read()
+
+    def _look_through(self, findings: Sequence[Finding]) -> None:
+        """Look at the records as they are with the memories and limits among the findings."""
+        memories, limits = memories_of(findings), limits_in(findings)
+        self.records = [remembered(record, memories) for record in self.wide]
+        self.part = off_limits(self.whole.of(self.records), limits) if findings else self.whole
+        self.garden = Garden(
+            self.declared, self.records, self.part, self.rules, self.operators, self.rng
+        )
+
+    def _name(self) -> None:
+        while len(self.findings) < self.rules.max_effects:
+            before, design = self.findings, self.design
+            found = find_or_recall(
+                self.declared, design, self.records, self.part, self.rules, self.rng,
+                memories_of(before), self.rejected,
+            )  # fmt: skip
+            if not found:
+                break
+            if memories_of(found):
+                self._look_through([*before, *found])
+            else:  # growing takes long, and may be ended
+                self.findings = [*before, *_numbered(found, before)]
+                found = self.garden.better(design, found) or found
+            found = [*before, *_numbered(found, before)]
+            found = exchange(self.declared, found, self.part)
+            self.findings = with_numbers(self.declared, found, self.part)
+        kept = prune(self.declared, self.findings, self.part)
+        self.findings = merged(self.declared, kept, self.part)
+
+    def _settle(self) -> None:
+        if memories_of(self.findings):
+            self.findings = resettled(self.findings, self.design, self.wide, self.whole)
+            self._look_through(self.findings)
+
+    def _watch_runs(self) -> None:
+        child = self.rng.spawn(1)[0]
+        if paths_of(self.design):  # whose state those runs do not have
+            return
+        found, pasts = find_by_runs(
+            self.declared, self.findings, self.plain, self.wide, self.rules, child, self.rejected
+        )
+        if len(found) > len(self.findings):
+            self.findings = found
+            if pasts:
+                both = (self.plain, self.wide)
+                self.plain, self.wide = ([*map(preceded, records, pasts)] for records in both)
+            self._look_through(found)
+
+    def _grow(self) -> None:
+        n_searches = 1
+        if not self.findings:
+            # Not on the pieces that grown terms are tested on: their number would depend on those.
+            chance = structure_chance(
+                self.declared, self.records, self.garden.seen, self.rules, self.rng
+            )
+            n_searches = N_SEARCHES if chance <= LIKELY else 1
+        while len(self.findings) < self.rules.max_effects:
+            found = self.garden.find(self.design, n_searches)
+            if not found:
+                break
+            self.findings = [*self.findings, *_numbered(found, self.findings)]
+        if not self.findings:
+            chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)
+            self.has_structure = chance <= self.rules.level
+
+    def _hold(self) -> None:
+        self._drop()
+        if paths_of(self.design):
+            self.findings = with_numbers_of_runs(self.declared, self.findings, self.records)
+            return
+        model = Model(self.declared, memories_of(self.findings), limits_in(self.findings))
+        grown = [c for c in self.garden.grown if c.name == EVOLVED]
+        kept = held_against(model, self.findings, grown, self.plain, self.part, self.rules)
+        self.findings = prune(self.declared, kept, self.part)
+
+    def _drop(self) -> None:
+        """Drop what grown terms made superfluous."""
+        kept = prune(self.declared, self.findings, self.part)
+        if not paths_of(self.design):
+            kept = without_outlived(self.declared, kept, self.plain, self.wide)
+        if len(memories_of(kept)) < len(memories_of(self.findings)):
+            self._look_through(kept)
+        self.findings = thinned(self.declared, kept, self.part)
+
+    def _read(self) -> None:
+        found = self.findings
+        if len(found) < self.rules.max_effects:
+            columns = (column for finding in found for column in finding.columns)
+            model = Model(self.declared.adding(columns), memories_of(found), limits_in(found))
+            self.findings = clipped_sensors(model, found, self.plain, self.rules, self.rng)
+
+
+def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:
+    step = 1 + max((finding.step for finding in before), default=0)
+    return [replace(finding, step=step) for finding in found]
