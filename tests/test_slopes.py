@@ -1,4 +1,4 @@
-"""A clipped input is called a dead zone where less of its slope is left inside of the limits."""
+"""A clipped input is called a dead zone where hardly any slope is left inside of the limits."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,8 @@ from pysindy_evolve.loop.step import Finding
     [
         ("- 0.5*(abs(F + 12) - abs(F - 12))", "dead zone"),
         ("- F + 0.5*(abs(F + 12) - abs(F - 12))", "saturation"),
-        ("- 0.2*(abs(F + 12) - abs(F - 12))", "dead zone"),  # a part of the slope is left inside
+        ("- 0.45*(abs(F + 12) - abs(F - 12))", "dead zone"),
+        ("- 0.2*(abs(F + 12) - abs(F - 12))", "saturation"),  # most of the slope is left inside
         ("+ 0.2*(abs(F + 12) - abs(F - 12))", "saturation"),
     ],
 )

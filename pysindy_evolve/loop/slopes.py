@@ -1,7 +1,7 @@
 """Tell a dead zone of an input from its saturation: both are the input, clipped at a number.
 
-Beside the input itself the clipped one changes the slope inside of the limits. Where less of it is
-left there than outside, the input has a dead zone.
+Beside the input itself the clipped one changes the slope inside of the limits. Where hardly any of it
+is left there, the input has a dead zone.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from .segments import Segments
 from .step import Finding
 
 __all__ = ["told_by_slopes"]
+
+MOST_LEFT = 0.5  # of the slope, inside of a dead zone
 
 
 def told_by_slopes(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
@@ -44,7 +46,7 @@ def told_by_slopes(declared: Design, findings: Sequence[Finding], part: Segments
         if candidate.name == "saturation" and candidate.shape is not None and finding.columns:
             equations = quick_fit(with_findings(declared, findings), part)
             inside, outside = _slopes(candidate, candidate.shape.values[0], equations, part)
-            if abs(inside) < abs(outside):
+            if abs(inside) < MOST_LEFT * abs(outside):
                 finding = replace(finding, candidate=replace(candidate, name="dead zone"))
         told.append(finding)
     return told
