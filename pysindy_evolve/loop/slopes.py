@@ -1,7 +1,7 @@
 """Tell a dead zone of an input from its saturation: both are the input, clipped at a number.
 
-Beside the input itself the clipped one changes the slope inside of the limits. Where hardly any of it
-is left there, the input has a dead zone.
+Beside the input itself the clipped one changes the slope inside of the limits. Where hardly any of
+it is left there, the input has a dead zone.
 """
 
 from __future__ import annotations
