@@ -196,16 +196,7 @@ class Garden:
         best = max(grown, key=net, default=None)
         if best is None or net(best) <= BETTER * max(named_scores, default=0.0):
             return []
-        if len(names) == 1 and net(best) <= self._with_one_more(design, names[0]):
-            return []  # two names that one long term says together
         return self._test(design, list(best.group))
-
-    def _with_one_more(self, design: Design, name: Candidate) -> float:
-        """Return what an effect gains beside another one of the vocabulary, less their nodes."""
-        variables = self.fresh.z.reshape(-1, self.fresh.z.shape[-1])
-        known = [c for c in candidates(design, *ranges(variables)) if c != name]
-        pairs = [s for s in score(design, self.fresh, [name, *known]) if name in s.group[:-1]]
-        return max((2.0 * net(pair) for pair in pairs), default=0.0)
 
     def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
         """Grow terms on what a design leaves, and return the best one that passes."""
