@@ -147,6 +147,8 @@ def _memory_or_term(
     signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(drift.part.z)))
     memories = memories_beside(drift.model, drift.records, segments(drift.records))
     terms = [v for v in _terms(drift) if not first or _is_of_motion(v, drift)]
+    if first and np.all(gains_of_terms(drift, [v.columns for v in terms], signs[:1])[0] < HALVED):
+        terms = []  # nothing to hold against the twins
     by_terms, in_twins = gains_of_terms(drift, [v.columns for v in terms], signs)
     if first:
         by_terms = np.where(by_terms >= HALVED, by_terms, -np.inf)
