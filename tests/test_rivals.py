@@ -2,17 +2,19 @@
 
 import numpy as np
 import pytest
-from loop_systems import oscillator
+from loop_systems import Hidden, oscillator
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.candidate import Candidate
 from pysindy_evolve.loop.declared import design_of
 from pysindy_evolve.loop.effects import candidates
-from pysindy_evolve.loop.encompassing import chance, left_by
+from pysindy_evolve.loop.encompassing import chance, explained, left_by
 from pysindy_evolve.loop.revise import contested
 from pysindy_evolve.loop.rivals import rivals_of
 from pysindy_evolve.loop.scoring import columns_of
 from pysindy_evolve.loop.segments import ranges, segments
 from pysindy_evolve.loop.step import Finding
+from pysindy_evolve.terms import variable
 
 N_SEGMENTS, N_ROWS, N_COLUMNS = 16, 60, 8
 
@@ -41,6 +43,18 @@ def test_a_model_leaves_its_own_columns_nothing_and_the_others_their_least_squar
             for model in ([0, 3], [0, 3, column])
         )
         assert gains[column] == pytest.approx(without - with_it, rel=1e-6)
+
+
+def test_columns_explain_together_what_least_squares_on_them_does():
+    rows = noisy_rows(np.random.default_rng(2), (0.3, 0.2, 0.5))
+    rows[..., 4] += rows[..., 2]  # so that they share what they explain
+    flat = rows.reshape(-1, N_COLUMNS + 1)
+    without, with_them = (
+        np.linalg.lstsq(flat[:, model], flat[:, -1], rcond=None)[1][0]
+        for model in ([0, 3], [0, 3, 2, 4])
+    )
+    found = explained(grams_of(rows), (0, 3), (2, 4))
+    assert found == pytest.approx(without - with_them, rel=1e-6)
 
 
 def test_the_cause_is_refuted_no_more_often_than_the_level_says():
@@ -120,6 +134,22 @@ def test_drag_and_cubic_damping_are_alternatives_in_a_noisy_record_and_not_in_a_
 def test_the_cause_is_an_alternative_of_its_double():
     rivals = rivals_in(DRAG, "nonlinear damping", noise=0.06, size=8.0)
     assert "quadratic drag" in [rival.name for rival in rivals]
+
+
+def test_what_explains_next_to_nothing_is_no_alternative_where_much_else_is_missing():
+    # A spring whose stiffness changes, a drag and a ripple: anything could hide in what they leave.
+    pair = {"q": "v", "v": "-40*q*abs(sin(0.9*t)) - 0.8*v + 6*p + F"}
+    pair |= {"p": "w", "w": "-20*p - 0.5*w + 9*q - 2*w*abs(v) + 3*sin(4*q)"}
+    apart = {"q": "v", "v": "-k*q - c*v + b*F", "p": "w", "w": "-m*p - d*w"}
+    hidden = Hidden("coupling", pair, apart)
+    record = hidden.record()
+    design = design_of(hidden.model, [record])
+    part = segments([record], design.velocities)
+    pull = Candidate("coupling", 3, (variable(0),))
+    rivals = rivals_of(pull, design, part, 0.05, np.random.default_rng(0))
+    names = {rival.name for rival in rivals}
+    assert "dead zone" in names
+    assert not {"drift", "constant offset", "saturation", "input gain"} & names
 
 
 def test_a_rounded_sign_counts_as_another_form_of_the_friction():

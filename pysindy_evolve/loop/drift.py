@@ -21,6 +21,7 @@ import numpy as np
 from ..signals import Record
 from .design import Column
 from .heldout import HeldOut
+from .residual import MAX_GROWTH
 from .segments import Segments, segments
 from .trial import Trial, settled
 from .variants import Model
@@ -86,6 +87,7 @@ def drift_of(
     coef: np.ndarray,
     records: Sequence[Record],
     n_stretches: Sequence[int] = N_STRETCHES,
+    most_growth: float = MAX_GROWTH,
 ) -> Drift | None:
     """Fit a model to the longest stretches that it can follow; None if there are none.
 
@@ -99,6 +101,8 @@ def drift_of(
         Training records without memories.
     n_stretches : sequence of int
         How many stretches to try, in order.
+    most_growth : float
+        How much larger a deviation may become along half of the stretches.
 
     Returns
     -------
@@ -107,7 +111,7 @@ def drift_of(
     for n in n_stretches:
         part = segments(records, model.design.velocities, n, MAX_ROWS)
         (trial,) = settled([model.trial(coef, part.state_scale, records, part)])
-        rows = trial.rows()
+        rows = trial.rows(most_growth)
         missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
         if rows is not None and np.all(missed < FAITHFUL * part.state_scale):
             misses = rows.freed(rows.of(trial.miss))

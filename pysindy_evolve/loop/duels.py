@@ -38,6 +38,8 @@ from .variants import Model
 __all__ = ["held_against"]
 
 N_RIVALS = 5  # that come closest in the spectral view
+STRETCHES = (16, 32, 64, 128)
+STEADY = 10.0  # times by which a deviation may grow: in chaos, long runs tell luck from luck
 
 
 def held_against(
@@ -92,7 +94,7 @@ def _winner(
 ) -> Finding:
     """Return a finding, or the one that takes its place in a model without it."""
     own = finding.candidate
-    drift = drift_of(*_fitted(model, own, records), records)
+    drift = drift_of(*_fitted(model, own, records), records, STRETCHES, STEADY)
     if drift is None:
         return finding
     rivals = _closest(model, own, grown, part)

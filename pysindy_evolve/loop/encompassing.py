@@ -41,7 +41,7 @@ import numpy as np
 from .chance import p_value_of
 from .linear import solve
 
-__all__ = ["Left", "chance", "left_by"]
+__all__ = ["Left", "chance", "explained", "left_by"]
 
 N_SIGNS = 999
 NEW = 1e-6  # share of a column's square that must be left for it to be new
@@ -137,6 +137,26 @@ def chance(
     signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(grams)))
     largest = both.ratios(signs).max(axis=1)
     return p_value_of(observed, largest)
+
+
+def explained(grams: np.ndarray, model: Sequence[int], columns: Sequence[int]) -> float:
+    """Return the squares that columns explain together beside a model.
+
+    Parameters
+    ----------
+    grams : ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
+        Inner products of all columns, target last.
+    model, columns : sequence of int
+        Columns of the model, and those in question.
+
+    Returns
+    -------
+    float
+    """
+    total = _freed(grams, model).sum(axis=0)
+    own = list(columns)
+    slopes = total[own, -1]
+    return float(slopes @ solve(total[np.ix_(own, own)], slopes))
 
 
 def _freed(grams: np.ndarray, model: Sequence[int]) -> np.ndarray:

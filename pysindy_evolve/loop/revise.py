@@ -11,6 +11,7 @@ import numpy as np
 from .candidate import Candidate
 from .design import Design
 from .effects import candidates
+from .parents import without_parents
 from .recall import MemoryFinding
 from .rivals import Rival, rivals_of
 from .scoring import MARGIN, columns_of, score
@@ -134,7 +135,7 @@ def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Fin
         scores = score(design, part, [finding.candidate], pairs=False)
         if not scores or scores[0].value < MARGIN:
             findings = rest
-    return findings
+    return without_parents(declared, findings, part)
 
 
 def contested(

@@ -13,7 +13,7 @@ from .candidate import OFFSET, Candidate
 from .design import Design
 from .drifting_rivals import twin_chance
 from .effects import candidates, standing
-from .encompassing import chance
+from .encompassing import chance, explained
 from .hysteresis import rounded_sign
 from .scoring import columns_of
 from .segments import Segments, ranges
@@ -22,6 +22,9 @@ from .spectral import spectral_grams
 __all__ = ["Rival", "rivals_of"]
 
 ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the sign of
+# Share of what an effect explains that a rival must explain in its place. Where much is missing,
+# anything could hide in the rest, and a test alone refutes nothing.
+EXPLAINED = 1.0 / 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +95,8 @@ def rivals_of(
     for option in options:
         model = (*base, *_places(first, option))
         first = model[-1] + 1
+        if explained(grams, base, model[len(base) :]) < EXPLAINED * explained(grams, base, own):
+            continue
         p_value = chance(grams, model, own, rng)
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)

@@ -94,15 +94,16 @@ class Trial:
         """Return the trial over some of the stretches."""
         return replace(self, part=self.part.picked(pick), starts=self.starts[pick], x=self.x[pick])
 
-    def rows(self) -> Rows | None:
+    def rows(self, most_growth: float = MAX_GROWTH) -> Rows | None:
         """Return what the runs miss and what the coefficients change, free of the starts.
 
-        None where the runs forget how they began.
+        None where the runs forget how they began, or deviations typically grow by more than said.
         """
         n_stretches, length, _ = self.x.shape
         keep = max(1, n_stretches * length // ROWS)
         free, response = map(self._of_seen, self.sensitivities(keep))
-        if not np.max(np.abs(free)) <= MAX_GROWTH:
+        growth = np.max(np.abs(free), axis=(1, 2))
+        if not (np.max(growth) <= MAX_GROWTH and np.median(growth) <= most_growth):
             return None
         if self.part.limits is not None:
             there = told(self.x, self.part.limits, self.part.seen)

@@ -1,0 +1,36 @@
+"""Over how long a stretch a model is run before its runs say nothing."""
+
+import numpy as np
+import pytest
+from loop_systems import equations_of, multisine
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.declared import design_of
+from pysindy_evolve.loop.drift import drift_of
+from pysindy_evolve.loop.variants import Model
+
+STRETCHES = (16, 32, 64, 128)
+
+
+def beam(stiffening):
+    """A beam that hardens, pushed so hard that its motion is chaotic if it hardens much."""
+    truth = {"q": "v", "v": f"-200*q - {stiffening}*q^3 - v + F"}
+    t, force = np.arange(0.0, 28.0, 0.004), multisine(60.0, 3, band=(0.5, 6.0))
+    q = pse.simulate(equations_of(truth, ("F",)), [0.0, 0.0], t, force, tolerance=1e-8)[:, 0]
+    record = pse.prepare(t, q, force(t))
+    model = pse.DeclaredModel({"q": "v", "v": "-k*q - a*q^3 - c*v + b*F"}, inputs=["F"])
+    return record, Model(design_of(model, [record])), np.array([200.0, stiffening, 1.0, 1.0])
+
+
+def test_chaotic_motion_is_run_over_shorter_stretches_if_no_deviation_may_grow_much():
+    record, model, coef = beam(3000.0)
+    far, near = (drift_of(model, coef, [record], STRETCHES, most) for most in (1e3, 10.0))
+    assert len(far.part.z) == 16
+    assert len(near.part.z) > 16
+    assert near.trial.coef == pytest.approx(coef, rel=0.1)
+
+
+def test_calm_motion_is_run_over_the_longest_ones_all_the_same():
+    record, model, coef = beam(0.0)
+    drift = drift_of(model, coef, [record], STRETCHES, 10.0)
+    assert len(drift.part.z) == 16
