@@ -31,6 +31,22 @@ def test_line_of_the_input_is_no_forcing_of_its_own():
     assert found.terms[0].constants[0] == pytest.approx(19.0, rel=0.01)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_response_to_an_input_of_many_lines_is_no_forcing_either(seed):
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 28.0, 0.02)
+    frequencies = np.linspace(0.3, 4.0, 30) + rng.uniform(-0.02, 0.02, 30)
+    waves = np.sin(2 * np.pi * np.outer(t, frequencies) + rng.uniform(0.0, 6.0, 30))
+    slow = waves @ (0.2 / (1.0 + (frequencies / 0.5) ** 2))  # what a model gets wrong at low ones
+    residual = slow + 0.002 * rng.standard_normal(len(t))
+    force = waves.sum(axis=1)[:, None]
+    assert periodic_candidates(0, 1, residual, STILL, 0.02) != []
+    assert periodic_candidates(0, 1, residual, force, 0.02) == []
+    omega = np.pi * (frequencies[3] + frequencies[4])  # midway between two of them
+    found = periodic_candidates(0, 1, residual + 0.2 * np.sin(omega * t), force, 0.02)
+    assert found[0].terms[0].constants[0] == pytest.approx(omega, rel=0.01)
+
+
 def test_line_beside_one_of_the_input_is_a_forcing():
     t = np.arange(0.0, 40.0, 0.02)
     apart = 2 * np.pi * 1.7 / 40.0  # nearer than the two skirts are wide, but another frequency

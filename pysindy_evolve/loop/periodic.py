@@ -18,6 +18,8 @@ __all__ = ["periodic_candidates", "ripple_candidates"]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
+HALF = FINENESS // 2  # of these make half of what the record resolves
+AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
 SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
 PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
 PERIODS_IN_SPACE = 4  # fewer within the stroke look like a spring or a slope
@@ -141,14 +143,15 @@ def _lines(
     n_fine = FINENESS * fft.next_fast_len(len(signal), real=True)
     places = np.arange(n_fine // 2 + 1)
     free = (places > FINENESS * n_periods) & (places < highest * n_fine)
-    n_found = 0
+    n_found, whole = 0, signal
     while n_found < n_peaks:
         spectrum, floor = _spectrum_and_floor(signal, n_fine)
         peak = int(np.argmax(np.where(free, spectrum / floor, 0.0)))
         if not free[peak] or spectrum[peak] < LINE * floor[peak]:
             break
         cycles = _vertex(spectrum, peak) / n_fine
-        if not any(_has_line(*_spectrum_and_floor(other, n_fine), peak) for other in others):
+        its_own = not any(_has_line(*_spectrum_and_floor(other, n_fine), peak) for other in others)
+        if its_own and not _is_response(whole, others, peak, n_fine):
             yield cycles
             n_found += 1
         free[max(peak - FINENESS, 0) : peak + FINENESS + 1] = False
@@ -166,12 +169,38 @@ def _without(signal: np.ndarray, cycles: float) -> np.ndarray:
 
 def _spectrum_and_floor(signal: np.ndarray, n_fine: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the amplitude spectrum, finer than the record gives, and its median around."""
-    centered = (signal - signal.mean()) * np.hanning(len(signal))
-    spectrum = np.abs(fft.rfft(centered, n_fine))
+    spectrum = np.abs(_transform(signal, n_fine))
     places = np.arange(len(spectrum))
-    coarse = places[:: FINENESS // 2]
+    coarse = places[::HALF]
     floor = median_filter(spectrum[coarse], SURROUNDINGS)
     return spectrum, np.maximum(np.interp(places, coarse, floor), 1e-300)
+
+
+def _transform(signal: np.ndarray, n_fine: int) -> np.ndarray:
+    """Return the complex spectrum of a signal without its mean, tapered and padded with zeros."""
+    return np.asarray(fft.rfft((signal - signal.mean()) * np.hanning(len(signal)), n_fine))
+
+
+def _is_response(
+    signal: np.ndarray, others: Sequence[np.ndarray] | np.ndarray, peak: int, n_fine: int
+) -> bool:
+    """Tell whether half of a line is what the frequencies around it let expect of the inputs.
+
+    There a response is the spectrum of each input times a quadratic function of the frequency
+    (local polynomial method: Schoukens et al., Eur. J. Control 15 (2009),
+    DOI 10.3166/ejc.15.260-274).
+    """
+    near = np.arange(peak % HALF, n_fine // 2 + 1, HALF)
+    near = near[np.abs(near - peak) <= AROUND * FINENESS]
+    apart = (near - peak) / (AROUND * FINENESS)
+    spectra = [_transform(other, n_fine)[near] for other in others]
+    if not spectra:
+        return False
+    basis = np.column_stack([spectrum * apart**k for spectrum in spectra for k in range(3)])
+    line = _transform(signal, n_fine)[near]
+    away, at = np.abs(apart) > SKIRT / AROUND, near == peak
+    response = basis[at] @ np.linalg.lstsq(basis[away], line[away], rcond=None)[0]
+    return bool(np.all(np.abs(line[at] - response) < 0.5 * np.abs(line[at])))
 
 
 def _vertex(spectrum: np.ndarray, peak: int) -> float:
