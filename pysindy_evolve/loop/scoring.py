@@ -8,7 +8,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
+from ..boucwen import BOUC_WEN
 from ..equations import Equations
+from ..path_states import source_of
+from ..relaxing import RELAXING
 from ..signals import Record
 from ..terms import variable
 from .candidate import Candidate
@@ -17,6 +20,7 @@ from .effects import candidates, standing
 from .hysteresis import remembered_ways
 from .linear import solve_gram
 from .periodic import periodic_candidates, ripple_candidates
+from .relaxation import relaxed_ways
 from .residual import derivative_grams
 from .segments import Segments, ranges, variables_of
 from .sensor import heard
@@ -46,7 +50,7 @@ Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
 MARGIN = 0.02  # of the log error: names do not change for less
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
-LEAD = 0.1  # of the log error: what a state of its own and two numbers must be worth
+LEAD = 0.1  # of the log error: what a state of its own and its numbers must be worth
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
@@ -78,24 +82,28 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
 def propose_remembering(
     design: Design, equations: Equations, records: Sequence[Record]
 ) -> list[Candidate]:
-    """Return what `propose` does, and frictions that remember the motion."""
+    """Return what `propose` does, and what remembers a state."""
     return [*propose(design, equations, records), *_ways(design, records)]
 
 
 def _ways(design: Design, records: Sequence[Record]) -> list[Candidate]:
-    longest, taken = max(records, key=len), [path.args[0] for path in paths_of(design)]
+    longest = max(records, key=len)
+    taken = {(path.operator, source_of(path)) for path in paths_of(design)}
     found = []
     for state in () if design.algebraic else design.open_states:
         position = design.position_of(state)
-        if position is not None and variable(position) not in taken:
+        if position is not None and (BOUC_WEN, variable(position)) not in taken:
             found += remembered_ways(state, position, longest.x[:, position])
+        source = state if position is None else position
+        if (RELAXING, variable(source)) not in taken:
+            found += relaxed_ways(state, source, longest)
     return found
 
 
 def proposer_for(design: Design, part: Segments, records: Sequence[Record]) -> Proposer:
-    """Return what proposes: with hysteresis of the motion only where that leads all other effects.
+    """Return what proposes: what remembers a state only where that leads all other effects.
 
-    Each look at a record and its twins then takes no longer than it must, and what hysteresis could
+    Each look at a record and its twins then takes no longer than it must, and what a memory could
     explain of the noise does not change what other effects are worth.
     """
     ways = [] if part.tracks else _ways(design, records)

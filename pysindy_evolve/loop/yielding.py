@@ -1,9 +1,9 @@
-"""The numbers of a hysteresis in an equation of motion, tuned again.
+"""The numbers of what remembers a state, a hysteresis or a relaxation, tuned again.
 
-What is found beside a hysteresis changes its numbers, so they are tuned again in each step.
+What is found beside it changes its numbers, so they are tuned again in each step.
 
 A filter rounds off the turns of a motion, and what a friction remembers of them. A model that runs
-by itself has no filter in it. Its runs begin with the hysteresis where the measured motion puts it,
+by itself has no filter in it. Its runs begin with the hidden state where the measured ones put it,
 and where each of them begins is fitted as well (multiple shooting).
 """
 
@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..boucwen import numbers_of
+from ..path_states import kind_of
 from ..signals import Record
 from ..terms import Call
 from .by_runs import with_findings
@@ -33,7 +33,7 @@ N_ROUNDS = 2
 
 
 def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Return findings whose hystereses are tuned beside all the others, and these beside them.
+    """Return findings whose hidden states are tuned beside all the others, and these beside them.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) 
 def with_numbers_of_runs(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings whose hystereses have the numbers that free runs give them.
+    """Return findings whose hidden states have the numbers that free runs give them.
 
     Parameters
     ----------
@@ -83,11 +83,12 @@ def with_numbers_of_runs(
     """
     design = with_findings(declared, findings)
     paths = paths_of(design)
-    known = [(1.0 / length, k / length) for length, k in map(numbers_of, paths)]
-    begun = np.append(refit(design, records, "derivative"), known)
+    known = [kind_of(path).weights(path) for path in paths]
+    begun = np.concatenate([refit(design, records, "derivative"), *known])
+    ends = len(design.columns) + np.cumsum([0, *(len(own) for own in known)])[:-1]
 
     def at(coef: np.ndarray) -> list[Finding]:
-        return _retuned(findings, paths, coef[len(design.columns) :].reshape(-1, 2), declared)
+        return _retuned(findings, paths, np.split(coef, ends)[1:], declared)
 
     def loss(coef: np.ndarray) -> float:
         there = with_findings(declared, at(coef))
@@ -98,11 +99,14 @@ def with_numbers_of_runs(
 
 
 def _retuned(
-    findings: Sequence[Finding], paths: Sequence[Call], numbers: np.ndarray, design: Design
+    findings: Sequence[Finding],
+    paths: Sequence[Call],
+    weights: Sequence[np.ndarray],
+    design: Design,
 ) -> list[Finding]:
-    """Return findings with other numbers, shape (n_paths, 2), in their hystereses."""
+    """Return findings with other weights in what remembers."""
     kept = list(findings)
-    for path, own in zip(paths, numbers, strict=True):
+    for path, own in zip(paths, weights, strict=True):
         changed = [retuned(finding.candidate, path, own) for finding in kept]
         kept = [
             f if c is f.candidate else replace(f, candidate=c, columns=columns_of(c, design))
