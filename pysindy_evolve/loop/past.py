@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ..equations import Equations, stack
-from ..hidden import MemoryEquations
+from ..hidden import MemoryEquations, with_memories
 from ..memory import preceded, raw_inputs
 from ..path_states import kind_of
 from ..signals import Record
@@ -16,7 +16,7 @@ from ..terms import Call
 from .segments import scale_of
 from .sticking import noise_of
 
-__all__ = ["begun", "first_state"]
+__all__ = ["begun", "first_state", "rates_on"]
 
 LONGEST = 8  # no more than the eighth part of a record tells how it began
 HALVED = 4.0  # times the mean square that another past must leave: it halves the error
@@ -109,6 +109,29 @@ def first_state(equations: Equations, record: Record) -> np.ndarray:
     for k, span in enumerate(spans):
         starts[k] = _remembered(equations, record, starts, k, span)
     return np.concatenate([record.x[0], starts])
+
+
+def rates_on(equations: Equations, record: Record) -> np.ndarray:
+    """Return the rates on a record, the hidden states begun where its first rows say.
+
+    Parameters
+    ----------
+    equations : Equations
+        The model, in terms of what acts; what remembers a state is an operator on the rows.
+    record : Record
+        What was measured, with what acts.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_states)
+    """
+    full = with_memories(equations, ())
+    if not isinstance(full, MemoryEquations) or full.n_algebraic:
+        return equations.evaluate(record.x, record.u, record.t)
+    rows, starts = stack(record.x, record.u, record.t), first_state(full, record)[record.n_states :]
+    hidden = [_along(path, rows, w) for path, w in zip(full.paths, starts, strict=True)]
+    x = np.column_stack([record.x, *hidden])
+    return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
 
 
 def _remembered(

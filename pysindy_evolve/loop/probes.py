@@ -7,7 +7,7 @@ segments better to be proposed. Twins carry the same inputs, so the search in th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -186,7 +186,20 @@ class Probes:
     def _widened(self, candidate: Candidate) -> Candidate:
         terms = tuple(self.widen(term) for term in candidate.terms)
         parents = tuple(self.widen(term) for term in candidate.parents)
-        return replace(candidate, terms=terms, parents=parents)
+        shape = candidate.shape
+        if shape is not None:
+            shape = replace(shape, builds=tuple(_Widened(self, build) for build in shape.builds))
+        return replace(candidate, terms=terms, parents=parents, shape=shape)
+
+    def narrowed(self, candidate: Candidate) -> Candidate:
+        """Return a candidate with variables numbered as without probes."""
+        terms = tuple(self.narrow(term) for term in candidate.terms)
+        parents = tuple(self.narrow(term) for term in candidate.parents)
+        shape = candidate.shape
+        if shape is not None:
+            builds = (b.build if isinstance(b, _Widened) else b for b in shape.builds)
+            shape = replace(shape, builds=tuple(builds))
+        return replace(candidate, terms=terms, parents=parents, shape=shape)
 
     def _best(self, design: Design, part: Segments) -> list[Candidate]:
         """Return the best memory of each kind and input, if it does better than none."""
@@ -212,6 +225,18 @@ class Probes:
             sub(substituted(part, swap), part) for part in parts if set(swap) & part.variables
         )
         return MemoryCandidate(memory.kind, state, terms, memory=memory)
+
+
+@dataclass(frozen=True)
+class _Widened:
+    """Builds a term of variables numbered as with probes."""
+
+    probes: Probes
+    build: Callable[..., Sum]
+
+    def __call__(self, *values: float) -> Sum:
+        """Return the term."""
+        return self.probes.widen(self.build(*values))
 
 
 @dataclass(frozen=True, eq=False)

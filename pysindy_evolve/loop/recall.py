@@ -65,12 +65,13 @@ def find_or_recall(
     memories = grid_of(design, records, part, present)
     if not memories:
         return find(declared, design, records, part, rules, rng, rejected=rejected)
+    offer, part = proposer_for(design, part, records)
     probes = Probes(design, tuple(memories))
     extended = [probes.extended(record) for record in records]
     wide = probes.widened(declared), probes.widened(design)
     pieces = part.of(extended)
     failed: list[Rejected] = []
-    proposer = partial(probes.propose, part=part, offer=proposer_for(design, part, records))
+    proposer = partial(probes.propose, part=part, offer=offer)
     found = find(*wide, extended, pieces, rules, rng, proposer, failed)
     if rejected is not None:
         rejected += [_narrowed_failure(one, probes) for one in failed]
@@ -90,9 +91,7 @@ def _plain(candidate: Candidate, probes: Probes) -> Candidate:
     if isinstance(candidate, MemoryCandidate):
         term = variable(len(probes.design.states) + candidate.memory.column)
         return replace(candidate, terms=(term,), parents=())
-    terms = tuple(probes.narrow(term) for term in candidate.terms)
-    parents = tuple(probes.narrow(term) for term in candidate.parents)
-    return replace(candidate, terms=terms, parents=parents)
+    return probes.narrowed(candidate)
 
 
 def _narrowed(

@@ -7,21 +7,45 @@ of the vocabulary has the same phase, but noise, a filter or a late input can lo
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import dataclass
 
 from ..memory import DELAY, LAG
 from ..relaxing import relaxing
 from ..signals import Record
-from ..terms import variable
+from ..terms import Sum, variable
 from .candidate import Candidate, CandidateMaker, Shape
 from .hysteresis import SIMPLER
 
 __all__ = ["relaxed_ways"]
 
-SHORTEST = 4.0  # relaxation time, in samples
+# A shorter one looks like a damping and a mass, and with a mass, noise of the second derivative can
+# be told from the noisy position itself.
+SHORTEST = 0.25  # relaxation time, in periods of the highest frequency that a filter left
+SAMPLES = 2.0  # the same, in samples
 LONGEST = 0.25  # of the record
 RATIO = 2.5  # between places of the grid, from each of which it is tuned
 PLAINER = (*SIMPLER, "viscous damping", DELAY, LAG)
+
+
+@dataclass(frozen=True)
+class Relaxed:
+    """Builds the term of a relaxation from its time, which is no shorter than the samples can tell.
+
+    Attributes
+    ----------
+    source, time : Sum
+        The state that a hidden one follows, and the time.
+    shortest : float
+        Relaxation time, units of t.
+    """
+
+    source: Sum
+    time: Sum
+    shortest: float
+
+    def __call__(self, relaxation_time: float) -> Sum:
+        """Return the term."""
+        return relaxing(self.source, self.time, max(relaxation_time, self.shortest))
 
 
 def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
@@ -41,8 +65,10 @@ def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
     list of Candidate
     """
     effect, time = CandidateMaker(state), record.n_states + record.n_inputs
-    build = partial(relaxing, variable(source), variable(time))
-    found, value = [], SHORTEST * record.dt
+    made, value = record.preparation, SAMPLES * record.dt
+    if made is not None and made.cutoff:
+        value = max(value, SHORTEST / made.cutoff)
+    build, found = Relaxed(variable(source), variable(time), value), []
     while value < LONGEST * len(record) * record.dt:
         found.append(effect("hidden state", shape=Shape((value,), (build,)), refines=PLAINER))
         value *= RATIO

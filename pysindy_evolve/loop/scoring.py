@@ -41,6 +41,7 @@ __all__ = [
     "proposer_for",
     "quick_fit",
     "score",
+    "settling_of",
     "sharpened",
     "tuned",
 ]
@@ -48,6 +49,7 @@ __all__ = [
 LOOKS = 16  # at each number of a shape
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
+SETTLING = 0.125  # of a record, until what remembers a state knows where it is
 MARGIN = 0.02  # of the log error: names do not change for less
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
 LEAD = 0.1  # of the log error: what a state of its own and its numbers must be worth
@@ -100,21 +102,28 @@ def _ways(design: Design, records: Sequence[Record]) -> list[Candidate]:
     return found
 
 
-def proposer_for(design: Design, part: Segments, records: Sequence[Record]) -> Proposer:
-    """Return what proposes: what remembers a state only where that leads all other effects.
+def proposer_for(
+    design: Design, part: Segments, records: Sequence[Record]
+) -> tuple[Proposer, Segments]:
+    """Return what proposes, and where to look: what remembers only where that leads all others.
 
     Each look at a record and its twins then takes no longer than it must, and what a memory could
     explain of the noise does not change what other effects are worth.
     """
     ways = [] if part.tracks else _ways(design, records)
     if not ways:
-        return propose
-    scores = score(
-        design, part, [*propose(design, quick_fit(design, part), records), *ways], pairs=False
-    )
+        return propose, part
+    late = part.after(settling_of(records))
+    proposed = [*propose(design, quick_fit(design, late), records), *ways]
+    scores = score(design, late, proposed, pairs=False)
     best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
     leads = any(s.value > best + LEAD for s in scores if s.group[0] in ways)
-    return propose_remembering if leads else propose
+    return (propose_remembering, late) if leads else (propose, part)
+
+
+def settling_of(records: Sequence[Record]) -> int:
+    """Return in how many rows of each record what remembers finds out where it is."""
+    return int(SETTLING * min(len(record) for record in records))
 
 
 def score(

@@ -22,6 +22,7 @@ from .recall import find_or_recall, memories_of, resettled
 from .rejected import Rejected
 from .revise import exchange, merged, prune
 from .rules import Rules
+from .scoring import settling_of
 from .segments import Segments
 from .step import Finding
 from .structure import structure_chance
@@ -89,6 +90,13 @@ class Search:
         self.garden = Garden(
             self.declared, self.records, self.part, self.rules, self.operators, self.rng
         )
+        self._wait(findings)
+
+    def _wait(self, findings: Sequence[Finding]) -> None:
+        """Look at records only where what remembers a state knows where it is."""
+        if paths_of(with_findings(self.declared, findings)):
+            self.part = self.part.after(settling_of(self.records))
+            self.garden.look(self.part)
 
     def _name(self) -> None:
         while len(self.findings) < self.rules.max_effects:
@@ -103,6 +111,7 @@ class Search:
                 self._look_through([*before, *found])
             else:  # growing takes long, and may be ended
                 self.findings = [*before, *_numbered(found, before)]
+                self._wait(self.findings)
                 found = self.garden.better(design, found) or found
             found = [*before, *_numbered(found, before)]
             found = exchange(self.declared, found, self.part)

@@ -16,11 +16,11 @@ import numpy as np
 
 from ..signals import Record
 from .design import Design
-from .fit import Fit, derivative_square
+from .fit import Fit
 from .runs import free_run
 from .segments import segments
 from .trial import Trial, bettered
-from .unfolding import unfolded, with_paths
+from .unfolding import square_left, unfolded, with_paths
 
 __all__ = ["met", "shot"]
 
@@ -50,7 +50,7 @@ def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
         The same one where the model cannot follow the records, or where what every second stretch
         says does not hold on those between.
     """
-    loss = partial(derivative_square, design, records)
+    loss = partial(square_left, design, records)
     coef = met(unfolded(design), fitted.coef, with_paths(design, records), loss)
     if coef is None:
         return fitted
@@ -66,11 +66,11 @@ def met(
     Parameters
     ----------
     design : Design
-        The model, with p columns, its hystereses unfolded.
+        The model, with p columns, unfolded.
     coef : ndarray of shape (p,)
         Where to begin.
     records : sequence of Record
-        Training records, with the paths that the hystereses take.
+        Training records, with the paths that hidden states take.
     loss : callable
         Maps coefficients to the sum of squares that they leave of the derivative.
 

@@ -14,14 +14,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..equations import stack
+from ..hidden import with_memories
 from ..path_states import kind_of, moved, path_rate, paths_in
 from ..signals import Record
 from ..substitution import substituted
 from ..terms import Call, Sum, as_sum, variable
 from .candidate import Candidate
 from .design import Column, Design, in_state
+from .fit import derivative_square
+from .past import first_state
 
-__all__ = ["paths_of", "retuned", "unfolded", "with_paths"]
+__all__ = ["paths_of", "retuned", "square_left", "unfolded", "with_paths"]
 
 FARTHEST = 4.0  # times by which runs may change a number; beyond, they have lost their way
 
@@ -73,19 +76,39 @@ def unfolded(design: Design, *, free: bool = False) -> Design:
     return replace(design, states=states, fixed=tuple(fixed), columns=tuple(columns), n_hidden=m)
 
 
-def with_paths(design: Design, records: Sequence[Record]) -> list[Record]:
-    """Return records with what remembers, along the measured states, as last states."""
+def with_paths(
+    design: Design, records: Sequence[Record], coef: np.ndarray | None = None
+) -> list[Record]:
+    """Return records with what remembers, along the measured states, as last states.
+
+    Parameters
+    ----------
+    design : Design
+        With p columns.
+    records : sequence of Record
+        What was measured.
+    coef : ndarray of shape (p,), optional
+        With these the first rows say how the hidden states began; by default, at rest.
+
+    Returns
+    -------
+    list of Record
+    """
     paths = paths_of(design)
     if not paths:
         return list(records)
-    return [_with_paths(paths, record) for record in records]
+    if coef is None:
+        return [_with_paths(paths, record, [None] * len(paths)) for record in records]
+    full = with_memories(design.equations(coef), ())
+    starts = [first_state(full, record)[record.n_states :].tolist() for record in records]
+    return [_with_paths(paths, r, own) for r, own in zip(records, starts, strict=True)]
 
 
-def _with_paths(paths: Sequence[Call], record: Record) -> Record:
+def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float | None]) -> Record:
     rows, x, x_dot = stack(record.x, record.u, record.t), [record.x], [record.x_dot]
     n = rows.shape[1]
-    for path in paths:
-        w = kind_of(path).along(path, rows)
+    for path, start in zip(paths, starts, strict=True):
+        w = kind_of(path).along(path, rows, start)
         rate = path_rate(path, variable(n))
         x.append(w[:, None])
         x_dot.append(rate.evaluate(np.column_stack([rows, w]))[:, None])
@@ -93,6 +116,15 @@ def _with_paths(paths: Sequence[Call], record: Record) -> Record:
     if seen is not None:  # what remembers a motion that nobody saw is not known either
         seen = np.hstack([seen, np.repeat(np.all(seen, axis=1)[:, None], len(paths), axis=1)])
     return replace(record, x=np.hstack(x), x_dot=np.hstack(x_dot), states=None, seen=seen)
+
+
+def square_left(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:
+    """Return the sum of squares that coefficients leave of the derivative.
+
+    Hidden states begin where the first rows say: one that is slow to forget where it was believed
+    to begin would make what is right look wrong.
+    """
+    return derivative_square(unfolded(design), with_paths(design, records, coef), coef)
 
 
 def retuned(candidate: Candidate, path: Call, weights: np.ndarray) -> Candidate:

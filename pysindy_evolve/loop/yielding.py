@@ -19,13 +19,13 @@ from ..signals import Record
 from ..terms import Call
 from .by_runs import with_findings
 from .design import Design
-from .fit import derivative_square, refit
+from .fit import refit
 from .revise import exchange
 from .scoring import columns_of, tuned
 from .segments import Segments
 from .shooting import met
 from .step import Finding
-from .unfolding import paths_of, retuned, unfolded, with_paths
+from .unfolding import paths_of, retuned, square_left, unfolded, with_paths
 
 __all__ = ["with_numbers", "with_numbers_of_runs"]
 
@@ -92,7 +92,7 @@ def with_numbers_of_runs(
 
     def loss(coef: np.ndarray) -> float:
         there = with_findings(declared, at(coef))
-        return derivative_square(there, records, coef[: len(design.columns)])
+        return square_left(there, records, coef[: len(design.columns)])
 
     coef = met(unfolded(design, free=True), begun, with_paths(design, records), loss)
     return list(findings) if coef is None else at(coef)
