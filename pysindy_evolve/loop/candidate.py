@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..terms import ONE, Sum
 
-__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape"]
+__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "renumbered"]
 
 OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
 REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
@@ -58,6 +58,27 @@ class Candidate:
     def size(self) -> int:
         """Number of nodes of its terms."""
         return sum(term.size for term in self.terms)
+
+
+@dataclass(frozen=True)
+class _Renumbered:
+    """Builds a term whose variables are numbered otherwise."""
+
+    build: Callable[..., Sum]
+    number: Callable[[Sum], Sum]
+
+    def __call__(self, *values: float) -> Sum:
+        """Return the term."""
+        return self.number(self.build(*values))
+
+
+def renumbered(candidate: Candidate, number: Callable[[Sum], Sum]) -> Candidate:
+    """Return a candidate whose variables are numbered otherwise, also when it is tuned."""
+    terms, parents = (tuple(map(number, those)) for those in (candidate.terms, candidate.parents))
+    shape = candidate.shape
+    if shape is not None:
+        shape = replace(shape, builds=tuple(_Renumbered(build, number) for build in shape.builds))
+    return replace(candidate, terms=terms, parents=parents, shape=shape)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ segments better to be proposed. Twins carry the same inputs, so the search in th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from ..memory import DELAY, LAG, VESSEL, Memory
 from ..signals import Record
 from ..substitution import substituted
 from ..terms import Sum, sub, variable
-from .candidate import Candidate
+from .candidate import Candidate, renumbered
 from .design import Column, Design
 from .scoring import Proposer
 from .segments import Segments
@@ -180,26 +180,8 @@ class Probes:
         plain = [replace(r, u=None if r.u is None else r.u[:, :n_inputs]) for r in records]
         terms = tuple(self.narrow(Sum(((1.0, term),))).parts[0][1] for term in equations.terms)
         own = replace(equations, terms=terms, inputs=self.design.inputs)
-        proposed = [self._widened(c) for c in offer(self.design, own, plain)]
+        proposed = [renumbered(c, self.widen) for c in offer(self.design, own, plain)]
         return [*proposed, *self._best(design, part.of(records))]
-
-    def _widened(self, candidate: Candidate) -> Candidate:
-        terms = tuple(self.widen(term) for term in candidate.terms)
-        parents = tuple(self.widen(term) for term in candidate.parents)
-        shape = candidate.shape
-        if shape is not None:
-            shape = replace(shape, builds=tuple(_Widened(self, build) for build in shape.builds))
-        return replace(candidate, terms=terms, parents=parents, shape=shape)
-
-    def narrowed(self, candidate: Candidate) -> Candidate:
-        """Return a candidate with variables numbered as without probes."""
-        terms = tuple(self.narrow(term) for term in candidate.terms)
-        parents = tuple(self.narrow(term) for term in candidate.parents)
-        shape = candidate.shape
-        if shape is not None:
-            builds = (b.build if isinstance(b, _Widened) else b for b in shape.builds)
-            shape = replace(shape, builds=tuple(builds))
-        return replace(candidate, terms=terms, parents=parents, shape=shape)
 
     def _best(self, design: Design, part: Segments) -> list[Candidate]:
         """Return the best memory of each kind and input, if it does better than none."""
@@ -225,18 +207,6 @@ class Probes:
             sub(substituted(part, swap), part) for part in parts if set(swap) & part.variables
         )
         return MemoryCandidate(memory.kind, state, terms, memory=memory)
-
-
-@dataclass(frozen=True)
-class _Widened:
-    """Builds a term of variables numbered as with probes."""
-
-    probes: Probes
-    build: Callable[..., Sum]
-
-    def __call__(self, *values: float) -> Sum:
-        """Return the term."""
-        return self.probes.widen(self.build(*values))
 
 
 @dataclass(frozen=True, eq=False)

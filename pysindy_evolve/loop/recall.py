@@ -11,7 +11,7 @@ import numpy as np
 from ..memory import Memory, remembered
 from ..signals import Record
 from ..terms import variable
-from .candidate import Candidate
+from .candidate import Candidate, renumbered
 from .design import Design
 from .probes import MemoryCandidate, Probes, grid_of
 from .reach import exchanged, reach_of, settled
@@ -91,7 +91,7 @@ def _plain(candidate: Candidate, probes: Probes) -> Candidate:
     if isinstance(candidate, MemoryCandidate):
         term = variable(len(probes.design.states) + candidate.memory.column)
         return replace(candidate, terms=(term,), parents=())
-    return probes.narrowed(candidate)
+    return renumbered(candidate, probes.narrow)
 
 
 def _narrowed(

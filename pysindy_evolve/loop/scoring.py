@@ -34,6 +34,7 @@ __all__ = [
     "MARGIN",
     "PRICE",
     "Proposer",
+    "awaited",
     "columns_of",
     "net",
     "plainest",
@@ -41,7 +42,6 @@ __all__ = [
     "proposer_for",
     "quick_fit",
     "score",
-    "settling_of",
     "sharpened",
     "tuned",
 ]
@@ -113,7 +113,7 @@ def proposer_for(
     ways = [] if part.tracks else _ways(design, records)
     if not ways:
         return propose, part
-    late = part.after(settling_of(records))
+    late = _late(part, records)
     proposed = [*propose(design, quick_fit(design, late), records), *ways]
     scores = score(design, late, proposed, pairs=False)
     best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
@@ -121,9 +121,13 @@ def proposer_for(
     return (propose_remembering, late) if leads else (propose, part)
 
 
-def settling_of(records: Sequence[Record]) -> int:
-    """Return in how many rows of each record what remembers finds out where it is."""
-    return int(SETTLING * min(len(record) for record in records))
+def awaited(design: Design, part: Segments, records: Sequence[Record]) -> Segments:
+    """Return pieces with weight where all that a design remembers knows where it is."""
+    return _late(part, records) if paths_of(design) else part
+
+
+def _late(part: Segments, records: Sequence[Record]) -> Segments:
+    return part.after(int(SETTLING * min(len(record) for record in records)))
 
 
 def score(

@@ -22,7 +22,7 @@ from .recall import find_or_recall, memories_of, resettled
 from .rejected import Rejected
 from .revise import exchange, merged, prune
 from .rules import Rules
-from .scoring import settling_of
+from .scoring import awaited
 from .segments import Segments
 from .step import Finding
 from .structure import structure_chance
@@ -94,9 +94,8 @@ class Search:
 
     def _wait(self, findings: Sequence[Finding]) -> None:
         """Look at records only where what remembers a state knows where it is."""
-        if paths_of(with_findings(self.declared, findings)):
-            self.part = self.part.after(settling_of(self.records))
-            self.garden.look(self.part)
+        self.part = awaited(with_findings(self.declared, findings), self.part, self.records)
+        self.garden.look(self.part)
 
     def _name(self) -> None:
         while len(self.findings) < self.rules.max_effects:
