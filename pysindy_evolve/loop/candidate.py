@@ -38,7 +38,8 @@ class Candidate:
     stands on a grid of its numbers, which are tuned once the effect is found. One that is `whole`
     has its parents in it, as a weight has a mean: where it says all that they say, they may go. One
     that `refines` effects of certain names must do better than they by more than chance, see
-    refinement.py.
+    refinement.py. One that is `alone` is scored in no pair: it bends so far that any other effect
+    beside it would seem to be worth something.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Candidate:
     shape: Shape | None = field(default=None, compare=False)
     whole: bool = field(default=False, compare=False)
     refines: tuple[str, ...] = field(default=(), compare=False)
+    alone: bool = field(default=False, compare=False)
 
     @property
     def is_exchange(self) -> bool:
@@ -95,7 +97,8 @@ class CandidateMaker:
         shape: Shape | None = None,
         whole: bool = False,
         refines: tuple[str, ...] = (),
+        alone: bool = False,
     ) -> Candidate:
         """Return a candidate; the columns of one with a shape are built from it."""
         columns = terms if shape is None else shape.terms
-        return Candidate(name, self.state, columns, parents, shape, whole, refines)
+        return Candidate(name, self.state, columns, parents, shape, whole, refines, alone)

@@ -191,14 +191,15 @@ class Probes:
             if exchange.gain > OWN * max(exchange.gain_beside, 0.0):
                 key = self.memories[k].kind, self.memories[k].column
                 best[key] = max(best.get(key, (0.0, k)), (exchange.gain, k))
-        return [self._candidate(design, k) for gain, k in best.values() if gain > 0.0]
+        return [self.candidate(design, k) for gain, k in best.values() if gain > 0.0]
 
     def swap(self, k: int) -> dict[int, Sum]:
         """Return the input of a probe and what may stand in its place."""
         probe = len(self.design.states) + len(self.design.inputs) + k
         return {len(self.design.states) + self.memories[k].column: variable(probe)}
 
-    def _candidate(self, design: Design, k: int) -> MemoryCandidate:
+    def candidate(self, design: Design, k: int) -> MemoryCandidate:
+        """Return a memory as what it changes in the equations of a widened design."""
         memory = self.memories[k]
         state = users_of(self.design, memory.column)[0]
         swap = self.swap(k)

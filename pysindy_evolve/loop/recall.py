@@ -13,12 +13,13 @@ from ..signals import Record
 from ..terms import variable
 from .candidate import Candidate, renumbered
 from .design import Design
+from .memories_first import outdoes_memories
 from .probes import MemoryCandidate, Probes, grid_of
 from .reach import exchanged, reach_of, settled
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
-from .scoring import MARGIN, columns_of, proposer_for
+from .scoring import MARGIN, columns_of, propose, proposer_for
 from .segments import Segments
 from .step import Finding, find
 
@@ -65,7 +66,10 @@ def find_or_recall(
     memories = grid_of(design, records, part, present)
     if not memories:
         return find(declared, design, records, part, rules, rng, rejected=rejected)
-    offer, part = proposer_for(design, part, records)
+    offer, late = proposer_for(design, part, records)
+    if offer is not propose and not outdoes_memories(design, records, late, memories):
+        offer, late = propose, part
+    part = late
     probes = Probes(design, tuple(memories))
     extended = [probes.extended(record) for record in records]
     wide = probes.widened(declared), probes.widened(design)

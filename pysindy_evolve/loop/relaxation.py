@@ -18,9 +18,9 @@ from .hysteresis import SIMPLER
 
 __all__ = ["relaxed_ways"]
 
-# A shorter one looks like a damping and a mass, and with a mass, noise of the second derivative can
-# be told from the noisy position itself.
-SHORTEST = 0.25  # relaxation time, in periods of the highest frequency that a filter left
+# A shorter one looks like one more derivative of the state, in which noise of the target, and any
+# late or lagging input, can be told from the measured state itself.
+SHORTEST = 0.5  # relaxation time, in periods of the highest frequency that a filter left
 SAMPLES = 2.0  # the same, in samples
 LONGEST = 0.25  # of the record
 RATIO = 2.5  # between places of the grid, from each of which it is tuned
@@ -70,6 +70,7 @@ def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
         value = max(value, SHORTEST / made.cutoff)
     build, found = Relaxed(variable(source), variable(time), value), []
     while value < LONGEST * len(record) * record.dt:
-        found.append(effect("hidden state", shape=Shape((value,), (build,)), refines=PLAINER))
+        shape = Shape((value,), (build,))
+        found.append(effect("hidden state", shape=shape, refines=PLAINER, alone=True))
         value *= RATIO
     return found

@@ -36,6 +36,7 @@ __all__ = [
     "Proposer",
     "awaited",
     "columns_of",
+    "leading",
     "net",
     "plainest",
     "propose",
@@ -44,6 +45,7 @@ __all__ = [
     "score",
     "sharpened",
     "tuned",
+    "ways_of",
 ]
 
 LOOKS = 16  # at each number of a shape
@@ -85,10 +87,11 @@ def propose_remembering(
     design: Design, equations: Equations, records: Sequence[Record]
 ) -> list[Candidate]:
     """Return what `propose` does, and what remembers a state."""
-    return [*propose(design, equations, records), *_ways(design, records)]
+    return [*propose(design, equations, records), *ways_of(design, records)]
 
 
-def _ways(design: Design, records: Sequence[Record]) -> list[Candidate]:
+def ways_of(design: Design, records: Sequence[Record]) -> list[Candidate]:
+    """Return what remembers a state and may be missing, none of a kind that is there already."""
     longest = max(records, key=len)
     taken = {(path.operator, source_of(path)) for path in paths_of(design)}
     found = []
@@ -110,15 +113,30 @@ def proposer_for(
     Each look at a record and its twins then takes no longer than it must, and what a memory could
     explain of the noise does not change what other effects are worth.
     """
-    ways = [] if part.tracks else _ways(design, records)
+    ways = [] if part.tracks else ways_of(design, records)
     if not ways:
         return propose, part
     late = _late(part, records)
     proposed = [*propose(design, quick_fit(design, late), records), *ways]
-    scores = score(design, late, proposed, pairs=False)
-    best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
-    leads = any(s.value > best + LEAD for s in scores if s.group[0] in ways)
+    leads = bool(leading(ways, proposed, design, late))
     return (propose_remembering, late) if leads else (propose, part)
+
+
+def leading(
+    ways: Sequence[Candidate], proposed: Sequence[Candidate], design: Design, part: Segments
+) -> list[Candidate]:
+    """Return what remembers, takes energy as a damper does, and clearly leads all else."""
+    scores = score(design, part, proposed, pairs=False)
+    best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
+    ahead = [s.group[0] for s in scores if s.group[0] in ways and s.value > best + LEAD]
+    return [way for way in ahead if _opposes(way, design, part)]
+
+
+def _opposes(way: Candidate, design: Design, part: Segments) -> bool:
+    """Tell whether the coefficient of an effect of one term is negative."""
+    equations = quick_fit(design.adding(columns_of(way, design)), part)
+    ((_, term),) = way.terms[0].parts
+    return bool(equations.coef[way.state, equations.terms.index(term)] < 0.0)
 
 
 def awaited(design: Design, part: Segments, records: Sequence[Record]) -> Segments:
