@@ -31,6 +31,7 @@ from .unfolding import paths_of
 from .vocabulary import VOCABULARY
 
 __all__ = [
+    "LEAD",
     "MARGIN",
     "PRICE",
     "Proposer",

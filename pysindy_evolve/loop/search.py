@@ -30,7 +30,7 @@ from .thinning import thinned
 from .trace import EVOLVED
 from .unfolding import paths_of
 from .variants import Model
-from .yielding import with_numbers, with_numbers_of_runs
+from .yielding import needed_by_runs, with_numbers, with_numbers_of_runs
 
 __all__ = ["Search"]
 
@@ -151,13 +151,19 @@ class Search:
                 break
             self.findings = [*self.findings, *_numbered(found, self.findings)]
         if not self.findings:
-            chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)
-            self.has_structure = chance <= self.rules.level
+            self._see_structure()
+
+    def _see_structure(self) -> None:
+        chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)
+        self.has_structure = chance <= self.rules.level
 
     def _hold(self) -> None:
         self._drop()
         if paths_of(self.design):
-            self.findings = with_numbers_of_runs(self.declared, self.findings, self.records)
+            found = with_numbers_of_runs(self.declared, self.findings, self.records)
+            self.findings = needed_by_runs(self.declared, found, self.records)
+            if not self.findings:
+                self._see_structure()
             return
         model = Model(self.declared, memories_of(self.findings), limits_in(self.findings))
         grown = [c for c in self.garden.grown if c.name == EVOLVED]

@@ -16,13 +16,13 @@ import numpy as np
 
 from ..signals import Record
 from .design import Design
-from .fit import Fit
+from .fit import Fit, refit
 from .runs import free_run
 from .segments import segments
 from .trial import Trial, bettered
 from .unfolding import square_left, unfolded, with_paths
 
-__all__ = ["met", "shot"]
+__all__ = ["gain_of_runs", "met", "shot"]
 
 N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
@@ -87,10 +87,52 @@ def met(
     return _settled(begun, records).coef
 
 
-def _begun(design: Design, coef: np.ndarray, records: Sequence[Record]) -> Trial | None:
+def gain_of_runs(few: Design, many: Design, records: Sequence[Record]) -> float:
+    """Return by how much free runs of one design come closer than those of a simpler one.
+
+    Parameters
+    ----------
+    few, many : Design
+        The simpler one and the other.
+    records : sequence of Record
+        Training records.
+
+    Returns
+    -------
+    float
+        log(squares that the runs of the simpler one miss / of the other), each fitted to the runs,
+        over stretches that both can follow; infinite if there are none.
+    """
+    if sum(len(record) for record in records) > MAX_ROWS:
+        return float("inf")
+    sides = [
+        (unfolded(design), refit(design, records, "derivative"), with_paths(design, records))
+        for design in (few, many)
+    ]
+    for n_stretches in N_STRETCHES:
+        begun = (_begun(*side, (n_stretches,)) for side in sides)
+        trials = [trial for trial in begun if trial is not None]
+        if len(trials) == len(sides):
+            runs = (_settled(t, own) for t, (_, _, own) in zip(trials, sides, strict=True))
+            simple, rich = (_square_missed(run, len(few.states)) for run in runs)
+            return float(np.log(simple / max(rich, 1e-300)))
+    return float("inf")
+
+
+def _square_missed(trial: Trial, n_states: int) -> float:
+    misses = (trial.miss / trial.part.state_scale)[..., :n_states]
+    return float(np.sum(misses**2))
+
+
+def _begun(
+    design: Design,
+    coef: np.ndarray,
+    records: Sequence[Record],
+    numbers: Sequence[int] = N_STRETCHES,
+) -> Trial | None:
     """Run over the longest stretches that a model can follow; None if there are none."""
     length = 0
-    for n_stretches in N_STRETCHES:
+    for n_stretches in numbers:
         part = segments(records, design.velocities, n_stretches, max_rows=None)
         if part.z.shape[1] == length:
             continue  # many short records are cut alike

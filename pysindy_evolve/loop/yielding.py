@@ -21,13 +21,13 @@ from .by_runs import with_findings
 from .design import Design
 from .fit import refit
 from .revise import exchange
-from .scoring import columns_of, tuned
+from .scoring import LEAD, columns_of, tuned
 from .segments import Segments
-from .shooting import met
+from .shooting import gain_of_runs, met
 from .step import Finding
 from .unfolding import paths_of, retuned, square_left, unfolded, with_paths
 
-__all__ = ["with_numbers", "with_numbers_of_runs"]
+__all__ = ["needed_by_runs", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
 
@@ -96,6 +96,36 @@ def with_numbers_of_runs(
 
     coef = met(unfolded(design, free=True), begun, with_paths(design, records), loss)
     return list(findings) if coef is None else at(coef)
+
+
+def needed_by_runs(
+    declared: Design, findings: Sequence[Finding], records: Sequence[Record]
+) -> list[Finding]:
+    """Return findings without what remembers a state where free runs do as well without it.
+
+    A derivative that somebody smoothed comes late or early as well, and looks remembered. Of that
+    nothing is left in runs, which need no derivative.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found.
+    records : sequence of Record
+        Training records, with what acts.
+
+    Returns
+    -------
+    list of Finding
+    """
+    kept = list(findings)
+    for finding in findings:
+        rest = [f for f in kept if f is not finding]
+        few, many = (with_findings(declared, those) for those in (rest, kept))
+        if paths_of(few) != paths_of(many) and gain_of_runs(few, many, records) < LEAD:
+            kept = rest
+    return kept
 
 
 def _retuned(
