@@ -7,20 +7,26 @@ import pytest
 import sympy
 from loop_systems import multisine
 from scipy.integrate import solve_ivp
+from scipy.signal import savgol_filter
 
 import pysindy_evolve as pse
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden import with_memories
-from pysindy_evolve.loop.candidate import renumbered
+from pysindy_evolve.loop.candidate import OFFSET, CandidateMaker, renumbered
 from pysindy_evolve.loop.declared import design_of
+from pysindy_evolve.loop.memories_first import outdoes_memories
 from pysindy_evolve.loop.past import first_state, rates_on
+from pysindy_evolve.loop.probes import grid_of
 from pysindy_evolve.loop.relaxation import relaxed_ways
+from pysindy_evolve.loop.scoring import leading, score
 from pysindy_evolve.loop.segments import segments
+from pysindy_evolve.loop.shooting import gain_of_runs
 from pysindy_evolve.loop.unfolding import square_left, unfolded, with_paths
+from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.substitution import substituted
-from pysindy_evolve.terms import variable
+from pysindy_evolve.terms import call, mul, variable
 
 DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 STIFFNESS, TIME = 15.0, 0.4
@@ -32,7 +38,6 @@ TRUE = pse.DeclaredModel(
 NUMBERS = np.array([20.0, 0.3, 1.0, STIFFNESS])
 DT = 0.01
 T = np.arange(0.0, 20.0, DT)
-SLOW = pytest.mark.slow
 
 
 def swing(t):
@@ -198,7 +203,7 @@ def test_first_rows_of_each_record_carry_no_weight_until_what_remembers_is_settl
 def test_relaxation_times_begin_where_the_filter_ends_and_are_tuned_no_further():
     record = measured(n=2000)
     ways = relaxed_ways(1, 0, record)
-    shortest = 0.25 / record.preparation.cutoff
+    shortest = 0.5 / record.preparation.cutoff
     times = [way.shape.values[0] for way in ways]
     assert times[0] == pytest.approx(shortest)
     assert times[-1] <= 0.25 * len(record) * record.dt
@@ -212,6 +217,42 @@ def test_candidate_with_other_variables_is_tuned_with_them():
     )
     assert way.terms[0].variables == {0, 7}
     assert way.shape.terms == way.terms
+
+
+def test_relaxation_is_scored_in_no_pair():
+    record = measured(n=2000)
+    design = design_of(DECLARED, [record])
+    offset = CandidateMaker(1)("constant offset", OFFSET)
+    drag = CandidateMaker(1)("quadratic drag", mul(variable(1), call(BUILTIN["abs"], variable(1))))
+    proposed = [offset, drag, *relaxed_ways(1, 0, record)]
+    groups = [s.group for s in score(design, segments([record], (1,)), proposed)]
+    assert (offset, drag) in groups
+    assert all(len(group) == 1 for group in groups if group[0].alone)
+
+
+def test_what_is_remembered_must_lead_late_inputs():
+    record, other = measured(n=3000), measured(n=3000, stiffness=0.0)
+    design = design_of(DECLARED, [record])
+    for one, leads in ((record, True), (replace(other, u=np.roll(other.u, 9, axis=0)), False)):
+        part = segments([one], (1,))
+        assert outdoes_memories(design, [one], part, grid_of(design, [one], part)) is leads
+
+
+def test_what_is_remembered_must_oppose_what_it_follows():
+    record = measured(n=3000)
+    ahead = relaxing_along(record.x[:, 0], record.t, TIME)
+    drives = record.x_dot + np.outer(2.0 * STIFFNESS * ahead, [0.0, 1.0])
+    ways, design = relaxed_ways(1, 0, record), design_of(DECLARED, [record])
+    assert leading(ways, ways, design, segments([record], (1,)))
+    assert not leading(ways, ways, design, segments([replace(record, x_dot=drives)], (1,)))
+
+
+def test_free_runs_need_what_is_there_and_not_what_is_not():
+    record = measured(n=3000)
+    plain, full = (design_of(declared, [record]) for declared in (DECLARED, TRUE))
+    assert gain_of_runs(plain, full, [record]) > 1.0
+    other = measured(n=3000, stiffness=0.0)
+    assert gain_of_runs(plain, full, [other]) < 0.1
 
 
 def test_hidden_state_of_an_oscillator_is_found_with_its_numbers():
@@ -239,3 +280,66 @@ def test_free_runs_with_a_hidden_state_come_near_the_noise(stiffness, time, nois
     assert -report.effects[0].coefficients[0] == pytest.approx(stiffness, rel=0.1)
     assert numbers_in(report) == pytest.approx(time, rel=0.1)
     assert report.after.simulation_error[0] < 100.0 * noise
+
+
+def heated(lag=None, seed=3):
+    """Measure a temperature: of a body that warms another, or whose heater lags behind."""
+    t = np.arange(3000.0)
+    power = np.repeat((np.random.default_rng(seed).random(60) > 0.5) * 1.0, 50)
+
+    def rate(now, x):
+        given, lost = power[min(int(now), len(power) - 1)], 0.01 * (x[0] - 20.0)
+        if lag:
+            return [0.8 * x[1] - lost, (given - x[1]) / lag]
+        return [0.8 * given - lost - 0.03 * (x[0] - x[1]), (x[0] - x[1]) / 120.0]
+
+    start = [20.0, 0.0 if lag else 20.0]
+    warm = solve_ivp(rate, (0.0, t[-1]), start, t_eval=t, max_step=1.0, rtol=1e-6).y[0]
+    noise = 0.002 * warm.std() * np.random.default_rng(seed).standard_normal(len(t))
+    return pse.prepare(t, warm + noise, power, order=1)
+
+
+@pytest.mark.slow
+def test_heat_capacity_that_nobody_measured_is_found():
+    declared = pse.DeclaredModel({"T": "a - b*T + c*u"}, inputs=["u"])
+    report = pse.close_loop(declared, heated(), random_state=0)
+    (effect,) = report.effects
+    assert (effect.name, str(effect.term)) == ("hidden state", "T - T_relax")
+    assert -effect.coefficients[0] == pytest.approx(0.03, rel=0.05)
+    assert numbers_in(report) == pytest.approx(120.0, rel=0.05)
+    assert report.after.simulation_error[0] < 1.0
+
+
+@pytest.mark.slow
+def test_heater_that_lags_is_not_named_a_hidden_heat_capacity():
+    declared = pse.DeclaredModel({"T": "a - b*T + c*u"}, inputs=["u"])
+    report = pse.close_loop(declared, heated(lag=40.0), random_state=0)
+    assert [effect.name for effect in report.effects] == ["actuator lag"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [31, 61])
+def test_derivative_that_was_smoothed_too_much_is_not_named(width):
+    record = measured(stiffness=0.0, noise=0.0)
+    made = record.preparation
+    noise = 0.005 * np.random.default_rng(0).standard_normal(len(made.t))
+    q = made.y[:, 0] + made.y[:, 0].std() * noise
+    v, a = (savgol_filter(q, width, 3, deriv=k, delta=DT) for k in (1, 2))
+    x, x_dot = np.column_stack([q, v]), np.column_stack([v, a])
+    report = pse.close_loop(DECLARED, pse.Record(t=made.t, x=x, x_dot=x_dot, u=made.u))
+    assert report.effects == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["input delay", "actuator lag"])
+def test_late_input_is_not_named_a_hidden_state(name):
+    t, force = np.arange(6000) * DT, multisine(8.0, 3, band=(0.1, 2.0))
+
+    def rate(now, x):
+        acts = force(np.array([now - 0.3]))[0] if name == "input delay" else x[2]
+        return [x[1], -20.0 * x[0] - 0.3 * x[1] + acts, (force(np.array([now]))[0] - x[2]) / 0.3]
+
+    q = solve_ivp(rate, (0.0, t[-1]), [0.0] * 3, t_eval=t, max_step=DT, rtol=1e-6).y[0]
+    q = q + 0.005 * q.std() * np.random.default_rng(0).standard_normal(len(t))
+    report = pse.close_loop(DECLARED, pse.prepare(t, q, force(t)), random_state=0)
+    assert [effect.name for effect in report.effects] == [name]
