@@ -47,6 +47,8 @@ def find_or_recall(
     rng: np.random.Generator,
     present: Sequence[Memory] = (),
     rejected: list[Rejected] | None = None,
+    *,
+    remembering: bool = True,
 ) -> list[Finding]:
     """Return what a design lacks, as `find` does, with memories of the inputs among it.
 
@@ -58,6 +60,8 @@ def find_or_recall(
         Memories that the inputs of the records have already.
     rejected : list of Rejected, optional
         As in `find`.
+    remembering : bool
+        Whether what remembers a state may be among it.
 
     Returns
     -------
@@ -65,8 +69,9 @@ def find_or_recall(
     """
     memories = grid_of(design, records, part, present)
     if not memories:
-        return find(declared, design, records, part, rules, rng, rejected=rejected)
-    offer, late = proposer_for(design, part, records)
+        given = None if remembering else propose
+        return find(declared, design, records, part, rules, rng, given, rejected)
+    offer, late = proposer_for(design, part, records) if remembering else (propose, part)
     if offer is not propose and not outdoes_memories(design, records, late, memories):
         offer, late = propose, part
     part = late

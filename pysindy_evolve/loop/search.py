@@ -57,6 +57,7 @@ class Search:
     findings: list[Finding] = field(default_factory=list)
     rejected: list[Rejected] = field(default_factory=list)
     has_structure: bool = False
+    remembering: bool = True  # whether to look for what remembers a state
 
     @property
     def verdict(self) -> str:
@@ -102,7 +103,7 @@ class Search:
             before, design = self.findings, self.design
             found = find_or_recall(
                 self.declared, design, self.records, self.part, self.rules, self.rng,
-                memories_of(before), self.rejected,
+                memories_of(before), self.rejected, remembering=self.remembering,
             )  # fmt: skip
             if not found:
                 break
@@ -115,8 +116,17 @@ class Search:
             found = [*before, *_numbered(found, before)]
             found = exchange(self.declared, found, self.part)
             self.findings = with_numbers(self.declared, found, self.part)
+            self._check(before)
         kept = prune(self.declared, self.findings, self.part)
         self.findings = merged(self.declared, kept, self.part)
+
+    def _check(self, before: list[Finding]) -> None:
+        """Take back what remembers a state if runs do not need it, and what came with it."""
+        if len(paths_of(self.design)) > len(paths_of(with_findings(self.declared, before))):
+            needed = needed_by_runs(self.declared, self.findings, self.records)
+            if len(needed) < len(self.findings):
+                self.findings, self.remembering = before, False
+                self._look_through(before)
 
     def _settle(self) -> None:
         if memories_of(self.findings):

@@ -22,7 +22,7 @@ from .segments import segments
 from .trial import Trial, bettered
 from .unfolding import square_left, unfolded, with_paths
 
-__all__ = ["gain_of_runs", "met", "shot"]
+__all__ = ["gains_of_runs", "met", "shot"]
 
 N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
@@ -87,36 +87,44 @@ def met(
     return _settled(begun, records).coef
 
 
-def gain_of_runs(few: Design, many: Design, records: Sequence[Record]) -> float:
-    """Return by how much free runs of one design come closer than those of a simpler one.
+def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple[float, float]:
+    """Return by how much one design comes closer than a simpler one, each fitted to free runs.
 
     Parameters
     ----------
     few, many : Design
         The simpler one and the other.
     records : sequence of Record
-        Training records.
+        Training records; of long ones the first rows are looked at.
 
     Returns
     -------
-    float
-        log(squares that the runs of the simpler one miss / of the other), each fitted to the runs,
-        over stretches that both can follow; infinite if there are none.
+    runs, derivative : float
+        log(squares that the simpler one misses / the other), of runs over stretches that both can
+        follow, and of the derivative with the coefficients of these. Infinite where the simpler one
+        can follow none, and minus infinity where the other cannot.
     """
-    if sum(len(record) for record in records) > MAX_ROWS:
-        return float("inf")
+    share = min(1.0, MAX_ROWS / sum(len(record) for record in records))
+    records = [record[: int(share * len(record))] for record in records]
     sides = [
         (unfolded(design), refit(design, records, "derivative"), with_paths(design, records))
         for design in (few, many)
     ]
+    ever = False
     for n_stretches in N_STRETCHES:
-        begun = (_begun(*side, (n_stretches,)) for side in sides)
+        begun = [_begun(*side, (n_stretches,)) for side in sides]
         trials = [trial for trial in begun if trial is not None]
+        ever = ever or begun[1] is not None
         if len(trials) == len(sides):
-            runs = (_settled(t, own) for t, (_, _, own) in zip(trials, sides, strict=True))
-            simple, rich = (_square_missed(run, len(few.states)) for run in runs)
-            return float(np.log(simple / max(rich, 1e-300)))
-    return float("inf")
+            runs = [_settled(t, own) for t, (_, _, own) in zip(trials, sides, strict=True)]
+            missed = [_square_missed(run, len(few.states)) for run in runs]
+            left = [square_left(d, records, r.coef) for d, r in zip((few, many), runs, strict=True)]
+            return _log_ratio(*missed), _log_ratio(*left)
+    return (float("inf"),) * 2 if ever else (-float("inf"),) * 2
+
+
+def _log_ratio(before: float, after: float) -> float:
+    return float(np.log(max(before, 1e-300) / max(after, 1e-300)))
 
 
 def _square_missed(trial: Trial, n_states: int) -> float:

@@ -23,7 +23,7 @@ from .fit import refit
 from .revise import exchange
 from .scoring import LEAD, columns_of, tuned
 from .segments import Segments
-from .shooting import gain_of_runs, met
+from .shooting import gains_of_runs, met
 from .step import Finding
 from .unfolding import paths_of, retuned, square_left, unfolded, with_paths
 
@@ -103,8 +103,8 @@ def needed_by_runs(
 ) -> list[Finding]:
     """Return findings without what remembers a state where free runs do as well without it.
 
-    A derivative that somebody smoothed comes late or early as well, and looks remembered. Of that
-    nothing is left in runs, which need no derivative.
+    A derivative that somebody smoothed, or noise that is not white, looks remembered as well. Of
+    that nothing is left in runs, which need no derivative; or what betters them worsens it.
 
     Parameters
     ----------
@@ -123,8 +123,10 @@ def needed_by_runs(
     for finding in findings:
         rest = [f for f in kept if f is not finding]
         few, many = (with_findings(declared, those) for those in (rest, kept))
-        if paths_of(few) != paths_of(many) and gain_of_runs(few, many, records) < LEAD:
-            kept = rest
+        if paths_of(few) != paths_of(many):
+            runs, derivative = gains_of_runs(few, many, records)
+            if runs < LEAD or derivative <= 0.0:
+                kept = rest
     return kept
 
 
