@@ -145,6 +145,11 @@ class Hysteresis:
         """Return zero."""
         return constant(0.0)
 
+    def said(self, path: Call) -> str:
+        """Return length and rate of unloading in words."""
+        length, unloading = self.numbers(path)
+        return f"builds up over a length of {length:.4g}, unloads {unloading:.3g} times as fast"
+
     def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
         """Return w on rows of a record, from its value on the first one; by default zero."""
         return yielding_along(path.args[0].evaluate(rows), *self.numbers(path), start or 0.0)

@@ -14,7 +14,7 @@ relaxation, relaxing.py h, within the range of the state x  1 / T               
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from typing import Protocol, TypeGuard
 
@@ -27,7 +27,7 @@ from .relaxing import RELAXING, Relaxation
 from .substitution import substituted
 from .terms import Call, Sum, add, constant, mul
 
-__all__ = ["PathKind", "kind_of", "moved", "path_rate", "paths_in", "source_of"]
+__all__ = ["PathKind", "kind_of", "moved", "path_rate", "paths_in", "sayings", "source_of"]
 
 
 class PathKind(Protocol):
@@ -62,6 +62,10 @@ class PathKind(Protocol):
         """Return the hidden state where nothing is remembered."""
         ...
 
+    def said(self, path: Call) -> str:
+        """Return what its numbers say to somebody who reads the report."""
+        ...
+
     def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
         """Return the hidden state on rows of a record, from its value on the first one."""
         ...
@@ -91,6 +95,14 @@ def paths_in(equations: Equations) -> tuple[Call, ...]:
         if used:
             found |= dict.fromkeys(a for a, _ in term.factors if _is_path(a))
     return tuple(found)
+
+
+def sayings(expressions: Sequence[Sum], names: Sequence[str]) -> list[str]:
+    """Return what the numbers of the paths in expressions say, with the names of variables."""
+    products = (product for expression in expressions for _, product in expression.parts)
+    paths = dict.fromkeys(a for product in products for a, _ in product.factors if _is_path(a))
+    heads = ((f"{source_of(p).name(names)}_{kind_of(p).suffix}", kind_of(p).said(p)) for p in paths)
+    return [f"{name}: {said}" for name, said in heads]
 
 
 def _is_path(atom: object) -> TypeGuard[Call]:

@@ -123,6 +123,10 @@ class Relaxation:
         """Return h in balance."""
         return path.args[0]
 
+    def said(self, path: Call) -> str:
+        """Return the relaxation time in words."""
+        return f"relaxation time {self.numbers(path)[0]:.4g}"
+
     def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
         """Return h on rows of a record, from its value on the first one; by default in balance."""
         x, t = (argument.evaluate(rows) for argument in path.args[:2])

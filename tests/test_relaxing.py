@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import savgol_filter
 
 import pysindy_evolve as pse
+from pysindy_evolve.boucwen import yielding
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden import with_memories
@@ -24,6 +25,7 @@ from pysindy_evolve.loop.segments import segments
 from pysindy_evolve.loop.shooting import gains_of_runs
 from pysindy_evolve.loop.unfolding import square_left, unfolded, with_paths
 from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.path_states import sayings
 from pysindy_evolve.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.substitution import substituted
 from pysindy_evolve.terms import call, mul, variable
@@ -133,6 +135,17 @@ def test_relaxation_is_written_as_a_state_with_an_equation_of_its_own():
     assert force.coeff(q) == -50
     assert sympy.simplify(rate - (q - h) / 0.4) == 0
     assert format_equations(full).splitlines()[2].startswith("q_relax' = ")
+
+
+def test_what_is_remembered_is_said_in_words():
+    path, friction = (
+        relaxing(variable(0), variable(2), 0.4),
+        yielding(variable(0), variable(1), 0.05, 2.0),
+    )
+    assert sayings([path, path], ("q", "v", "t")) == ["q_relax: relaxation time 0.4"]
+    (said,) = sayings([mul(variable(1), friction)], ("q", "v", "t"))
+    assert said == "q_yield: builds up over a length of 0.05, unloads 2 times as fast"
+    assert sayings([variable(0)], ("q", "v", "t")) == []
 
 
 def test_relaxation_of_a_first_order_state_has_the_same_form():

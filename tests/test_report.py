@@ -192,6 +192,14 @@ def test_each_term_of_an_effect_is_printed_with_its_own_coefficient():
     assert f"{cosine:.4g} times cos(" in str(forced)
 
 
+def test_a_sum_that_a_coefficient_multiplies_stands_in_parentheses():
+    hidden = oscillator("dead zone", "+ 40*0.5*(abs(q + 0.2) - abs(q - 0.2))")
+    played = pse.close_loop(hidden.model, hidden.record(), operators=(), random_state=0)
+    (effect,) = played.effects
+    assert effect.name == "dead zone"
+    assert f"{effect.coefficients[0]:.4g} times (" in str(played)
+
+
 def test_residual_of_a_delayed_input_is_taken_at_the_earlier_time(report):
     t = 0.01 * np.arange(400)
     inner = equations_of({"q": "-q + 2*F"}, ("F",))

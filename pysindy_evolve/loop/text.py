@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..export import format_equations, format_expression, format_number
+from ..path_states import sayings
 from .advice import sentences, title
 from .remains import remains
 
@@ -128,10 +129,11 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
             shown = f"{format_expression(effect.term)}: {effect.quantities[k]} {value:.4g}"
             lines.append(shown if effect.of_sensor else f"{shown}   {interval(low, high)}")
             continue
-        shown = format_expression(effect.expressions[k].to_sympy(symbols))
+        shown = _factor(effect.expressions[k].to_sympy(symbols))
         lines.append(f"{value:.4g} times {shown}   {interval(low, high)}")
         if low < 0.0 < high:
             lines.append("the interval holds zero: by itself, this record is not sure of its sign")
+    lines += sayings(effect.expressions, [str(symbol) for symbol in symbols])
     of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
     lines.append(
         f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; "
@@ -150,9 +152,15 @@ def alternative(rival: Alternative, effect: Effect) -> str:
     if rival.name == effect.name:
         return f"the same in the form {term}"
     if len(rival.coefficients) == 1:
-        term = f"{rival.coefficients[0]:.4g} times {term}"
+        term = f"{rival.coefficients[0]:.4g} times {_factor(rival.term)}"
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
     return f"{rival.name} {term}{where} (p = {rival.p_value:.2g})"
+
+
+def _factor(term: Any) -> str:
+    """Return a term as what a coefficient multiplies."""
+    shown = format_expression(term)
+    return f"({shown})" if term.is_Add else shown
 
 
 def as_markdown(report: LoopReport) -> str:
