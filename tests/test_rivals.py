@@ -53,8 +53,9 @@ def test_columns_explain_together_what_least_squares_on_them_does():
         np.linalg.lstsq(flat[:, model], flat[:, -1], rcond=None)[1][0]
         for model in ([0, 3], [0, 3, 2, 4])
     )
-    found = explained(grams_of(rows), (0, 3), (2, 4))
+    found, alone = explained(grams_of(rows), (0, 3), [(2, 4), (2,)])
     assert found == pytest.approx(without - with_them, rel=1e-6)
+    assert alone < found
 
 
 def test_the_cause_is_refuted_no_more_often_than_the_level_says():

@@ -38,7 +38,7 @@ from .variants import Model
 __all__ = ["held_against"]
 
 N_RIVALS = 5  # that come closest in the spectral view
-STRETCHES = (16, 32, 64, 128)
+STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
 STEADY = 10.0  # times by which a deviation may grow: in chaos, long runs tell luck from luck
 
 

@@ -139,24 +139,28 @@ def chance(
     return p_value_of(observed, largest)
 
 
-def explained(grams: np.ndarray, model: Sequence[int], columns: Sequence[int]) -> float:
-    """Return the squares that columns explain together beside a model.
+def explained(
+    grams: np.ndarray, model: Sequence[int], groups: Sequence[Sequence[int]]
+) -> list[float]:
+    """Return the squares that each group of columns explains beside a model.
 
     Parameters
     ----------
     grams : ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
         Inner products of all columns, target last.
-    model, columns : sequence of int
-        Columns of the model, and those in question.
+    model : sequence of int
+        Columns of the model.
+    groups : sequence of sequence of int
+        Columns of each group.
 
     Returns
     -------
-    float
+    list of float
     """
     total = _freed(grams, model).sum(axis=0)
-    own = list(columns)
-    slopes = total[own, -1]
-    return float(slopes @ solve(total[np.ix_(own, own)], slopes))
+    slopes = total[:-1, -1]
+    places = [list(group) for group in groups]
+    return [float(slopes[k] @ solve(total[np.ix_(k, k)], slopes[k])) for k in places]
 
 
 def _freed(grams: np.ndarray, model: Sequence[int]) -> np.ndarray:

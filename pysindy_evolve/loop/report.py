@@ -235,16 +235,23 @@ def make_report(
             effects[k] = with_sensor(effects[k], finding, errors.model, test)
         else:
             acted = [remembered(record, memories) for record in train]
-            rivals = tuple(
-                replace(shown, coefficients=_in_its_place(design, finding, rival, acted, fitted))
-                for shown, rival in zip(effects[k].rivals, finding.rivals, strict=True)
-            )
-            effects[k] = replace(effects[k], rivals=rivals)
+            effects[k] = _with_rivals(effects[k], finding, design, acted, fitted)
     if by_runs and memories:
         effects = with_intervals(effects, findings, design, fitted.coef, train, rng)
     records = tuple(train), tuple(test)
     report = LoopReport(verdict, effects, before, errors, steps, *records, finished)
     return replace(report, rules=rules, design=design)
+
+
+def _with_rivals(
+    effect: Effect, finding: Finding, design: Design, acted: Sequence[Record], fitted: Fit
+) -> Effect:
+    """Return an effect whose alternatives have the coefficients that they would have."""
+    rivals = tuple(
+        replace(shown, coefficients=_in_its_place(design, finding, rival, acted, fitted))
+        for shown, rival in zip(effect.rivals, finding.rivals, strict=True)
+    )
+    return replace(effect, rivals=rivals)
 
 
 def _parameters(declared: Design, coef: np.ndarray) -> dict[str, float]:

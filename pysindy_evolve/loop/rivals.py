@@ -89,15 +89,17 @@ def rivals_of(
     everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
     grams = spectral_grams(part, design, [*design.columns, *everything])
     first = len(design.columns)
-    base, own = tuple(range(first)), _places(first, candidate)
+    base, places = tuple(range(first)), []
+    for one in (candidate, *options):
+        places.append(_places(first, one))
+        first = places[-1][-1] + 1
+    own, *others = places
+    ours, *theirs = explained(grams, base, places)
     best: dict[str, Rival] = {}
-    first = own[-1] + 1
-    for option in options:
-        model = (*base, *_places(first, option))
-        first = model[-1] + 1
-        if explained(grams, base, model[len(base) :]) < EXPLAINED * explained(grams, base, own):
+    for option, place, squares in zip(options, others, theirs, strict=True):
+        if squares < EXPLAINED * ours:
             continue
-        p_value = chance(grams, model, own, rng)
+        p_value = chance(grams, (*base, *place), own, rng)
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
