@@ -20,19 +20,18 @@ Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8, on what its numbers mean.
 
 from __future__ import annotations
 
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 import sympy
 
-from .equations import Equations
 from .operators import BUILTIN, Operator
 from .terms import Call, Sum, add, call, constant, mul, sub
 
-__all__ = ["BOUC_WEN", "SUFFIX", "numbers_of", "path_parts", "path_rate", "paths_in"]
-__all__ += ["yielding", "yielding_along", "yielding_from"]
+__all__ = ["BOUC_WEN", "Hysteresis", "yielding", "yielding_along"]
 
 SUFFIX = "yield"  # what the name of the hidden state ends in, after that of the position
+RATES = (0.05, 20.0)  # of unloading, when fitted; smaller ones look alike, and so do larger ones
 
 
 def yielding_along(
@@ -111,39 +110,50 @@ def yielding(x: Sum, v: Sum, length: float, unloading: float) -> Sum:
     return call(BOUC_WEN, x, v, constant(length), constant(unloading))
 
 
-def paths_in(equations: Equations) -> tuple[Call, ...]:
-    """Return the different hystereses that equations hold."""
-    found: dict[Call, None] = {}
-    for term, used in zip(equations.terms, np.any(equations.coef != 0.0, axis=0), strict=True):
-        if used:
-            found |= dict.fromkeys(a for a, _ in term.factors if _is_path(a))
-    return tuple(found)
+class Hysteresis:
+    """What a model needs to know of w; see `PathKind`."""
 
+    suffix = SUFFIX
 
-def _is_path(atom: object) -> TypeGuard[Call]:
-    return isinstance(atom, Call) and atom.operator == BOUC_WEN
+    def numbers(self, path: Call) -> tuple[float, float]:
+        """Return L and k."""
+        length, unloading = (float(a.evaluate(np.empty((1, 0)))[0]) for a in path.args[2:])
+        return length, unloading
 
+    def weights(self, path: Call) -> tuple[float, ...]:
+        """Return 1 / L and k / L."""
+        length, unloading = self.numbers(path)
+        return 1.0 / length, unloading / length
 
-def numbers_of(path: Call) -> tuple[float, float]:
-    """Return L and k of a hysteresis."""
-    length, unloading = (float(a.evaluate(np.empty((1, 0)))[0]) for a in path.args[2:])
-    return length, unloading
+    def numbers_from(self, weights: np.ndarray) -> tuple[float, ...]:
+        """Return L and k from 1 / L and k / L."""
+        unloading = float(np.clip(weights[1] / weights[0], *RATES))
+        return 1.0 / float(weights[0]), unloading
 
+    def parts(self, path: Call, state: Sum) -> tuple[Sum, ...]:
+        """Return what 1 / L and k / L multiply in the rate of w."""
+        v = path.args[1]
+        half, size, speed = constant(0.5), call(BUILTIN["abs"], state), call(BUILTIN["abs"], v)
+        held, led = mul(half, mul(speed, state)), mul(half, mul(v, size))
+        return sub(v, add(held, led)), sub(led, held)
 
-def yielding_from(path: Call, rows: np.ndarray, start: float) -> np.ndarray:
-    """Return w on rows of a record, shape (n_samples,), from a start between -1 and 1."""
-    return yielding_along(path.args[0].evaluate(rows), *numbers_of(path), start)
+    def term(self, path: Call, state: Sum) -> Sum:
+        """Return w itself."""
+        return state
 
+    def rest(self, path: Call) -> Sum:
+        """Return zero."""
+        return constant(0.0)
 
-def path_rate(path: Call, state: Sum, v: Sum) -> Sum:
-    """Return the right-hand side of w, from w itself and the velocity."""
-    length, unloading = numbers_of(path)
-    plain, unloaded = path_parts(state, v)
-    return add(mul(constant(1.0 / length), plain), mul(constant(unloading / length), unloaded))
+    def said(self, path: Call) -> str:
+        """Return length and rate of unloading in words."""
+        length, unloading = self.numbers(path)
+        return f"builds up over a length of {length:.4g}, unloads {unloading:.3g} times as fast"
 
+    def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
+        """Return w on rows of a record, from its value on the first one; by default zero."""
+        return yielding_along(path.args[0].evaluate(rows), *self.numbers(path), start or 0.0)
 
-def path_parts(state: Sum, v: Sum) -> tuple[Sum, Sum]:
-    """Return what 1 / L and k / L multiply in the right-hand side of w."""
-    half, size, speed = constant(0.5), call(BUILTIN["abs"], state), call(BUILTIN["abs"], v)
-    held, led = mul(half, mul(speed, state)), mul(half, mul(v, size))
-    return sub(v, add(held, led)), sub(led, held)
+    def span(self, path: Call, rows: np.ndarray) -> tuple[float, float]:
+        """Return between which values w may have begun."""
+        return -1.0, 1.0

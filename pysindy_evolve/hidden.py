@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import sympy
 
-from .boucwen import SUFFIX, path_rate, paths_in
 from .equations import Equations, stack
 from .memory import Memory, balance, rate
 from .memory import acting as acting_of
+from .path_states import kind_of, moved, path_rate, paths_in, source_of
 from .substitution import substituted
-from .terms import Call, Sum, constant, variable
+from .terms import Call, Sum, variable
 
 __all__ = ["MemoryEquations", "with_memories"]
 
@@ -38,7 +38,7 @@ class MemoryEquations(Equations):
     rests : tuple of Sum
         Value of each hidden state at the beginning, of states, inputs and time there.
     paths : tuple of Call
-        Hystereses of the motion in `inner`, see boucwen.py; their states come last.
+        What in `inner` remembers the states, see path_states.py; the hidden ones come last.
     acting : tuple of Sum
         What acts of each input, of states and inputs here.
     """
@@ -108,9 +108,10 @@ class MemoryEquations(Equations):
         return result
 
     def along(self, x: np.ndarray, u: np.ndarray | None, t: np.ndarray) -> np.ndarray:
-        """Return the hidden states of the hystereses over a record, shape (n_samples, n_paths)."""
+        """Return the hidden states that follow measured ones, shape (n_samples, n_paths)."""
         rows = stack(x, u, t)
-        return np.column_stack([rows[:, :0], *(path.evaluate(rows) for path in self.paths)])
+        hidden = (kind_of(path).along(path, rows) for path in self.paths)
+        return np.column_stack([rows[:, :0], *hidden])
 
     def arriving(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return the inputs after their delays."""
@@ -136,7 +137,7 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
     Parameters
     ----------
     equations : Equations
-        In terms of what acts, hystereses of the motion among them.
+        In terms of what acts; some of them may remember the states.
     memories : sequence of Memory
         What the inputs go through before they act.
 
@@ -159,14 +160,15 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
         rests.append(balance(memory, source))
         acts[memory.column] = acting_of(memory, state)
         names.insert(n + k, _new_name(f"{equations.inputs[memory.column]}_{memory.suffix}", names))
-    moved: dict[int | Call, Sum] = dict(enumerate([*acts, variable(first + n_inputs)], start=n))
+    places: dict[int | Call, Sum] = dict(enumerate([*acts, variable(first + n_inputs)], start=n))
+    written = dict(places)
     for k, path in enumerate(paths, start=n + len(hidden)):
-        position, velocity = path.args[:2]
-        rates.append(path_rate(path, variable(k), substituted(velocity, moved)))
-        rests.append(constant(0.0))
-        names.insert(k, _new_name(f"{position.name(equations.names)}_{SUFFIX}", names))
-    moved |= {path: variable(k) for k, path in enumerate(paths, start=n + len(hidden))}
-    sides = [substituted(side, moved) for side in equations.sums] + rates
+        kind, state, here = kind_of(path), variable(k), moved(path, places)
+        rates.append(path_rate(here, state))
+        rests.append(kind.rest(here))
+        written[path] = kind.term(here, state)
+        names.insert(k, _new_name(f"{source_of(path).name(equations.names)}_{kind.suffix}", names))
+    sides = [substituted(side, written) for side in equations.sums] + rates
     delays = [0.0] * n_inputs
     for memory in memories:
         if not memory.has_state:

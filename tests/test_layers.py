@@ -14,7 +14,7 @@ LAYERS = (
     {"equations", "text", "grammar", "names", "substitution"},
     {"tracing", "library_terms"},
     {"gram", "elimination", "beam", "independence", "regression", "parsimony", "selection"},
-    {"signals", "simulation", "memory", "boucwen", "hidden"},
+    {"signals", "simulation", "memory", "boucwen", "relaxing", "path_states", "hidden"},
     {"genetics", "relatives", "constants", "dictionary", "generation"},
     {"refit", "plateau", "blur", "denoise"},
     {"evolution"},

@@ -12,6 +12,7 @@ from ..memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
 from .algebraic import as_algebraic
+from .by_runs import with_findings
 from .declared import DeclaredModel, design_of
 from .grow import OPERATORS
 from .halts import limits_in, may_stop_itself
@@ -21,6 +22,7 @@ from .records import alike, check_records, split_records, widened
 from .report import LoopReport, make_report
 from .revise import contested
 from .rules import Rules, generator
+from .scoring import awaited
 from .search import Search
 from .slopes import told_by_slopes
 from .witness import witnessed
@@ -141,6 +143,7 @@ def close_loop(
     finished = finished and len(findings) < rules.max_effects
     acted = part.of([remembered(record, memories_of(findings)) for record in search.wide])
     acted = off_limits(acted, limits_in(findings))
+    acted = awaited(with_findings(declared_design, findings), acted, search.wide)
     findings = contested(declared_design, findings, acted, rules.significance, rng.spawn(1)[0])
     findings = told_by_slopes(declared_design, findings, acted)
     seen = search.plain

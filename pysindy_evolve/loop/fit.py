@@ -17,6 +17,7 @@ from ..signals import Record, Windows, choose_windows, project
 from ..terms import Cache
 from .design import Design
 from .linear import solve_gram
+from .past import rates_on
 from .residual import forces, jacobian, simulation_rows
 from .segments import places_of, scale_of, segments, variables_of
 from .sticking import moving
@@ -227,7 +228,7 @@ def derivative_errors(
     for record in records:
         wide = windows if record.n_samples >= windows.width else Windows(1)
         weight = moving(record, design.velocities)
-        error = record.x_dot - equations.evaluate(record.x, record.u, record.t)
+        error = record.x_dot - rates_on(equations, record)
         squares.append(project(error * weight, wide) ** 2)
         samples.append(project(record.x_dot, wide))
         weights.append(project(weight, wide) ** 2)

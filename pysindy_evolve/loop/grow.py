@@ -178,9 +178,13 @@ class Garden:
     ) -> None:
         self.declared, self.records, self.rules = declared, records, rules
         self.operators, self.rng = operators, rng
-        self.seen, self.fresh = part.every_other(0), part.every_other(1)
+        self.look(part)
         self.pool: list[Candidate] | None = None
         self.grown: list[Candidate] = []
+
+    def look(self, part: Segments) -> None:
+        """Search in every other of these pieces, and test on those between."""
+        self.seen, self.fresh = part.every_other(0), part.every_other(1)
 
     def better(self, design: Design, found: Sequence[Finding]) -> list[Finding]:
         """Return a grown term that does clearly better on fresh segments than named effects."""

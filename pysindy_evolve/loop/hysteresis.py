@@ -19,7 +19,7 @@ from ..operators import BUILTIN
 from ..terms import Sum, add, call, constant, mul, sub, variable
 from .candidate import Candidate, CandidateMaker, Shape
 
-__all__ = ["remembered_ways", "remembering", "rounded", "rounded_sign", "yields"]
+__all__ = ["SIMPLER", "remembered_ways", "remembering", "rounded", "rounded_sign", "yields"]
 
 PLAINER = ("Coulomb friction",)  # which hysteresis may be taken for, where the velocity is noisy
 # In an equation of motion position and velocity are noisy states, and any friction or spring may

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ..boucwen import yielding_from
 from ..equations import Equations, stack
-from ..hidden import MemoryEquations
+from ..hidden import MemoryEquations, with_memories
 from ..memory import preceded, raw_inputs
+from ..path_states import kind_of
 from ..signals import Record
+from ..terms import Call
 from .segments import scale_of
 from .sticking import noise_of
 
-__all__ = ["begun", "first_state"]
+__all__ = ["begun", "first_state", "rates_on"]
 
 LONGEST = 8  # no more than the eighth part of a record tells how it began
 HALVED = 4.0  # times the mean square that another past must leave: it halves the error
-FADED = 0.05  # of what a friction remembered at the beginning is left when it counts no more
+FADED = 0.05  # of what a hidden state was at the beginning is left when it counts no more
 CLEAR = 3.0  # standard deviations of the noise, that the error must be in the mean of its rows
 _SHORTEST = 2  # rows: a record holds no less
 
@@ -83,8 +86,8 @@ def _begun_in(
 def first_state(equations: Equations, record: Record) -> np.ndarray:
     """Return where a free run over a record begins.
 
-    What a friction remembers of the motion before the record nobody measured. It fades over a
-    short way, and until then the derivatives say what it was.
+    What a friction or a damper remembers of the motion before the record nobody measured. It fades
+    over a short way or time, and until then the derivatives say what it was.
 
     Parameters
     ----------
@@ -96,35 +99,67 @@ def first_state(equations: Equations, record: Record) -> np.ndarray:
     Returns
     -------
     ndarray of shape (n_states,)
-        The first measured state, and the hysteresis of the motion there.
+        The first measured state, and the hidden states that follow measured ones there.
     """
     if not isinstance(equations, MemoryEquations) or not equations.paths:
         return np.asarray(record.x[0])
-    starts = np.zeros(len(equations.paths))
-    for k in range(len(starts)):
-        starts[k] = _remembered(equations, record, starts, k)
+    rows = stack(record.x, record.u, record.t)
+    spans = [kind_of(path).span(path, rows) for path in equations.paths]
+    starts = [kind_of(path).along(path, rows[:1])[0] for path in equations.paths]
+    for k, span in enumerate(spans):
+        starts[k] = _remembered(equations, record, starts, k, span)
     return np.concatenate([record.x[0], starts])
 
 
+def rates_on(equations: Equations, record: Record) -> np.ndarray:
+    """Return the rates on a record, the hidden states begun where its first rows say.
+
+    Parameters
+    ----------
+    equations : Equations
+        The model, in terms of what acts; what remembers a state is an operator on the rows.
+    record : Record
+        What was measured, with what acts.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_states)
+    """
+    full = with_memories(equations, ())
+    if not isinstance(full, MemoryEquations) or full.n_algebraic:
+        return equations.evaluate(record.x, record.u, record.t)
+    rows, starts = stack(record.x, record.u, record.t), first_state(full, record)[record.n_states :]
+    hidden = [_along(path, rows, w) for path, w in zip(full.paths, starts, strict=True)]
+    x = np.column_stack([record.x, *hidden])
+    return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
+
+
 def _remembered(
-    equations: MemoryEquations, record: Record, starts: np.ndarray, place: int
+    equations: MemoryEquations,
+    record: Record,
+    starts: Sequence[float],
+    place: int,
+    span: tuple[float, float],
 ) -> float:
-    """Return w of one hysteresis at the first row, given the others."""
+    """Return one hidden state at the first row, given the others, within a span."""
     head = record[: max(_SHORTEST, len(record) // LONGEST)]
     rows = stack(head.x, head.u, head.t)
-    path = equations.paths[place]
-    apart = yielding_from(path, rows, 1.0) - yielding_from(path, rows, -1.0)
-    n = max(_SHORTEST, int(np.sum(apart > 2.0 * FADED)))  # it only falls
+    low, high = (_along(equations.paths[place], rows, end) for end in span)
+    n = max(_SHORTEST, int(np.sum(high - low > FADED * (span[1] - span[0]))))  # it only falls
     rows, scale = rows[:n], scale_of([record.x_dot])
 
     def miss(start: float) -> float:
         at = [*starts[:place], start, *starts[place + 1 :]]
-        hidden = [yielding_from(p, rows, w) for p, w in zip(equations.paths, at, strict=True)]
+        hidden = [_along(path, rows, w) for path, w in zip(equations.paths, at, strict=True)]
         rates = equations.evaluate(np.column_stack([head.x[:n], *hidden]), *_acting(head, n))
         error = head.x_dot[:n] - rates[:, : record.n_states]
         return float(np.sum((error / scale) ** 2))
 
-    return float(minimize_scalar(miss, bounds=(-1.0, 1.0), method="bounded").x)
+    return float(minimize_scalar(miss, bounds=span, method="bounded").x)
+
+
+def _along(path: Call, rows: np.ndarray, start: float) -> np.ndarray:
+    return kind_of(path).along(path, rows, start)
 
 
 def _acting(record: Record, n: int) -> tuple[np.ndarray | None, np.ndarray]:

@@ -96,7 +96,7 @@ class _Course:
         """Where runs begin at each row of the record: what was measured, and hidden states."""
         if not isinstance(self.equations, MemoryEquations):
             return np.asarray(self.record.x)
-        hidden = self.equations.along(self.record.x, None, self.record.t)
+        hidden = self.equations.along(self.record.x, self.record.u, self.record.t)
         return np.column_stack([self.record.x, hidden])
 
     @cached_property

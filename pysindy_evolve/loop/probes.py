@@ -17,7 +17,7 @@ from ..memory import DELAY, LAG, VESSEL, Memory
 from ..signals import Record
 from ..substitution import substituted
 from ..terms import Sum, sub, variable
-from .candidate import Candidate
+from .candidate import Candidate, renumbered
 from .design import Column, Design
 from .scoring import Proposer
 from .segments import Segments
@@ -180,13 +180,8 @@ class Probes:
         plain = [replace(r, u=None if r.u is None else r.u[:, :n_inputs]) for r in records]
         terms = tuple(self.narrow(Sum(((1.0, term),))).parts[0][1] for term in equations.terms)
         own = replace(equations, terms=terms, inputs=self.design.inputs)
-        proposed = [self._widened(c) for c in offer(self.design, own, plain)]
+        proposed = [renumbered(c, self.widen) for c in offer(self.design, own, plain)]
         return [*proposed, *self._best(design, part.of(records))]
-
-    def _widened(self, candidate: Candidate) -> Candidate:
-        terms = tuple(self.widen(term) for term in candidate.terms)
-        parents = tuple(self.widen(term) for term in candidate.parents)
-        return replace(candidate, terms=terms, parents=parents)
 
     def _best(self, design: Design, part: Segments) -> list[Candidate]:
         """Return the best memory of each kind and input, if it does better than none."""
@@ -196,14 +191,15 @@ class Probes:
             if exchange.gain > OWN * max(exchange.gain_beside, 0.0):
                 key = self.memories[k].kind, self.memories[k].column
                 best[key] = max(best.get(key, (0.0, k)), (exchange.gain, k))
-        return [self._candidate(design, k) for gain, k in best.values() if gain > 0.0]
+        return [self.candidate(design, k) for gain, k in best.values() if gain > 0.0]
 
     def swap(self, k: int) -> dict[int, Sum]:
         """Return the input of a probe and what may stand in its place."""
         probe = len(self.design.states) + len(self.design.inputs) + k
         return {len(self.design.states) + self.memories[k].column: variable(probe)}
 
-    def _candidate(self, design: Design, k: int) -> MemoryCandidate:
+    def candidate(self, design: Design, k: int) -> MemoryCandidate:
+        """Return a memory as what it changes in the equations of a widened design."""
         memory = self.memories[k]
         state = users_of(self.design, memory.column)[0]
         swap = self.swap(k)

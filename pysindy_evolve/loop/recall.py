@@ -11,14 +11,15 @@ import numpy as np
 from ..memory import Memory, remembered
 from ..signals import Record
 from ..terms import variable
-from .candidate import Candidate
+from .candidate import Candidate, renumbered
 from .design import Design
+from .memories_first import outdoes_memories
 from .probes import MemoryCandidate, Probes, grid_of
 from .reach import exchanged, reach_of, settled
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
-from .scoring import MARGIN, columns_of, proposer_for
+from .scoring import MARGIN, columns_of, propose, proposer_for
 from .segments import Segments
 from .step import Finding, find
 
@@ -46,6 +47,8 @@ def find_or_recall(
     rng: np.random.Generator,
     present: Sequence[Memory] = (),
     rejected: list[Rejected] | None = None,
+    *,
+    remembering: bool = True,
 ) -> list[Finding]:
     """Return what a design lacks, as `find` does, with memories of the inputs among it.
 
@@ -57,6 +60,8 @@ def find_or_recall(
         Memories that the inputs of the records have already.
     rejected : list of Rejected, optional
         As in `find`.
+    remembering : bool
+        Whether what remembers a state may be among it.
 
     Returns
     -------
@@ -64,13 +69,18 @@ def find_or_recall(
     """
     memories = grid_of(design, records, part, present)
     if not memories:
-        return find(declared, design, records, part, rules, rng, rejected=rejected)
+        given = None if remembering else propose
+        return find(declared, design, records, part, rules, rng, given, rejected)
+    offer, late = proposer_for(design, part, records) if remembering else (propose, part)
+    if offer is not propose and not outdoes_memories(design, records, late, memories):
+        offer, late = propose, part
+    part = late
     probes = Probes(design, tuple(memories))
     extended = [probes.extended(record) for record in records]
     wide = probes.widened(declared), probes.widened(design)
     pieces = part.of(extended)
     failed: list[Rejected] = []
-    proposer = partial(probes.propose, part=part, offer=proposer_for(design, part, records))
+    proposer = partial(probes.propose, part=part, offer=offer)
     found = find(*wide, extended, pieces, rules, rng, proposer, failed)
     if rejected is not None:
         rejected += [_narrowed_failure(one, probes) for one in failed]
@@ -90,9 +100,7 @@ def _plain(candidate: Candidate, probes: Probes) -> Candidate:
     if isinstance(candidate, MemoryCandidate):
         term = variable(len(probes.design.states) + candidate.memory.column)
         return replace(candidate, terms=(term,), parents=())
-    terms = tuple(probes.narrow(term) for term in candidate.terms)
-    parents = tuple(probes.narrow(term) for term in candidate.parents)
-    return replace(candidate, terms=terms, parents=parents)
+    return renumbered(candidate, probes.narrow)
 
 
 def _narrowed(

@@ -26,6 +26,7 @@ from .fit import Fit, derivative_fit_errors, refit
 from .halts import LimitFinding
 from .judge import judge
 from .model import as_sindy
+from .past import rates_on
 from .quantities import (
     as_read,
     with_intervals,
@@ -185,7 +186,7 @@ class LoopReport:
 def _residual(equations: Equations, record: Record) -> np.ndarray:
     if isinstance(equations, MemoryEquations):
         record, equations = remembered(record, equations.memories), equations.inner
-    return heard(record, record.x_dot - equations.evaluate(record.x, record.u, record.t))
+    return heard(record, record.x_dot - rates_on(equations, record))
 
 
 def make_report(

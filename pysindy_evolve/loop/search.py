@@ -22,6 +22,7 @@ from .recall import find_or_recall, memories_of, resettled
 from .rejected import Rejected
 from .revise import exchange, merged, prune
 from .rules import Rules
+from .scoring import awaited
 from .segments import Segments
 from .step import Finding
 from .structure import structure_chance
@@ -29,7 +30,7 @@ from .thinning import thinned
 from .trace import EVOLVED
 from .unfolding import paths_of
 from .variants import Model
-from .yielding import with_numbers, with_numbers_of_runs
+from .yielding import needed_by_runs, with_numbers, with_numbers_of_runs
 
 __all__ = ["Search"]
 
@@ -56,6 +57,7 @@ class Search:
     findings: list[Finding] = field(default_factory=list)
     rejected: list[Rejected] = field(default_factory=list)
     has_structure: bool = False
+    remembering: bool = True  # whether to look for what remembers a state
 
     @property
     def verdict(self) -> str:
@@ -89,13 +91,19 @@ class Search:
         self.garden = Garden(
             self.declared, self.records, self.part, self.rules, self.operators, self.rng
         )
+        self._wait(findings)
+
+    def _wait(self, findings: Sequence[Finding]) -> None:
+        """Look at records only where what remembers a state knows where it is."""
+        self.part = awaited(with_findings(self.declared, findings), self.part, self.records)
+        self.garden.look(self.part)
 
     def _name(self) -> None:
         while len(self.findings) < self.rules.max_effects:
             before, design = self.findings, self.design
             found = find_or_recall(
                 self.declared, design, self.records, self.part, self.rules, self.rng,
-                memories_of(before), self.rejected,
+                memories_of(before), self.rejected, remembering=self.remembering,
             )  # fmt: skip
             if not found:
                 break
@@ -103,12 +111,22 @@ class Search:
                 self._look_through([*before, *found])
             else:  # growing takes long, and may be ended
                 self.findings = [*before, *_numbered(found, before)]
+                self._wait(self.findings)
                 found = self.garden.better(design, found) or found
             found = [*before, *_numbered(found, before)]
             found = exchange(self.declared, found, self.part)
             self.findings = with_numbers(self.declared, found, self.part)
+            self._check(before)
         kept = prune(self.declared, self.findings, self.part)
         self.findings = merged(self.declared, kept, self.part)
+
+    def _check(self, before: list[Finding]) -> None:
+        """Take back what remembers a state if runs do not need it, and what came with it."""
+        if len(paths_of(self.design)) > len(paths_of(with_findings(self.declared, before))):
+            needed = needed_by_runs(self.declared, self.findings, self.records)
+            if len(needed) < len(self.findings):
+                self.findings, self.remembering = before, False
+                self._look_through(before)
 
     def _settle(self) -> None:
         if memories_of(self.findings):
@@ -143,13 +161,19 @@ class Search:
                 break
             self.findings = [*self.findings, *_numbered(found, self.findings)]
         if not self.findings:
-            chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)
-            self.has_structure = chance <= self.rules.level
+            self._see_structure()
+
+    def _see_structure(self) -> None:
+        chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)
+        self.has_structure = chance <= self.rules.level
 
     def _hold(self) -> None:
         self._drop()
         if paths_of(self.design):
-            self.findings = with_numbers_of_runs(self.declared, self.findings, self.records)
+            found = with_numbers_of_runs(self.declared, self.findings, self.records)
+            self.findings = needed_by_runs(self.declared, found, self.records)
+            if not self.findings:
+                self._see_structure()
             return
         model = Model(self.declared, memories_of(self.findings), limits_in(self.findings))
         grown = [c for c in self.garden.grown if c.name == EVOLVED]

@@ -42,6 +42,7 @@ class Segments:
     tracks: tuple[Record, ...] = ()  # the records, where their trajectories bear witness
     limits: np.ndarray | None = None  # of the sensors of the states, (2, n_states)
     seen: np.ndarray | None = None  # where the states are measurements, (n_segments, n, n_states)
+    settling: int = 0  # rows at the beginning of each record in which little counts
 
     @property
     def n_states(self) -> int:
@@ -64,6 +65,20 @@ class Segments:
         """Return the pieces with the whole records that they were cut from."""
         return replace(self, tracks=tuple(records))
 
+    def after(self, rows: int) -> Segments:
+        """Return the pieces with little weight on the first rows of each record.
+
+        What remembers a state does not know yet where it began.
+        """
+        if self.settling:
+            return self
+        return replace(self, weight=self._late(self.weight, rows), settling=rows)
+
+    def _late(self, weight: np.ndarray, rows: int) -> np.ndarray:
+        """Return weights, (n_segments, n, n_states), that rise in the second half of some rows."""
+        place = np.add.outer([row for _, row in self.places], np.arange(weight.shape[1]))
+        return np.asarray(weight * np.clip(2.0 * place / max(rows, 1) - 1.0, 0.0, 1.0)[..., None])
+
     def every_other(self, start: int) -> Segments:
         """Return every second piece, beginning with the one numbered `start`."""
         return self.picked(slice(start, None, 2))
@@ -83,6 +98,7 @@ class Segments:
         """Return the same pieces of other records of the same shape, such as twins."""
         length = self.z.shape[1]
         z, x_dot, weight = _cut(records, self.velocities, self.places, length)
+        weight = self._late(weight, self.settling) if self.settling else weight
         tracks = tuple(records) if self.tracks else ()
         seen = _seen(records, self.places, length)
         return replace(self, z=z, x_dot=x_dot, weight=weight, tracks=tracks, seen=seen)

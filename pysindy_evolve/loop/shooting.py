@@ -16,13 +16,13 @@ import numpy as np
 
 from ..signals import Record
 from .design import Design
-from .fit import Fit, derivative_square
+from .fit import Fit, refit
 from .runs import free_run
 from .segments import segments
 from .trial import Trial, bettered
-from .unfolding import unfolded, with_paths
+from .unfolding import square_left, unfolded, with_paths
 
-__all__ = ["met", "shot"]
+__all__ = ["gains_of_runs", "met", "shot"]
 
 N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
@@ -50,7 +50,7 @@ def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
         The same one where the model cannot follow the records, or where what every second stretch
         says does not hold on those between.
     """
-    loss = partial(derivative_square, design, records)
+    loss = partial(square_left, design, records)
     coef = met(unfolded(design), fitted.coef, with_paths(design, records), loss)
     if coef is None:
         return fitted
@@ -66,11 +66,11 @@ def met(
     Parameters
     ----------
     design : Design
-        The model, with p columns, its hystereses unfolded.
+        The model, with p columns, unfolded.
     coef : ndarray of shape (p,)
         Where to begin.
     records : sequence of Record
-        Training records, with the paths that the hystereses take.
+        Training records, with the paths that hidden states take.
     loss : callable
         Maps coefficients to the sum of squares that they leave of the derivative.
 
@@ -87,10 +87,60 @@ def met(
     return _settled(begun, records).coef
 
 
-def _begun(design: Design, coef: np.ndarray, records: Sequence[Record]) -> Trial | None:
+def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple[float, float]:
+    """Return by how much one design comes closer than a simpler one, each fitted to free runs.
+
+    Parameters
+    ----------
+    few, many : Design
+        The simpler one and the other.
+    records : sequence of Record
+        Training records; of long ones the first rows are looked at.
+
+    Returns
+    -------
+    runs, derivative : float
+        log(squares that the simpler one misses / the other), of runs over stretches that both can
+        follow, and of the derivative with the coefficients of these. Infinite where the simpler one
+        can follow none, and minus infinity where the other cannot.
+    """
+    share = min(1.0, MAX_ROWS / sum(len(record) for record in records))
+    records = [record[: int(share * len(record))] for record in records]
+    sides = [
+        (unfolded(design), refit(design, records, "derivative"), with_paths(design, records))
+        for design in (few, many)
+    ]
+    ever = False
+    for n_stretches in N_STRETCHES:
+        begun = [_begun(*side, (n_stretches,)) for side in sides]
+        trials = [trial for trial in begun if trial is not None]
+        ever = ever or begun[1] is not None
+        if len(trials) == len(sides):
+            runs = [_settled(t, own) for t, (_, _, own) in zip(trials, sides, strict=True)]
+            missed = [_square_missed(run, len(few.states)) for run in runs]
+            left = [square_left(d, records, r.coef) for d, r in zip((few, many), runs, strict=True)]
+            return _log_ratio(*missed), _log_ratio(*left)
+    return (float("inf"),) * 2 if ever else (-float("inf"),) * 2
+
+
+def _log_ratio(before: float, after: float) -> float:
+    return float(np.log(max(before, 1e-300) / max(after, 1e-300)))
+
+
+def _square_missed(trial: Trial, n_states: int) -> float:
+    misses = (trial.miss / trial.part.state_scale)[..., :n_states]
+    return float(np.sum(misses**2))
+
+
+def _begun(
+    design: Design,
+    coef: np.ndarray,
+    records: Sequence[Record],
+    numbers: Sequence[int] = N_STRETCHES,
+) -> Trial | None:
     """Run over the longest stretches that a model can follow; None if there are none."""
     length = 0
-    for n_stretches in N_STRETCHES:
+    for n_stretches in numbers:
         part = segments(records, design.velocities, n_stretches, max_rows=None)
         if part.z.shape[1] == length:
             continue  # many short records are cut alike

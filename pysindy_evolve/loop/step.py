@@ -112,7 +112,8 @@ def find(
     rejected = [] if rejected is None else rejected
     if is_exact(design, part):
         return []
-    proposer = proposer or proposer_for(design, part, records)
+    if proposer is None:
+        proposer, part = proposer_for(design, part, records)
     rules = rules.at(len(design.columns) - len(declared.columns))
     equations = quick_fit(design, part)
     proposed = proposer(design, equations, records)

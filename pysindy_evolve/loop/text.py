@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..export import format_equations, format_expression, format_number
+from ..path_states import sayings
 from .advice import sentences, title
 from .remains import remains
 
@@ -132,6 +133,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines.append(f"{value:.4g} times {shown}   {interval(low, high)}")
         if low < 0.0 < high:
             lines.append("the interval holds zero: by itself, this record is not sure of its sign")
+    lines += sayings(effect.expressions, [str(symbol) for symbol in symbols])
     of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
     lines.append(
         f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; "

@@ -140,9 +140,10 @@ def ranked(
         start += len(candidate.terms)
     new = [i for i in range(len(candidates)) if is_new(total, n_fixed, own[i])]
     groups: list[tuple[int, ...]] = [(i,) for i in new]
+    paired = [i for i in new if pairs and not candidates[i].alone]
     groups += [
         (i, j)
-        for i, j in combinations(new if pairs else [], 2)
+        for i, j in combinations(paired, 2)
         if candidates[i].name != candidates[j].name or candidates[i].name == EVOLVED
     ]
     missing = [{(c.state, parent) for parent in c.parents} - present for c in candidates]

@@ -1,9 +1,9 @@
-"""The numbers of a hysteresis in an equation of motion, tuned again.
+"""The numbers of what remembers a state, a hysteresis or a relaxation, tuned again.
 
-What is found beside a hysteresis changes its numbers, so they are tuned again in each step.
+What is found beside it changes its numbers, so they are tuned again in each step.
 
 A filter rounds off the turns of a motion, and what a friction remembers of them. A model that runs
-by itself has no filter in it. Its runs begin with the hysteresis where the measured motion puts it,
+by itself has no filter in it. Its runs begin with the hidden state where the measured ones put it,
 and where each of them begins is fitted as well (multiple shooting).
 """
 
@@ -14,26 +14,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..boucwen import numbers_of
+from ..path_states import kind_of
 from ..signals import Record
 from ..terms import Call
 from .by_runs import with_findings
 from .design import Design
-from .fit import derivative_square, refit
+from .fit import refit
 from .revise import exchange
-from .scoring import columns_of, tuned
+from .scoring import LEAD, columns_of, tuned
 from .segments import Segments
-from .shooting import met
+from .shooting import gains_of_runs, met
 from .step import Finding
-from .unfolding import paths_of, retuned, unfolded, with_paths
+from .unfolding import paths_of, retuned, square_left, unfolded, with_paths
 
-__all__ = ["with_numbers", "with_numbers_of_runs"]
+__all__ = ["needed_by_runs", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
 
 
 def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Return findings whose hystereses are tuned beside all the others, and these beside them.
+    """Return findings whose hidden states are tuned beside all the others, and these beside them.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) 
 def with_numbers_of_runs(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings whose hystereses have the numbers that free runs give them.
+    """Return findings whose hidden states have the numbers that free runs give them.
 
     Parameters
     ----------
@@ -83,26 +83,62 @@ def with_numbers_of_runs(
     """
     design = with_findings(declared, findings)
     paths = paths_of(design)
-    known = [(1.0 / length, k / length) for length, k in map(numbers_of, paths)]
-    begun = np.append(refit(design, records, "derivative"), known)
+    known = [kind_of(path).weights(path) for path in paths]
+    begun = np.concatenate([refit(design, records, "derivative"), *known])
+    ends = len(design.columns) + np.cumsum([0, *(len(own) for own in known)])[:-1]
 
     def at(coef: np.ndarray) -> list[Finding]:
-        return _retuned(findings, paths, coef[len(design.columns) :].reshape(-1, 2), declared)
+        return _retuned(findings, paths, np.split(coef, ends)[1:], declared)
 
     def loss(coef: np.ndarray) -> float:
         there = with_findings(declared, at(coef))
-        return derivative_square(there, records, coef[: len(design.columns)])
+        return square_left(there, records, coef[: len(design.columns)])
 
     coef = met(unfolded(design, free=True), begun, with_paths(design, records), loss)
     return list(findings) if coef is None else at(coef)
 
 
-def _retuned(
-    findings: Sequence[Finding], paths: Sequence[Call], numbers: np.ndarray, design: Design
+def needed_by_runs(
+    declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings with other numbers, shape (n_paths, 2), in their hystereses."""
+    """Return findings without what remembers a state where free runs do as well without it.
+
+    A derivative that somebody smoothed, or noise that is not white, looks remembered as well. Of
+    that nothing is left in runs, which need no derivative; or what betters them worsens it.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found.
+    records : sequence of Record
+        Training records, with what acts.
+
+    Returns
+    -------
+    list of Finding
+    """
     kept = list(findings)
-    for path, own in zip(paths, numbers, strict=True):
+    for finding in findings:
+        rest = [f for f in kept if f is not finding]
+        few, many = (with_findings(declared, those) for those in (rest, kept))
+        if paths_of(few) != paths_of(many):
+            runs, derivative = gains_of_runs(few, many, records)
+            if runs < LEAD or derivative <= 0.0:
+                kept = rest
+    return kept
+
+
+def _retuned(
+    findings: Sequence[Finding],
+    paths: Sequence[Call],
+    weights: Sequence[np.ndarray],
+    design: Design,
+) -> list[Finding]:
+    """Return findings with other weights in what remembers."""
+    kept = list(findings)
+    for path, own in zip(paths, weights, strict=True):
         changed = [retuned(finding.candidate, path, own) for finding in kept]
         kept = [
             f if c is f.candidate else replace(f, candidate=c, columns=columns_of(c, design))
