@@ -145,6 +145,10 @@ class Hysteresis:
         """Return zero."""
         return constant(0.0)
 
+    def fades(self, path: Call) -> float:
+        """Return zero: it fades over a way, however long that takes."""
+        return 0.0
+
     def said(self, path: Call) -> str:
         """Return length and rate of unloading in words."""
         length, unloading = self.numbers(path)

@@ -62,6 +62,10 @@ class PathKind(Protocol):
         """Return the hidden state where nothing is remembered."""
         ...
 
+    def fades(self, path: Call) -> float:
+        """Return the time after which it does not matter where the hidden state began, if known."""
+        ...
+
     def said(self, path: Call) -> str:
         """Return what its numbers say to somebody who reads the report."""
         ...

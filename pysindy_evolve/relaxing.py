@@ -31,6 +31,7 @@ from .terms import Call, Sum, call, constant, sub
 __all__ = ["RELAXING", "Relaxation", "relaxing", "relaxing_along"]
 
 SUFFIX = "relax"  # what the name of the hidden state ends in, after that of the measured one
+FADED = 4.0  # relaxation times, after which 2 % are left of how it began
 EVEN = 1e-6  # of a step, that others of a uniform record may differ from it
 
 
@@ -122,6 +123,10 @@ class Relaxation:
     def rest(self, path: Call) -> Sum:
         """Return h in balance."""
         return path.args[0]
+
+    def fades(self, path: Call) -> float:
+        """Return some relaxation times."""
+        return FADED * self.numbers(path)[0]
 
     def said(self, path: Call) -> str:
         """Return the relaxation time in words."""

@@ -17,10 +17,11 @@ from pysindy_evolve.hidden import with_memories
 from pysindy_evolve.loop.candidate import OFFSET, CandidateMaker, renumbered
 from pysindy_evolve.loop.declared import design_of
 from pysindy_evolve.loop.memories_first import outdoes_memories
+from pysindy_evolve.loop.offers import offer_for, relaxations_for
 from pysindy_evolve.loop.past import first_state, rates_on
 from pysindy_evolve.loop.probes import grid_of
 from pysindy_evolve.loop.relaxation import relaxed_ways
-from pysindy_evolve.loop.scoring import leading, score
+from pysindy_evolve.loop.scoring import score
 from pysindy_evolve.loop.segments import segments
 from pysindy_evolve.loop.shooting import gains_of_runs
 from pysindy_evolve.loop.unfolding import square_left, unfolded, with_paths
@@ -248,16 +249,17 @@ def test_what_is_remembered_must_lead_late_inputs():
     design = design_of(DECLARED, [record])
     for one, leads in ((record, True), (replace(other, u=np.roll(other.u, 9, axis=0)), False)):
         part = segments([one], (1,))
-        assert outdoes_memories(design, [one], part, grid_of(design, [one], part)) is leads
+        ways, memories = relaxations_for(design, [one]), grid_of(design, [one], part)
+        assert outdoes_memories(ways, design, [one], part, memories) is leads
 
 
 def test_what_is_remembered_must_oppose_what_it_follows():
     record = measured(n=3000)
     ahead = relaxing_along(record.x[:, 0], record.t, TIME)
     drives = record.x_dot + np.outer(2.0 * STIFFNESS * ahead, [0.0, 1.0])
-    ways, design = relaxed_ways(1, 0, record), design_of(DECLARED, [record])
-    assert leading(ways, ways, design, segments([record], (1,)))
-    assert not leading(ways, ways, design, segments([replace(record, x_dot=drives)], (1,)))
+    design = design_of(DECLARED, [record])
+    for one, relaxes in ((record, True), (replace(record, x_dot=drives), False)):
+        assert offer_for(design, segments([one], (1,)), [one]).relaxes is relaxes
 
 
 def test_free_runs_need_what_is_there_and_not_what_is_not():
@@ -302,7 +304,7 @@ def heated(lag=None, seed=3):
     power = np.repeat((np.random.default_rng(seed).random(60) > 0.5) * 1.0, 50)
 
     def rate(now, x):
-        given, lost = power[min(int(now), len(power) - 1)], 0.01 * (x[0] - 20.0)
+        given, lost = np.interp(now, t, power), 0.01 * (x[0] - 20.0)
         if lag:
             return [0.8 * x[1] - lost, (given - x[1]) / lag]
         return [0.8 * given - lost - 0.03 * (x[0] - x[1]), (x[0] - x[1]) / 120.0]

@@ -17,12 +17,12 @@ from .declared import DeclaredModel, design_of
 from .grow import OPERATORS
 from .halts import limits_in, may_stop_itself
 from .limits import off_limits
+from .offers import awaited
 from .recall import memories_of
 from .records import alike, check_records, split_records, widened
 from .report import LoopReport, make_report
 from .revise import contested
 from .rules import Rules, generator
-from .scoring import awaited
 from .search import Search
 from .slopes import told_by_slopes
 from .witness import witnessed

@@ -1,4 +1,4 @@
-"""Whether what remembers a state is more than a memory of an input.
+"""Whether a relaxation is more than a memory of an input.
 
 A state that lags behind by itself and one whose input comes late look alike through the few times
 on the grid of memories, so memories are tuned before the two are compared.
@@ -10,23 +10,30 @@ from collections.abc import Sequence
 
 from ..memory import Memory
 from ..signals import Record
-from .candidate import renumbered
+from .candidate import Candidate, renumbered
 from .design import Design
+from .offers import leading
 from .probes import Probes
 from .reach import exchanged, reach_of
-from .scoring import leading, score, tuned, ways_of
+from .scoring import score, tuned
 from .segments import Segments
 
 __all__ = ["outdoes_memories"]
 
 
 def outdoes_memories(
-    design: Design, records: Sequence[Record], part: Segments, memories: Sequence[Memory]
+    ways: Sequence[Candidate],
+    design: Design,
+    records: Sequence[Record],
+    part: Segments,
+    memories: Sequence[Memory],
 ) -> bool:
-    """Tell whether what remembers a state leads all memories of inputs, each tuned.
+    """Tell whether one of several ways leads all memories of inputs, each tuned.
 
     Parameters
     ----------
+    ways : sequence of Candidate
+        Relaxations.
     design : Design
         The model so far.
     records : sequence of Record
@@ -47,11 +54,10 @@ def outdoes_memories(
         if gain > best.get(key, (0.0, memory))[0]:
             best[key] = gain, memory
     rivals = tuple(reach_of(memory, design, records, part) for _, memory in best.values())
-    ways = ways_of(design, records)
     top = score(design, part, ways, pairs=False)[0].group[0]
     probes = Probes(design, rivals)
     wide = probes.widened(design)
     pieces = part.of([probes.extended(record) for record in records])
     own = [renumbered(way, probes.widen) for way in (*ways, tuned(top, design, part))]
     late = [probes.candidate(wide, k) for k in range(len(rivals))]
-    return bool(leading(own, [*own, *late], wide, pieces))
+    return bool(leading(own, late, wide, pieces))

@@ -10,18 +10,20 @@ from scipy.optimize import minimize_scalar
 from ..equations import Equations, stack
 from ..hidden import MemoryEquations, with_memories
 from ..memory import preceded, raw_inputs
-from ..path_states import kind_of
+from ..path_states import kind_of, paths_in
 from ..signals import Record
 from ..terms import Call
+from .design import Design
 from .segments import scale_of
 from .sticking import noise_of
 
-__all__ = ["begun", "first_state", "rates_on"]
+__all__ = ["begun", "first_state", "rates_on", "settled"]
 
 LONGEST = 8  # no more than the eighth part of a record tells how it began
 HALVED = 4.0  # times the mean square that another past must leave: it halves the error
 FADED = 0.05  # of what a hidden state was at the beginning is left when it counts no more
 CLEAR = 3.0  # standard deviations of the noise, that the error must be in the mean of its rows
+MOST_WAIT = 0.25  # of a record, until the derivative counts
 _SHORTEST = 2  # rows: a record holds no less
 
 
@@ -132,6 +134,27 @@ def rates_on(equations: Equations, record: Record) -> np.ndarray:
     hidden = [_along(path, rows, w) for path, w in zip(full.paths, starts, strict=True)]
     x = np.column_stack([record.x, *hidden])
     return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
+
+
+def settled(design: Design, record: Record) -> np.ndarray:
+    """Return on which rows it does not matter any more how hidden states began.
+
+    Parameters
+    ----------
+    design : Design
+        Holds what remembers as operators on the rows.
+    record : Record
+        What was measured.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, 1)
+        One or zero; one on most rows, however slow what remembers is.
+    """
+    paths = paths_in(design.equations(np.ones(len(design.columns))))
+    wait = max((kind_of(path).fades(path) for path in paths), default=0.0)
+    late = record.t - record.t[0] >= min(wait, MOST_WAIT * (record.t[-1] - record.t[0]))
+    return np.asarray(late, dtype=float)[:, None]
 
 
 def _remembered(

@@ -14,12 +14,13 @@ from ..terms import variable
 from .candidate import Candidate, renumbered
 from .design import Design
 from .memories_first import outdoes_memories
+from .offers import offer_for
 from .probes import MemoryCandidate, Probes, grid_of
 from .reach import exchanged, reach_of, settled
 from .rejected import Rejected
 from .rivals import Rival
 from .rules import Rules
-from .scoring import MARGIN, columns_of, propose, proposer_for
+from .scoring import MARGIN, columns_of
 from .segments import Segments
 from .step import Finding, find
 
@@ -48,7 +49,7 @@ def find_or_recall(
     present: Sequence[Memory] = (),
     rejected: list[Rejected] | None = None,
     *,
-    remembering: bool = True,
+    relaxing: bool = True,
 ) -> list[Finding]:
     """Return what a design lacks, as `find` does, with memories of the inputs among it.
 
@@ -60,27 +61,26 @@ def find_or_recall(
         Memories that the inputs of the records have already.
     rejected : list of Rejected, optional
         As in `find`.
-    remembering : bool
-        Whether what remembers a state may be among it.
+    relaxing : bool
+        Whether relaxations may be among it.
 
     Returns
     -------
     list of Finding
     """
     memories = grid_of(design, records, part, present)
+    offer = offer_for(design, part, records, relaxing=relaxing)
     if not memories:
-        given = None if remembering else propose
-        return find(declared, design, records, part, rules, rng, given, rejected)
-    offer, late = proposer_for(design, part, records) if remembering else (propose, part)
-    if offer is not propose and not outdoes_memories(design, records, late, memories):
-        offer, late = propose, part
-    part = late
+        return find(declared, design, records, offer.part, rules, rng, offer.propose, rejected)
+    if offer.relaxes and not outdoes_memories(offer.ways, design, records, offer.part, memories):
+        offer = offer_for(design, part, records, relaxing=False)
+    part = offer.part
     probes = Probes(design, tuple(memories))
     extended = [probes.extended(record) for record in records]
     wide = probes.widened(declared), probes.widened(design)
     pieces = part.of(extended)
     failed: list[Rejected] = []
-    proposer = partial(probes.propose, part=part, offer=offer)
+    proposer = partial(probes.propose, part=part, offer=offer.propose)
     found = find(*wide, extended, pieces, rules, rng, proposer, failed)
     if rejected is not None:
         rejected += [_narrowed_failure(one, probes) for one in failed]

@@ -10,19 +10,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..memory import DELAY, LAG
-from ..relaxing import relaxing
+from ..path_states import kind_of
+from ..relaxing import RELAXING, relaxing
 from ..signals import Record
-from ..terms import Sum, variable
+from ..terms import Call, Sum, variable
 from .candidate import Candidate, CandidateMaker, Shape
+from .design import Design
 from .hysteresis import SIMPLER
+from .unfolding import paths_of
 
-__all__ = ["relaxed_ways"]
+__all__ = ["relaxations_of", "relaxed_ways", "within_reach"]
 
 # A shorter one looks like one more derivative of the state, in which noise of the target, and any
 # late or lagging input, can be told from the measured state itself.
 SHORTEST = 0.5  # relaxation time, in periods of the highest frequency that a filter left
 SAMPLES = 2.0  # the same, in samples
 LONGEST = 0.25  # of the record
+CLEAR = 1.25  # times the shortest one, that a relaxation time must be
 RATIO = 2.5  # between places of the grid, from each of which it is tuned
 PLAINER = (*SIMPLER, "viscous damping", DELAY, LAG)
 
@@ -65,12 +69,32 @@ def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
     list of Candidate
     """
     effect, time = CandidateMaker(state), record.n_states + record.n_inputs
-    made, value = record.preparation, SAMPLES * record.dt
-    if made is not None and made.cutoff:
-        value = max(value, SHORTEST / made.cutoff)
+    value, longest = _span(record)
     build, found = Relaxed(variable(source), variable(time), value), []
-    while value < LONGEST * len(record) * record.dt:
+    while value < longest:
         shape = Shape((value,), (build,))
         found.append(effect("hidden state", shape=shape, refines=PLAINER, alone=True))
         value *= RATIO
     return found
+
+
+def _span(record: Record) -> tuple[float, float]:
+    """Return the shortest and the longest relaxation time that a record can tell."""
+    made, shortest = record.preparation, SAMPLES * record.dt
+    if made is not None and made.cutoff:
+        shortest = max(shortest, SHORTEST / made.cutoff)
+    return shortest, LONGEST * len(record) * record.dt
+
+
+def within_reach(path: Call, record: Record) -> bool:
+    """Tell whether a relaxation time is longer than the shortest one tried, and not too long.
+
+    One that ends at the shortest would be shorter still if it could, and means another derivative.
+    """
+    (relaxation_time,), (shortest, longest) = kind_of(path).numbers(path), _span(record)
+    return CLEAR * shortest < relaxation_time < longest
+
+
+def relaxations_of(design: Design) -> tuple[Call, ...]:
+    """Return the different relaxations that a design holds."""
+    return tuple(path for path in paths_of(design) if path.operator == RELAXING)

@@ -8,51 +8,38 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
-from ..boucwen import BOUC_WEN
 from ..equations import Equations
-from ..path_states import source_of
-from ..relaxing import RELAXING
 from ..signals import Record
-from ..terms import variable
 from .candidate import Candidate
 from .design import Column, Design, in_state
 from .effects import candidates, standing
-from .hysteresis import remembered_ways
 from .linear import solve_gram
 from .periodic import periodic_candidates, ripple_candidates
-from .relaxation import relaxed_ways
 from .residual import derivative_grams
 from .segments import Segments, ranges, variables_of
 from .sensor import heard
 from .spectral import spectral_grams
 from .trace import Score, rank, ranked
 from .trajectory import Trajectories
-from .unfolding import paths_of
 from .vocabulary import VOCABULARY
 
 __all__ = [
-    "LEAD",
     "MARGIN",
     "PRICE",
     "Proposer",
-    "awaited",
     "columns_of",
-    "leading",
     "net",
     "plainest",
     "propose",
-    "proposer_for",
     "quick_fit",
     "score",
     "sharpened",
     "tuned",
-    "ways_of",
 ]
 
 LOOKS = 16  # at each number of a shape
 Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
-SETTLING = 0.125  # of a record, until what remembers a state knows where it is
 MARGIN = 0.02  # of the log error: names do not change for less
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
 LEAD = 0.1  # of the log error: what a state of its own and its numbers must be worth
@@ -82,71 +69,6 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
             noise = 0.0 if made is None else float(made.noise[position // made.order])
             proposed += ripple_candidates(state, position, residual[:, state], q, noise)
     return proposed
-
-
-def propose_remembering(
-    design: Design, equations: Equations, records: Sequence[Record]
-) -> list[Candidate]:
-    """Return what `propose` does, and what remembers a state."""
-    return [*propose(design, equations, records), *ways_of(design, records)]
-
-
-def ways_of(design: Design, records: Sequence[Record]) -> list[Candidate]:
-    """Return what remembers a state and may be missing, none of a kind that is there already."""
-    longest = max(records, key=len)
-    taken = {(path.operator, source_of(path)) for path in paths_of(design)}
-    found = []
-    for state in () if design.algebraic else design.open_states:
-        position = design.position_of(state)
-        if position is not None and (BOUC_WEN, variable(position)) not in taken:
-            found += remembered_ways(state, position, longest.x[:, position])
-        source = state if position is None else position
-        if (RELAXING, variable(source)) not in taken:
-            found += relaxed_ways(state, source, longest)
-    return found
-
-
-def proposer_for(
-    design: Design, part: Segments, records: Sequence[Record]
-) -> tuple[Proposer, Segments]:
-    """Return what proposes, and where to look: what remembers only where that leads all others.
-
-    Each look at a record and its twins then takes no longer than it must, and what a memory could
-    explain of the noise does not change what other effects are worth.
-    """
-    ways = [] if part.tracks else ways_of(design, records)
-    if not ways:
-        return propose, part
-    late = _late(part, records)
-    proposed = [*propose(design, quick_fit(design, late), records), *ways]
-    leads = bool(leading(ways, proposed, design, late))
-    return (propose_remembering, late) if leads else (propose, part)
-
-
-def leading(
-    ways: Sequence[Candidate], proposed: Sequence[Candidate], design: Design, part: Segments
-) -> list[Candidate]:
-    """Return what remembers, takes energy as a damper does, and clearly leads all else."""
-    scores = score(design, part, proposed, pairs=False)
-    best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
-    ahead = [s.group[0] for s in scores if s.group[0] in ways and s.value > best + LEAD]
-    return [way for way in ahead if _opposes(way, design, part)]
-
-
-def _opposes(way: Candidate, design: Design, part: Segments) -> bool:
-    """Tell whether the coefficient of an effect of one term is negative."""
-    equations = quick_fit(design.adding(columns_of(way, design)), part)
-    ((_, term),) = way.terms[0].parts
-    return bool(equations.coef[way.state, equations.terms.index(term)] < 0.0)
-
-
-def awaited(design: Design, part: Segments, records: Sequence[Record]) -> Segments:
-    """Return pieces with weight where all that a design remembers knows where it is."""
-    return _late(part, records) if paths_of(design) else part
-
-
-def _late(part: Segments, records: Sequence[Record]) -> Segments:
-    return part.after(int(SETTLING * min(len(record) for record in records)))
 
 
 def score(

@@ -10,6 +10,7 @@ import numpy as np
 from ..memory import preceded, remembered
 from ..operators import Operator
 from ..signals import Record
+from .beginnings import settled_beginning
 from .by_runs import find_by_runs, with_findings
 from .clipped import clipped_sensors
 from .design import Design
@@ -17,12 +18,13 @@ from .duels import held_against
 from .grow import Garden
 from .halts import limits_in
 from .limits import off_limits
+from .offers import awaited
 from .outlived import without_outlived
 from .recall import find_or_recall, memories_of, resettled
 from .rejected import Rejected
+from .relaxation import relaxations_of
 from .revise import exchange, merged, prune
 from .rules import Rules
-from .scoring import awaited
 from .segments import Segments
 from .step import Finding
 from .structure import structure_chance
@@ -57,7 +59,7 @@ class Search:
     findings: list[Finding] = field(default_factory=list)
     rejected: list[Rejected] = field(default_factory=list)
     has_structure: bool = False
-    remembering: bool = True  # whether to look for what remembers a state
+    relaxing: bool = True  # whether to look for relaxations
 
     @property
     def verdict(self) -> str:
@@ -94,7 +96,7 @@ class Search:
         self._wait(findings)
 
     def _wait(self, findings: Sequence[Finding]) -> None:
-        """Look at records only where what remembers a state knows where it is."""
+        """Look at records only where each relaxation knows where it is."""
         self.part = awaited(with_findings(self.declared, findings), self.part, self.records)
         self.garden.look(self.part)
 
@@ -103,17 +105,21 @@ class Search:
             before, design = self.findings, self.design
             found = find_or_recall(
                 self.declared, design, self.records, self.part, self.rules, self.rng,
-                memories_of(before), self.rejected, remembering=self.remembering,
+                memories_of(before), self.rejected,
+                relaxing=self.relaxing and not memories_of(before),
             )  # fmt: skip
             if not found:
                 break
+            found = _numbered(found, before)
             if memories_of(found):
-                self._look_through([*before, *found])
+                found = self._begin([*before, *found])
             else:  # growing takes long, and may be ended
-                self.findings = [*before, *_numbered(found, before)]
+                self.findings = [*before, *found]
                 self._wait(self.findings)
-                found = self.garden.better(design, found) or found
-            found = [*before, *_numbered(found, before)]
+                grown = self.garden.better(design, found)
+                found = [*before, *(_numbered(grown, before) or found)]
+            if len(found) <= len(before):  # nothing is left of it where records begin otherwise
+                break
             found = exchange(self.declared, found, self.part)
             self.findings = with_numbers(self.declared, found, self.part)
             self._check(before)
@@ -121,12 +127,20 @@ class Search:
         self.findings = merged(self.declared, kept, self.part)
 
     def _check(self, before: list[Finding]) -> None:
-        """Take back what remembers a state if runs do not need it, and what came with it."""
-        if len(paths_of(self.design)) > len(paths_of(with_findings(self.declared, before))):
+        """Take back a relaxation that runs do not need, and what came with it."""
+        known = relaxations_of(with_findings(self.declared, before))
+        if len(relaxations_of(self.design)) > len(known):
             needed = needed_by_runs(self.declared, self.findings, self.records)
             if len(needed) < len(self.findings):
-                self.findings, self.remembering = before, False
+                self.findings, self.relaxing = before, False
                 self._look_through(before)
+
+    def _begin(self, findings: list[Finding]) -> list[Finding]:
+        """Look through the records as memories make them, begun where their first rows say."""
+        begun = settled_beginning(self.declared, findings, self.plain, self.wide, self.whole)
+        self.plain, self.wide = begun.plain, begun.wide
+        self._look_through(begun.findings)
+        return list(begun.findings)
 
     def _settle(self) -> None:
         if memories_of(self.findings):

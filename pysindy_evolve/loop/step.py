@@ -13,6 +13,7 @@ from .candidate import Candidate
 from .chance import p_value_of
 from .design import Column, Design
 from .drifting import DriftingTwins
+from .offers import offer_for
 from .refinement import justified
 from .rejected import Rejected
 from .rivals import Rival
@@ -21,7 +22,6 @@ from .scoring import (
     Proposer,
     columns_of,
     plainest,
-    proposer_for,
     quick_fit,
     score,
     sharpened,
@@ -113,7 +113,8 @@ def find(
     if is_exact(design, part):
         return []
     if proposer is None:
-        proposer, part = proposer_for(design, part, records)
+        offer = offer_for(design, part, records)
+        proposer, part = offer.propose, offer.part
     rules = rules.at(len(design.columns) - len(declared.columns))
     equations = quick_fit(design, part)
     proposed = proposer(design, equations, records)

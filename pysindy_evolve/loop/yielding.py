@@ -20,6 +20,7 @@ from ..terms import Call
 from .by_runs import with_findings
 from .design import Design
 from .fit import refit
+from .relaxation import relaxations_of, within_reach
 from .revise import exchange
 from .scoring import LEAD, columns_of, tuned
 from .segments import Segments
@@ -101,7 +102,7 @@ def with_numbers_of_runs(
 def needed_by_runs(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings without what remembers a state where free runs do as well without it.
+    """Return findings without relaxations where free runs do as well without them.
 
     A derivative that somebody smoothed, or noise that is not white, looks remembered as well. Of
     that nothing is left in runs, which need no derivative; or what betters them worsens it.
@@ -119,15 +120,21 @@ def needed_by_runs(
     -------
     list of Finding
     """
-    kept = list(findings)
+    kept, longest = list(findings), max(records, key=len)
     for finding in findings:
         rest = [f for f in kept if f is not finding]
         few, many = (with_findings(declared, those) for those in (rest, kept))
-        if paths_of(few) != paths_of(many):
-            runs, derivative = gains_of_runs(few, many, records)
-            if runs < LEAD or derivative <= 0.0:
-                kept = rest
+        new = set(relaxations_of(many)) - set(relaxations_of(few))
+        if new and not (
+            all(within_reach(path, longest) for path in new) and _better_runs(few, many, records)
+        ):
+            kept = rest
     return kept
+
+
+def _better_runs(few: Design, many: Design, records: Sequence[Record]) -> bool:
+    runs, derivative = gains_of_runs(few, many, records)
+    return runs >= LEAD and derivative > 0.0
 
 
 def _retuned(
