@@ -333,6 +333,33 @@ def test_heater_that_lags_is_not_named_a_hidden_heat_capacity():
     assert [effect.name for effect in report.effects] == ["actuator lag"]
 
 
+def battery(polarization, seed=3):
+    """Measure the voltage of a cell with a resistance, and a resistance beside a capacitor."""
+    t, rng = np.arange(4000.0), np.random.default_rng(seed)
+    current = np.repeat(rng.uniform(-1.0, 2.0, 200), 20)
+    lagging = current - relaxing_along(current, t, 35.0)
+    voltage = 3.7 - 0.05 * current - polarization * lagging
+    voltage += 0.0005 * rng.standard_normal(len(t))
+    return pse.Record(t=t, x=voltage, x_dot=voltage, u=current)
+
+
+@pytest.mark.parametrize("polarization", [0.03, 0.0])
+def test_polarization_of_a_battery_is_a_hidden_state_that_follows_the_current(polarization):
+    declared = pse.DeclaredModel({"V": "E - R*i"}, inputs=["i"], algebraic=True)
+    report = pse.close_loop(
+        declared, battery(polarization), operators=(), random_state=0, n_twins=59
+    )
+    if not polarization:
+        assert report.verdict == "complete"
+        return
+    (effect,) = report.effects
+    assert (effect.name, str(effect.term)) == ("hidden state", "i - i_relax")
+    assert effect.coefficients[0] == pytest.approx(polarization, rel=0.02)
+    assert numbers_in(report) == pytest.approx(35.0, rel=0.02)
+    assert report.after.simulation_error[0] < 3.0
+    assert "i_relax' = " in str(report)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("width", [31, 61])
 def test_derivative_that_was_smoothed_too_much_is_not_named(width):

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 
 from ..boucwen import BOUC_WEN
 from ..equations import Equations
-from ..operators import Operator
 from ..path_states import source_of
-from ..relaxing import RELAXING
 from ..signals import Record
-from ..terms import Sum, variable
+from ..terms import variable
 from .candidate import Candidate
 from .design import Design
 from .hysteresis import remembered_ways
@@ -74,14 +72,15 @@ def offer_for(
     -------
     Offer
     """
-    if part.tracks or design.algebraic:
+    if part.tracks:
         return Offer(part)
-    yields = _hystereses_for(design, records)
+    yields = [] if design.algebraic else _hystereses_for(design, records)
     relaxes = relaxations_for(design, records) if relaxing else []
     if relaxes:
         late = _late(part, records)
         others = [*propose(design, quick_fit(design, late), records), *yields]
-        if any(_opposes(way, design, late) for way in leading(relaxes, others, design, late)):
+        ahead = leading(relaxes, others, design, late)
+        if any(design.algebraic or _opposes(way, design, late) for way in ahead):
             return Offer(late, tuple(relaxes), relaxes=True)
     if yields:
         others = propose(design, quick_fit(design, part), records)
@@ -92,7 +91,8 @@ def offer_for(
 
 def _hystereses_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
     """Return the frictions that remember, of positions that have none yet."""
-    longest, taken = max(records, key=len), _followed(design, BOUC_WEN)
+    longest = max(records, key=len)
+    taken = {source_of(path) for path in paths_of(design) if path.operator == BOUC_WEN}
     found = []
     for state in design.open_states:
         position = design.position_of(state)
@@ -102,20 +102,21 @@ def _hystereses_for(design: Design, records: Sequence[Record]) -> list[Candidate
 
 
 def relaxations_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
-    """Return the relaxations of positions and of states of the first order that have none yet."""
-    longest, taken = max(records, key=len), _followed(design, RELAXING)
+    """Return the relaxations that a design does not hold yet.
+
+    Of a position, or of a state of the first order; in an algebraic target, of any input.
+    """
+    longest, n = max(records, key=len), len(design.states)
+    taken = {source_of(path) for path in relaxations_of(design)}
     found = []
     for state in design.open_states:
         position = design.position_of(state)
-        source = state if position is None else position
-        if variable(source) not in taken:
+        sources = [state if position is None else position]
+        if design.algebraic:
+            sources = list(range(n, n + len(design.inputs)))
+        for source in (s for s in sources if variable(s) not in taken):
             found += relaxed_ways(state, source, longest)
     return found
-
-
-def _followed(design: Design, operator: Operator) -> set[Sum]:
-    """Return the states that paths of one kind follow already."""
-    return {source_of(path) for path in paths_of(design) if path.operator == operator}
 
 
 def leading(

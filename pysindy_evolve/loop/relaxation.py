@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..memory import DELAY, LAG
-from ..path_states import kind_of
+from ..path_states import kind_of, paths_in
 from ..relaxing import RELAXING, relaxing
 from ..signals import Record
 from ..terms import Call, Sum, variable
 from .candidate import Candidate, CandidateMaker, Shape
 from .design import Design
 from .hysteresis import SIMPLER
-from .unfolding import paths_of
 
 __all__ = ["relaxations_of", "relaxed_ways", "within_reach"]
 
@@ -97,4 +98,5 @@ def within_reach(path: Call, record: Record) -> bool:
 
 def relaxations_of(design: Design) -> tuple[Call, ...]:
     """Return the different relaxations that a design holds."""
-    return tuple(path for path in paths_of(design) if path.operator == RELAXING)
+    paths = paths_in(design.equations(np.ones(len(design.columns))))
+    return tuple(path for path in paths if path.operator == RELAXING)

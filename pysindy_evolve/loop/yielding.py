@@ -133,6 +133,8 @@ def needed_by_runs(
 
 
 def _better_runs(few: Design, many: Design, records: Sequence[Record]) -> bool:
+    if few.algebraic:  # nothing runs
+        return True
     runs, derivative = gains_of_runs(few, many, records)
     return runs >= LEAD and derivative > 0.0
 
