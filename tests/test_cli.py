@@ -144,6 +144,17 @@ def test_columns_may_have_other_names_and_another_delimiter(capsys, tmp_path):
     assert "level' = -level\n" in out
 
 
+def test_records_may_have_decimal_commas(capsys, tmp_path):
+    t = np.arange(0.0, 6.0, 0.01)
+    path = tmp_path / "decay.csv"
+    rows = (f"{now:.6f};{level:.9f}".replace(".", ",") for now, level in np.c_[t, np.exp(-t)])
+    path.write_text("\n".join(["t;level", *rows]))
+    options = ("--states", "level", "--delimiter", ";", "--decimal", ",", "--cutoff", "none")
+    code, out, _ = run(capsys, "fit", str(path), *options)
+    assert code == 0
+    assert "level' = -level\n" in out
+
+
 def test_languages_are_those_of_to_code():
     assert set(LANGUAGES) == set(_LANGUAGES)
 

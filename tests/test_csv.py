@@ -40,6 +40,18 @@ def test_another_delimiter_can_be_named(write):
     np.testing.assert_array_equal(read_csv(write("t;q\n0;1\n"), delimiter=";")["q"], [1.0])
 
 
+def test_numbers_may_have_decimal_commas(write):
+    table = read_csv(write("t;q\n0,5;-1,25e-3\n1;2.5\n"), delimiter=";", decimal=",")
+    np.testing.assert_array_equal(table["t"], [0.5, 1.0])
+    np.testing.assert_array_equal(table["q"], [-1.25e-3, 2.5])
+
+
+@pytest.mark.parametrize("options", [{"decimal": ","}, {"decimal": ";"}, {"decimal": ""}])
+def test_a_decimal_sign_that_cannot_be_told_from_the_delimiter_is_refused(write, options):
+    with pytest.raises(ValueError, match=r"read_csv\(decimal=...\) must be"):
+        read_csv(write("t\n0\n"), **options)
+
+
 @pytest.mark.parametrize(
     ("text", "columns", "message"),
     [

@@ -239,6 +239,9 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     columns.add_argument(
         "--delimiter", default=",", metavar="SIGN", help="character between the fields (,)"
     )
+    columns.add_argument(
+        "--decimal", default=".", choices=".,", help="sign before the decimals (.)"
+    )
     result = parser.add_argument_group("result")
     result.add_argument("--latex", action="store_true", help="print the equations as LaTeX, too")
     result.add_argument(

@@ -63,7 +63,7 @@ def read_all(given: Namespace, paths: Iterable[Path], states: Iterable[str]) -> 
 def _read(path: Path, given: Namespace, states: tuple[str, ...]) -> Record:
     targets, measured = dict(given.target), given.position or states
     wanted = dict.fromkeys([given.time, *measured, *given.inputs, *targets.values()])
-    columns = read_csv(path, list(wanted), given.delimiter)
+    columns = read_csv(path, list(wanted), given.delimiter, given.decimal)
     t, y = columns[given.time], np.column_stack([columns[name] for name in measured])
     u = np.column_stack([columns[name] for name in given.inputs]) if given.inputs else None
     inputs = tuple(given.inputs) or None

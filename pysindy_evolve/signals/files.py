@@ -14,7 +14,10 @@ from .spectral import Array
 
 
 def read_csv(
-    path: str | PathLike[str], columns: Sequence[str] | None = None, delimiter: str = ","
+    path: str | PathLike[str],
+    columns: Sequence[str] | None = None,
+    delimiter: str = ",",
+    decimal: str = ".",
 ) -> dict[str, Array]:
     r"""Read named columns of numbers from a CSV file whose first line holds the names.
 
@@ -26,6 +29,8 @@ def read_csv(
         Names of the columns wanted, in this order; all columns by default.
     delimiter : str
         One character between the fields.
+    decimal : {".", ","}
+        Sign before the decimals; a comma where files have semicolons between the fields.
 
     Returns
     -------
@@ -34,8 +39,8 @@ def read_csv(
     Raises
     ------
     ValueError
-        If the file is empty, a name is missing or occurs twice, a row is short or long, or a
-        value is not a finite number; the message says which line of the file.
+        If a sign is none of these, the file is empty, a name is missing or occurs twice, a row is
+        short or long, or a value is not a finite number; the message says which line of the file.
     TypeError
         If `columns` is not a sequence of names.
     FileNotFoundError
@@ -55,6 +60,11 @@ def read_csv(
             f"read_csv(delimiter=...) must be one character; got {delimiter!r}. "
             'Use "," or ";" or "\\t".'
         )
+    if decimal not in (".", ",") or decimal == delimiter:
+        raise ValueError(
+            'read_csv(decimal=...) must be "." or "," and not the delimiter; got '
+            f'{decimal!r} with the delimiter {delimiter!r}. Use delimiter=";" for decimal commas.'
+        )
     if isinstance(columns, str) or not all(isinstance(name, str) for name in columns or ()):
         raise TypeError(
             f"read_csv(columns=...) must be a sequence of names; got {columns!r}. "
@@ -65,7 +75,7 @@ def read_csv(
     wanted = list(header) if columns is None else list(columns)
     places = [_place(header, name, path) for name in wanted]
     return {
-        name: np.array([_value(row, place, name, line) for line, row in rows])
+        name: np.array([_value(row, place, name, line, decimal) for line, row in rows])
         for name, place in zip(wanted, places, strict=True)
     }
 
@@ -120,17 +130,21 @@ def _place(header: list[str], name: str, path: str | PathLike[str]) -> int:
     return header.index(name)
 
 
-def _value(row: list[str], place: int, name: str, line: int) -> float:
+def _value(row: list[str], place: int, name: str, line: int, decimal: str) -> float:
     """Return one finite number."""
     text = row[place].strip() if place < len(row) else ""
     try:
-        value = np.nan if "_" in text else float(text)
+        value = np.nan if "_" in text else float(text.replace(decimal, "."))
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
         got = repr(text) if text else "nothing"
         is_comma = re.fullmatch(r"[-+]?\d*,\d+([eE][-+]?\d+)?", text) is not None
-        advice = "Decimal commas: export with points." if is_comma else "Correct or drop this row."
+        advice = (
+            'Decimal commas: export with points, or give decimal=",".'
+            if is_comma
+            else "Correct or drop this row."
+        )
         raise ValueError(
             f"read_csv(path=...) must hold finite numbers; got {got} in column {name!r}, "
             f"line {line}. {advice}"
