@@ -75,9 +75,8 @@ def offer_for(
     if part.tracks:
         return Offer(part)
     yields = [] if design.algebraic else _hystereses_for(design, records)
-    relaxes = relaxations_for(design, records) if relaxing else []
-    if relaxes:
-        late = _late(part, records)
+    relaxes, late = relaxations_for(design, records) if relaxing else [], _late(part, records)
+    if leading(relaxes, (), design, late):  # mostly none is worth it, and all else takes longer
         others = [*propose(design, quick_fit(design, late), records), *yields]
         ahead = leading(relaxes, others, design, late)
         if any(design.algebraic or _opposes(way, design, late) for way in ahead):
@@ -123,7 +122,7 @@ def leading(
     ways: Sequence[Candidate], others: Sequence[Candidate], design: Design, part: Segments
 ) -> list[Candidate]:
     """Return what clearly does better than all others, each by itself."""
-    scores = score(design, part, [*others, *ways], pairs=False)
+    scores = score(design, part, [*others, *ways], pairs=False) if ways else []
     best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
     return [s.group[0] for s in scores if s.group[0] in ways and s.value > best + LEAD]
 
