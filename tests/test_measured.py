@@ -14,6 +14,7 @@ NAMES = (
     "pendulum",
     "silverbox",
     "tclab",
+    "mr_damper",
     "cascaded_tanks",
     "cart without kP=2.5",
     "cart without kP=5",
