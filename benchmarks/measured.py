@@ -204,15 +204,6 @@ CASES = (
             lambda names: {"coupling", "actuator lag"} <= names,
             "coupling and actuator lag, T2 ≤ 3.5 °C",
         ),
-        "mr_damper": Case(
-            {"F": "c*v + k*x + F0"},
-            ("x", "v", "a"),
-            damper,
-            lambda names: "hysteresis" in names,
-            "friction with hysteresis, ≤ 11.5 % on the other records",
-            state=0,
-            algebraic=True,
-        ),
         "cascaded_tanks": Case(
             {"h": "k1*u - k2*sqrt(h)"},
             ("u",),
@@ -235,8 +226,18 @@ CASES = (
 )
 
 
-# Not reached yet; run by name, and not asserted in the tests.
+# Run by name, and not in the tests: it takes long, or is not reached yet.
 OPEN = {
+    "mr_damper": Case(
+        {"F": "c*v + k*x + F0"},
+        ("x", "v", "a"),
+        damper,
+        lambda names: "hysteresis" in names,
+        "friction with hysteresis, ≤ 11.5 % on the other records",
+        state=0,
+        algebraic=True,
+    ),
+} | {
     f"ball_drops {name}": Case(
         FALL,
         (),

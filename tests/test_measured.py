@@ -14,7 +14,6 @@ NAMES = (
     "pendulum",
     "silverbox",
     "tclab",
-    "mr_damper",
     "cascaded_tanks",
     "cart without kP=2.5",
     "cart without kP=5",
