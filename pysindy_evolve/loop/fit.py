@@ -17,7 +17,7 @@ from ..signals import Record, Windows, choose_windows, project
 from ..terms import Cache
 from .design import Design
 from .linear import solve_gram
-from .past import rates_on, settled
+from .past import rates_on, settled_rows
 from .residual import forces, jacobian, simulation_rows
 from .segments import places_of, scale_of, segments, variables_of
 from .sticking import moving
@@ -192,7 +192,7 @@ def _rows(design: Design, record: Record, windows: Windows, scale: np.ndarray) -
     cache: Cache = {}
     target = record.x_dot - design.known(variables)
     values = [column.evaluate(variables, cache) for column in design.columns]
-    stacked, weights = [], moving(record, design.velocities) * settled(design, record)
+    stacked, weights = [], moving(record, design.velocities) * settled_rows(design, record)
     for state in design.open_states:
         columns = np.column_stack([*(v[:, state] for v in values), target[:, state]])
         stacked.append(project(columns * weights[:, state, None], windows) / scale[state])

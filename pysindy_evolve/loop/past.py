@@ -17,7 +17,7 @@ from .design import Design
 from .segments import scale_of
 from .sticking import noise_of
 
-__all__ = ["begun", "first_state", "rates_on", "settled"]
+__all__ = ["begun", "first_state", "rates_on", "settled_rows"]
 
 LONGEST = 8  # no more than the eighth part of a record tells how it began
 HALVED = 4.0  # times the mean square that another past must leave: it halves the error
@@ -136,7 +136,7 @@ def rates_on(equations: Equations, record: Record) -> np.ndarray:
     return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
 
 
-def settled(design: Design, record: Record) -> np.ndarray:
+def settled_rows(design: Design, record: Record) -> np.ndarray:
     """Return on which rows it does not matter any more how hidden states began.
 
     Parameters
