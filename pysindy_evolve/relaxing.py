@@ -139,6 +139,10 @@ class Relaxation:
         return np.asarray(x - relaxing_along(x, t, *self.numbers(path), begun))
 
     def span(self, path: Call, rows: np.ndarray) -> tuple[float, float]:
-        """Return between which values h may have begun: those that x has in the record."""
+        """Return between which values h may have begun: those of x here, and as far beyond.
+
+        A motion that dies out was larger before the record.
+        """
         x = path.args[0].evaluate(rows)
-        return float(x.min()), float(x.max())
+        width = float(np.ptp(x))
+        return float(x.min()) - width, float(x.max()) + width
