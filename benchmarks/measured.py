@@ -19,7 +19,7 @@ import numpy as np
 
 import pysindy_evolve as pse
 from pysindy_evolve.datasets import MeasuredRecord
-from pysindy_evolve.loop.runs import free_run
+from pysindy_evolve.loop.fitting.runs import free_run
 
 FRICTION = {
     "Coulomb friction",

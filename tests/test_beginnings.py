@@ -5,11 +5,11 @@ import pytest
 from scipy.signal import lsim
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.beginnings import settled_beginning
-from pysindy_evolve.loop.candidate import CandidateMaker
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.recall import MemoryFinding, memories_of
-from pysindy_evolve.loop.segments import segments
+from pysindy_evolve.loop.effects.candidate import CandidateMaker
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.memories.recall import MemoryFinding, memories_of
+from pysindy_evolve.loop.revision.beginnings import settled_beginning
 from pysindy_evolve.memory import LAG, Memory, raw_inputs
 from pysindy_evolve.terms import variable
 

@@ -8,21 +8,21 @@ from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden import with_memories
-from pysindy_evolve.loop.by_runs import find_by_runs
-from pysindy_evolve.loop.candidate import Candidate
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.drift import drift_of
-from pysindy_evolve.loop.halts import LimitFinding
-from pysindy_evolve.loop.limits import limited, limits_of
-from pysindy_evolve.loop.past import begun
-from pysindy_evolve.loop.recall import MemoryFinding
-from pysindy_evolve.loop.records import widened
-from pysindy_evolve.loop.revise import prune
-from pysindy_evolve.loop.rules import Rules
-from pysindy_evolve.loop.runs import free_run
-from pysindy_evolve.loop.segments import segments
-from pysindy_evolve.loop.tuning import tuned
-from pysindy_evolve.loop.variants import Model
+from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.fitting.past import begun
+from pysindy_evolve.loop.fitting.runs import free_run
+from pysindy_evolve.loop.free_runs.by_runs import find_by_runs
+from pysindy_evolve.loop.free_runs.drift import drift_of
+from pysindy_evolve.loop.free_runs.halts import LimitFinding
+from pysindy_evolve.loop.free_runs.limits import limited, limits_of
+from pysindy_evolve.loop.free_runs.tuning import tuned
+from pysindy_evolve.loop.free_runs.variants import Model
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.records import widened
+from pysindy_evolve.loop.given.rules import Rules
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.memories.recall import MemoryFinding
+from pysindy_evolve.loop.revision.revise import prune
 from pysindy_evolve.memory import Memory, remembered
 from pysindy_evolve.simulation.pieces import simulate_pieces
 

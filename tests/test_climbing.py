@@ -5,11 +5,11 @@ import pytest
 from loop_systems import measured
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.candidate import Candidate
-from pysindy_evolve.loop.climbing import climbed
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.grow import OPERATORS
-from pysindy_evolve.loop.segments import segments
+from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.growth.climbing import climbed
+from pysindy_evolve.loop.growth.grow import OPERATORS
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.terms import call, constant, mul, power, variable
 

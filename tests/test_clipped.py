@@ -9,12 +9,12 @@ from test_by_runs import DT as SLOW
 from test_by_runs import FINE, TANK, found_in, inflow
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.clipped import clipped_sensors
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.halts import LimitFinding, may_stop_itself
-from pysindy_evolve.loop.rules import Rules
-from pysindy_evolve.loop.runs import simulation_errors
-from pysindy_evolve.loop.variants import Model
+from pysindy_evolve.loop.fitting.runs import simulation_errors
+from pysindy_evolve.loop.free_runs.clipped import clipped_sensors
+from pysindy_evolve.loop.free_runs.halts import LimitFinding, may_stop_itself
+from pysindy_evolve.loop.free_runs.variants import Model
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.rules import Rules
 
 OSCILLATOR = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 TRUTH = (40.0, 0.8, 1.0)

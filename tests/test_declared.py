@@ -7,7 +7,7 @@ import sympy
 from sklearn.base import clone
 
 from pysindy_evolve import DeclaredModel, Operator, Record
-from pysindy_evolve.loop.declared import design_of
+from pysindy_evolve.loop.given.declared import design_of
 
 NAMES = ("q", "v", "F", "t")
 POINT = np.array([[0.7, -1.3, 2.0, 5.0]])

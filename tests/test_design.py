@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pysindy_evolve import DeclaredModel
-from pysindy_evolve.loop.design import in_state
+from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, variable
 

@@ -5,9 +5,9 @@ import pytest
 from loop_systems import equations_of, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.drift import drift_of
-from pysindy_evolve.loop.variants import Model
+from pysindy_evolve.loop.free_runs.drift import drift_of
+from pysindy_evolve.loop.free_runs.variants import Model
+from pysindy_evolve.loop.given.declared import design_of
 
 STRETCHES = (16, 32, 64, 128)
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from loop_systems import oscillator
 
-from pysindy_evolve.loop.candidate import Candidate
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.duels import held_against
-from pysindy_evolve.loop.effects import candidates
-from pysindy_evolve.loop.rules import Rules
-from pysindy_evolve.loop.scoring import columns_of
-from pysindy_evolve.loop.segments import ranges, segments
-from pysindy_evolve.loop.step import Finding
-from pysindy_evolve.loop.variants import Model
+from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.evidence.step import Finding
+from pysindy_evolve.loop.free_runs.duels import held_against
+from pysindy_evolve.loop.free_runs.variants import Model
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.rules import Rules
+from pysindy_evolve.loop.given.segments import ranges, segments
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, variable
 

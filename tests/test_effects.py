@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from pysindy_evolve import DeclaredModel
-from pysindy_evolve.loop.candidate import OFFSET
-from pysindy_evolve.loop.design import in_state
-from pysindy_evolve.loop.effects import candidates, standing
-from pysindy_evolve.loop.vocabulary import VOCABULARY
+from pysindy_evolve.loop.effects.candidate import OFFSET
+from pysindy_evolve.loop.effects.missing import candidates, standing
+from pysindy_evolve.loop.effects.vocabulary import VOCABULARY
+from pysindy_evolve.loop.given.design import in_state
 
 ONE_MASS = {"q": "v", "v": "-k*q - c*v"}
 TWO_MASSES = {"a": "va", "va": "-k*a", "b": "vb", "vb": "-m*b"}

@@ -5,8 +5,8 @@ import pytest
 from loop_systems import equations_of, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.kinematics import positions
-from pysindy_evolve.loop.motions import Motion, Motions
+from pysindy_evolve.loop.given.kinematics import positions
+from pysindy_evolve.loop.report.motions import Motion, Motions
 
 DRAG = oscillator("quadratic drag", "- 0.3*v*abs(v)")
 SLOW = {"noise": 0.02, "size": 0.5}

@@ -5,8 +5,8 @@ import pytest
 from loop_systems import measured
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.fit import derivative_errors, fit
-from pysindy_evolve.loop.sticking import moving
+from pysindy_evolve.loop.fitting.fit import derivative_errors, fit
+from pysindy_evolve.loop.given.sticking import moving
 from pysindy_evolve.signals import Windows
 
 TRUE = np.array([40.0, 0.8, 1.0, 2.0])

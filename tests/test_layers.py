@@ -24,6 +24,9 @@ LAYERS = (
     {"datasets", "paper", "cli"},
     {"__init__", "__main__"},
 )
+# The same for what the loop is made of.
+FLOORS = ("given", "effects", "fitting", "twins", "evidence", "memories", "free_runs", "growth")
+FLOORS += ("revision", "report", "search", "close")
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
 
 
@@ -97,6 +100,16 @@ def test_imports_point_down(module, modules):
         part = imported.split(".")[0]
         if part != own:
             assert RANK[part] <= RANK[own], f"{module} imports {imported}, which lies above it"
+
+
+def test_parts_of_the_loop_import_down(modules):
+    for name in modules:
+        if name.startswith("loop."):
+            floor = FLOORS.index(name.split(".")[1])
+            for imported in internal_imports(modules[name], modules):
+                if imported.startswith("loop."):
+                    below = FLOORS.index(imported.split(".")[1])
+                    assert below <= floor, f"{name} imports {imported}, which lies above it"
 
 
 def test_modules_import_each_other_in_no_circle(modules):

@@ -5,12 +5,12 @@ import pytest
 from loop_systems import oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.effects import candidates
-from pysindy_evolve.loop.parents import without_parents
-from pysindy_evolve.loop.scoring import columns_of
-from pysindy_evolve.loop.segments import ranges, segments
-from pysindy_evolve.loop.step import Finding
+from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.evidence.step import Finding
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.revision.parents import without_parents
 
 ASYMMETRY = ("constant offset", "Coulomb friction", "asymmetric Coulomb friction")
 

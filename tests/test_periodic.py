@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pysindy_evolve.loop.periodic import periodic_candidates, ripple_candidates
+from pysindy_evolve.loop.effects.periodic import periodic_candidates, ripple_candidates
 
 STILL = np.empty((1000, 0))  # no inputs
 

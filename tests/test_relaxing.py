@@ -14,17 +14,17 @@ from pysindy_evolve.boucwen import yielding
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden import with_memories
-from pysindy_evolve.loop.candidate import OFFSET, CandidateMaker, renumbered
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.memories_first import outdoes_memories
-from pysindy_evolve.loop.offers import offer_for, relaxations_for
-from pysindy_evolve.loop.past import first_state, rates_on
-from pysindy_evolve.loop.probes import grid_of
-from pysindy_evolve.loop.relaxation import relaxed_ways
-from pysindy_evolve.loop.scoring import score
-from pysindy_evolve.loop.segments import segments
-from pysindy_evolve.loop.shooting import gains_of_runs
-from pysindy_evolve.loop.unfolding import square_left, unfolded, with_paths
+from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, renumbered
+from pysindy_evolve.loop.effects.relaxation import relaxed_ways
+from pysindy_evolve.loop.evidence.offers import offer_for, relaxations_for
+from pysindy_evolve.loop.evidence.scoring import score
+from pysindy_evolve.loop.fitting.past import first_state, rates_on
+from pysindy_evolve.loop.fitting.shooting import gains_of_runs
+from pysindy_evolve.loop.fitting.unfolding import square_left, unfolded, with_paths
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.memories.memories_first import outdoes_memories
+from pysindy_evolve.loop.memories.probes import grid_of
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.path_states import sayings
 from pysindy_evolve.relaxing import RELAXING, relaxing, relaxing_along

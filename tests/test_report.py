@@ -11,7 +11,7 @@ from loop_systems import equations_of, oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_number
 from pysindy_evolve.hidden import with_memories
-from pysindy_evolve.loop.text import interval
+from pysindy_evolve.loop.report.text import interval
 from pysindy_evolve.memory import Memory
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")

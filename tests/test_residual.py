@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.design import in_state
-from pysindy_evolve.loop.linear import solve
-from pysindy_evolve.loop.residual import jacobian, respond, view_grams
-from pysindy_evolve.loop.segments import segments, variables_of
-from pysindy_evolve.loop.spectral import spectral_grams
+from pysindy_evolve.loop.evidence.spectral import spectral_grams
+from pysindy_evolve.loop.fitting.linear import solve
+from pysindy_evolve.loop.fitting.residual import jacobian, respond, view_grams
+from pysindy_evolve.loop.given.design import in_state
+from pysindy_evolve.loop.given.segments import segments, variables_of
 from pysindy_evolve.terms import mul, power, variable
 
 SPRING = {"q": "v", "v": "-k*q - c*v - e*q^3 + b*F"}

@@ -5,15 +5,15 @@ import pytest
 from loop_systems import Hidden, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.candidate import Candidate
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.effects import candidates
-from pysindy_evolve.loop.encompassing import chance, explained, left_by
-from pysindy_evolve.loop.revise import contested
-from pysindy_evolve.loop.rivals import rivals_of
-from pysindy_evolve.loop.scoring import columns_of
-from pysindy_evolve.loop.segments import ranges, segments
-from pysindy_evolve.loop.step import Finding
+from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.encompassing import chance, explained, left_by
+from pysindy_evolve.loop.evidence.rivals import rivals_of
+from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.evidence.step import Finding
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.revision.revise import contested
 from pysindy_evolve.terms import variable
 
 N_SEGMENTS, N_ROWS, N_COLUMNS = 16, 60, 8

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pysindy_evolve.dictionary import Problem
-from pysindy_evolve.loop.seeds import screened, small_terms
+from pysindy_evolve.loop.growth.seeds import screened, small_terms
 from pysindy_evolve.operators import resolve
 
 NAMES = ("q", "v")

@@ -7,11 +7,11 @@ import pytest
 
 import pysindy_evolve as pse
 from pysindy_evolve.datasets import friction_drive
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.fit import Fit, fit
-from pysindy_evolve.loop.runs import simulation_errors
-from pysindy_evolve.loop.saltation import saltation
-from pysindy_evolve.loop.shooting import _begun, _run, _settled, shot
+from pysindy_evolve.loop.fitting.fit import Fit, fit
+from pysindy_evolve.loop.fitting.runs import simulation_errors
+from pysindy_evolve.loop.fitting.saltation import saltation
+from pysindy_evolve.loop.fitting.shooting import _begun, _run, _settled, shot
+from pysindy_evolve.loop.given.declared import design_of
 
 TRUTH = np.array([0.5, 3.0, 1.5])  # 1/m, viscous and Coulomb friction over the mass
 COMPLETE = pse.DeclaredModel({"q": "v", "v": "b*F - c*v - d*sgn(v)"}, inputs=["F"])
@@ -113,7 +113,7 @@ def test_a_model_that_cannot_follow_the_record_keeps_its_coefficients(drive):
 def test_long_records_are_left_to_the_linear_fit(drive, monkeypatch):
     train, _, design = drive
     linear = fit(design, [train], np.random.default_rng(0))
-    monkeypatch.setattr("pysindy_evolve.loop.shooting.MAX_ROWS", len(train) - 1)
+    monkeypatch.setattr("pysindy_evolve.loop.fitting.shooting.MAX_ROWS", len(train) - 1)
     assert shot(design, linear, [train]) is linear
 
 

@@ -5,12 +5,12 @@ import pytest
 from loop_systems import hidden_effects, measured, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.candidate import OFFSET, Candidate
-from pysindy_evolve.loop.design import in_state
-from pysindy_evolve.loop.effects import standing
-from pysindy_evolve.loop.scoring import propose, quick_fit, score
-from pysindy_evolve.loop.segments import segments
-from pysindy_evolve.loop.trace import fold_errors, rank
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
+from pysindy_evolve.loop.effects.missing import standing
+from pysindy_evolve.loop.evidence.scoring import propose, quick_fit, score
+from pysindy_evolve.loop.evidence.trace import fold_errors, rank
+from pysindy_evolve.loop.given.design import in_state
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.terms import variable
 
 

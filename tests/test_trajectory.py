@@ -6,15 +6,15 @@ from loop_systems import oscillator
 from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.design import in_state
-from pysindy_evolve.loop.drifting import DriftingTwins
-from pysindy_evolve.loop.drifting_rivals import twin_chance
-from pysindy_evolve.loop.effects import candidates
-from pysindy_evolve.loop.random_force import NOISES, drift_size, whitening
-from pysindy_evolve.loop.segments import ranges, variables_of
-from pysindy_evolve.loop.trajectory import MAX_ROWS, Trajectories, followable
-from pysindy_evolve.loop.witness import witnessed
+from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.drifting_rivals import twin_chance
+from pysindy_evolve.loop.evidence.witness import witnessed
+from pysindy_evolve.loop.fitting.random_force import NOISES, drift_size, whitening
+from pysindy_evolve.loop.fitting.trajectory import MAX_ROWS, Trajectories, followable
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.design import in_state
+from pysindy_evolve.loop.given.segments import ranges, variables_of
+from pysindy_evolve.loop.twins.drifting import DriftingTwins
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, mul, variable
 

@@ -7,9 +7,9 @@ import pytest
 from loop_systems import equations_of, measured
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop import paths
-from pysindy_evolve.loop.paths import Path, follow
-from pysindy_evolve.loop.twins import TwinMaker, shuffle_signs
+from pysindy_evolve.loop.twins import paths
+from pysindy_evolve.loop.twins.paths import Path, follow
+from pysindy_evolve.loop.twins.twins import TwinMaker, shuffle_signs
 
 SPRING = {"q": "v", "v": "-40*q - 0.8*v + F"}
 RUBBED = {"q": "v", "v": "-40*q - 0.8*v + F - 2*sgn(v)"}

@@ -8,13 +8,13 @@ from scipy.integrate import solve_ivp
 import pysindy_evolve as pse
 from pysindy_evolve.boucwen import BOUC_WEN, yielding_along
 from pysindy_evolve.hidden import with_memories
-from pysindy_evolve.loop.declared import design_of
-from pysindy_evolve.loop.hysteresis import remembered_ways
-from pysindy_evolve.loop.past import first_state
-from pysindy_evolve.loop.segments import segments
-from pysindy_evolve.loop.trial import Trial, settled
-from pysindy_evolve.loop.twins import TwinMaker
-from pysindy_evolve.loop.unfolding import unfolded, with_paths
+from pysindy_evolve.loop.effects.hysteresis import remembered_ways
+from pysindy_evolve.loop.fitting.past import first_state
+from pysindy_evolve.loop.fitting.trial import Trial, settled
+from pysindy_evolve.loop.fitting.unfolding import unfolded, with_paths
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.twins.twins import TwinMaker
 
 DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 STRENGTH, LENGTH, UNLOADING = 0.6, 0.1, 0.5

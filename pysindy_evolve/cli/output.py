@@ -13,7 +13,7 @@ import numpy as np
 from ..equations import Equations
 from ..export import to_code, to_latex
 from ..loop import LoopReport
-from ..loop.runs import nrmse, simulation_errors
+from ..loop.fitting.runs import nrmse, simulation_errors
 from ..signals import Record
 
 __all__ = ["complain", "print_code", "print_errors", "progress", "save", "say"]

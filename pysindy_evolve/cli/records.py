@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..loop import DeclaredModel
-from ..loop.records import split_records
+from ..loop.given.records import split_records
 from ..signals import Record, prepare, read_csv
 
 __all__ = ["derived_names", "order_of", "read_all", "read_split"]

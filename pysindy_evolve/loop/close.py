@@ -11,21 +11,21 @@ import pysindy as ps
 from ..memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
-from .algebraic import as_algebraic
-from .by_runs import with_findings
-from .declared import DeclaredModel, design_of
-from .grow import OPERATORS
-from .halts import limits_in, may_stop_itself
-from .limits import off_limits
-from .offers import awaited
-from .recall import memories_of
-from .records import alike, check_records, split_records, widened
-from .report import LoopReport, make_report
-from .revise import contested
-from .rules import Rules, generator
+from .evidence.offers import awaited
+from .evidence.witness import witnessed
+from .free_runs.by_runs import with_findings
+from .free_runs.halts import limits_in, may_stop_itself
+from .free_runs.limits import off_limits
+from .given.algebraic import as_algebraic
+from .given.declared import DeclaredModel, design_of
+from .given.records import alike, check_records, split_records, widened
+from .given.rules import Rules, generator
+from .growth.grow import OPERATORS
+from .memories.recall import memories_of
+from .report.report import LoopReport, make_report
+from .revision.revise import contested
+from .revision.slopes import told_by_slopes
 from .search import Search
-from .slopes import told_by_slopes
-from .witness import witnessed
 
 __all__ = ["close_loop"]
 

@@ -10,29 +10,29 @@ import numpy as np
 from ..memory import preceded, remembered
 from ..operators import Operator
 from ..signals import Record
-from .beginnings import settled_beginning
-from .by_runs import find_by_runs, with_findings
-from .clipped import clipped_sensors
-from .design import Design
-from .duels import held_against
-from .grow import Garden
-from .halts import limits_in
-from .limits import off_limits
-from .offers import awaited
-from .outlived import without_outlived
-from .recall import find_or_recall, memories_of, resettled
-from .rejected import Rejected
-from .relaxation import relaxations_of
-from .revise import exchange, merged, prune
-from .rules import Rules
-from .segments import Segments
-from .step import Finding
-from .structure import structure_chance
-from .thinning import thinned
-from .trace import EVOLVED
-from .unfolding import paths_of
-from .variants import Model
-from .yielding import needed_by_runs, with_numbers, with_numbers_of_runs
+from .effects.relaxation import relaxations_of
+from .evidence.offers import awaited
+from .evidence.rejected import Rejected
+from .evidence.step import Finding
+from .evidence.structure import structure_chance
+from .evidence.trace import EVOLVED
+from .fitting.unfolding import paths_of
+from .free_runs.by_runs import find_by_runs, with_findings
+from .free_runs.clipped import clipped_sensors
+from .free_runs.duels import held_against
+from .free_runs.halts import limits_in
+from .free_runs.limits import off_limits
+from .free_runs.variants import Model
+from .given.design import Design
+from .given.rules import Rules
+from .given.segments import Segments
+from .growth.grow import Garden
+from .memories.recall import find_or_recall, memories_of, resettled
+from .revision.beginnings import settled_beginning
+from .revision.outlived import without_outlived
+from .revision.revise import exchange, merged, prune
+from .revision.thinning import thinned
+from .revision.yielding import needed_by_runs, with_numbers, with_numbers_of_runs
 
 __all__ = ["Search"]
 

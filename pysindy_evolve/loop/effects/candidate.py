@@ -1,0 +1,104 @@
+"""A candidate: an effect that may be missing, as columns that may enter an equation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from ...terms import ONE, Sum
+
+__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "renumbered"]
+
+OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
+REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Positive numbers that terms depend on other than linearly, and how to build the terms.
+
+    `reach` is how far the logarithm of each number may be tuned to both sides.
+    """
+
+    values: tuple[float, ...]
+    builds: tuple[Callable[..., Sum], ...]
+    reach: float = REACH
+
+    @property
+    def terms(self) -> tuple[Sum, ...]:
+        """The terms for these values."""
+        return tuple(build(*self.values) for build in self.builds)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect that may be missing: its name, the equation it enters, its columns.
+
+    `parents` are expressions that must already stand in the equation. An effect with a `shape`
+    stands on a grid of its numbers, which are tuned once the effect is found. One that is `whole`
+    has its parents in it, as a weight has a mean: where it says all that they say, they may go. One
+    that `refines` effects of certain names must do better than they by more than chance, see
+    refinement.py. One that is `alone` is scored in no pair: it bends so far that any other effect
+    beside it would seem to be worth something.
+    """
+
+    name: str
+    state: int
+    terms: tuple[Sum, ...]
+    parents: tuple[Sum, ...] = ()
+    shape: Shape | None = field(default=None, compare=False)
+    whole: bool = field(default=False, compare=False)
+    refines: tuple[str, ...] = field(default=(), compare=False)
+    alone: bool = field(default=False, compare=False)
+
+    @property
+    def is_exchange(self) -> bool:
+        """Whether it changes what a term of the model depends on, instead of adding one."""
+        return False
+
+    @property
+    def size(self) -> int:
+        """Number of nodes of its terms."""
+        return sum(term.size for term in self.terms)
+
+
+@dataclass(frozen=True)
+class _Renumbered:
+    """Builds a term whose variables are numbered otherwise."""
+
+    build: Callable[..., Sum]
+    number: Callable[[Sum], Sum]
+
+    def __call__(self, *values: float) -> Sum:
+        """Return the term."""
+        return self.number(self.build(*values))
+
+
+def renumbered(candidate: Candidate, number: Callable[[Sum], Sum]) -> Candidate:
+    """Return a candidate whose variables are numbered otherwise, also when it is tuned."""
+    terms, parents = (tuple(map(number, those)) for those in (candidate.terms, candidate.parents))
+    shape = candidate.shape
+    if shape is not None:
+        shape = replace(shape, builds=tuple(_Renumbered(build, number) for build in shape.builds))
+    return replace(candidate, terms=terms, parents=parents, shape=shape)
+
+
+@dataclass(frozen=True)
+class CandidateMaker:
+    """Makes the candidates of one equation."""
+
+    state: int
+
+    def __call__(
+        self,
+        name: str,
+        *terms: Sum,
+        parents: tuple[Sum, ...] = (),
+        shape: Shape | None = None,
+        whole: bool = False,
+        refines: tuple[str, ...] = (),
+        alone: bool = False,
+    ) -> Candidate:
+        """Return a candidate; the columns of one with a shape are built from it."""
+        columns = terms if shape is None else shape.terms
+        return Candidate(name, self.state, columns, parents, shape, whole, refines, alone)

@@ -1,0 +1,152 @@
+"""Hysteresis, and friction whose sign is rounded off.
+
+Hysteresis is a friction whose sign changes before or after the velocity does, sgn(v + c x) or
+sgn(v + c a), sharp or rounded off. A position may be measured from anywhere, so the middle of the
+stroke takes the place of its zero. Bouc and Wen's hysteresis depends on the path only, see
+boucwen.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from ...boucwen import yielding, yielding_along
+from ...operators import BUILTIN
+from ...terms import Sum, add, call, constant, mul, sub, variable
+from .candidate import Candidate, CandidateMaker, Shape
+
+__all__ = ["SIMPLER", "remembered_ways", "remembering", "rounded", "rounded_sign", "yields"]
+
+PLAINER = ("Coulomb friction",)  # which hysteresis may be taken for, where the velocity is noisy
+# In an equation of motion position and velocity are noisy states, and any friction or spring may
+# look like a friction that remembers.
+SIMPLER = (
+    *PLAINER,
+    "Stribeck friction",
+    "position-dependent friction",
+    "quadratic drag",
+    "nonlinear damping",
+    "quadratic stiffness",
+    "cubic stiffness",
+    "quintic stiffness",
+    "dead zone",
+    "gravity",
+)
+SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
+WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
+LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the stroke
+UNLOADINGS = (0.25, 1.0, 4.0)  # Dahl's friction in the middle
+ENOUGH = 8  # times that a friction must have turned round, or its memory does not show
+CENTERED = 0.1  # share of half the stroke that a zero of the position may lie off its middle
+
+
+def rounded_sign(v: Sum, width: float) -> Sum:
+    """Return tanh(v / width)."""
+    return call(BUILTIN["tanh"], mul(constant(1.0 / width), v))
+
+
+def _slanted(v: Sum, x: Sum, slant: float, middle: float) -> Sum:
+    """Return v + slant (x - middle)."""
+    return add(v, mul(constant(slant), sub(x, constant(middle))))
+
+
+def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Candidate]:
+    """Go through frictions whose sign is rounded off."""
+    for width in WIDTHS:
+        smooth = Shape((width * float(scales[v]),), (partial(rounded_sign, variable(v)),))
+        yield effect("Coulomb friction", shape=smooth)
+
+
+@dataclass(frozen=True)
+class Yield:
+    """Builds the sign of v + c (x - m) from the sizes of c, of its width if any, and of m if any.
+
+    Attributes
+    ----------
+    v, x : Sum
+        Velocity, and what leads or follows it.
+    sign, side : float
+        Signs of c and of m.
+    is_sharp : bool
+        Whether there is no width.
+    """
+
+    v: Sum
+    x: Sum
+    sign: float
+    side: float
+    is_sharp: bool
+
+    def __call__(self, slant: float, *others: float) -> Sum:
+        """Return the term."""
+        middle = self.side * (others[-1] if self.side else 0.0)
+        inside = _slanted(self.v, self.x, self.sign * slant, middle)
+        return call(BUILTIN["sgn"], inside) if self.is_sharp else rounded_sign(inside, others[0])
+
+
+def yields(
+    effect: CandidateMaker, x: int, v: int, scales: np.ndarray, middle: float
+) -> Iterator[Candidate]:
+    """Go through hysteretic frictions of a velocity, led or followed by another variable."""
+    speed, stroke = float(scales[v]), float(scales[x]) - abs(middle)
+    side = float(np.sign(middle)) if abs(middle) > CENTERED * stroke else 0.0
+    places = (abs(middle),) if side else ()
+    for share in (None, *WIDTHS):
+        width = () if share is None else (share * speed,)
+        for sign in (1.0, -1.0):
+            build = Yield(variable(v), variable(x), sign, side, share is None)
+            for slant in SLANTS:
+                shape = Shape((slant * speed / stroke, *width, *places), (build,))
+                yield effect("hysteresis", shape=shape, refines=PLAINER)
+
+
+def remembering(
+    effect: CandidateMaker,
+    x: int,
+    v: int,
+    scales: np.ndarray | Mapping[int, float],
+    middle: float,
+    unloadings: Sequence[float] = UNLOADINGS,
+    refines: tuple[str, ...] = PLAINER,
+) -> Iterator[Candidate]:
+    """Go through hystereses of Bouc and Wen, which remember the path of a position."""
+    stroke = float(scales[x]) - abs(middle)
+    build = partial(yielding, variable(x), variable(v))
+    for length in LENGTHS:
+        for unloading in unloadings:
+            shape = Shape((length * stroke, unloading), (build,))
+            yield effect("hysteresis", shape=shape, refines=refines)
+
+
+def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]:
+    """Return the hystereses of Bouc and Wen that an equation of motion may lack.
+
+    Parameters
+    ----------
+    state : int
+        The velocity, whose equation it is.
+    position : int
+        The state that remembers its path.
+    x : ndarray of shape (n_samples,)
+        The position in time order. Where it hardly ever turns there is nothing to remember.
+
+    Returns
+    -------
+    list of Candidate
+        With the friction of Dahl in the middle; the rate of unloading is tuned from there.
+    """
+    low, high = float(x.min()), float(x.max())
+    scales = {position: max(abs(low), abs(high))}
+    middle, dahl = 0.5 * (low + high), UNLOADINGS[1:2]
+    ways = remembering(CandidateMaker(state), position, state, scales, middle, dahl, SIMPLER)
+    return [way for way in ways if _turns(way, x) >= ENOUGH]
+
+
+def _turns(way: Candidate, x: np.ndarray) -> int:
+    """Return how often a friction changes its sign along a path."""
+    w = yielding_along(x, *way.shape.values) if way.shape else np.zeros(1)
+    return int(np.sum(w[1:] * w[:-1] < 0.0))

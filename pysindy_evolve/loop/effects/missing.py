@@ -1,0 +1,87 @@
+"""Which effects may be missing from a design, and what stands in it already."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...terms import Sum
+from ..given.design import Design
+from .candidate import OFFSET, Candidate
+from .vocabulary import of_equation
+
+__all__ = ["candidates", "standing"]
+
+
+def candidates(
+    design: Design,
+    scales: np.ndarray,
+    signed: np.ndarray | None = None,
+    apart: np.ndarray | None = None,
+    middle: np.ndarray | None = None,
+) -> list[Candidate]:
+    """Return the effects that may be missing from a design.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    scales : ndarray of shape (n_variables,)
+        Largest magnitude of each variable: states, inputs, time.
+    signed : ndarray of bool of shape (n_variables,), optional
+        Which variables change their sign; by default all. The powers of one that does not pose
+        as an offset no more than itself, and need none beside them.
+    apart : ndarray of shape (n_variables, n_variables), optional
+        Largest magnitude of the difference of each two variables; by default the sum of theirs.
+    middle : ndarray of shape (n_variables,), optional
+        Halfway between the smallest and the largest value of each variable; by default zero.
+
+    Returns
+    -------
+    list of Candidate
+        Effects whose terms all stand in the equation already are left out.
+    """
+    present = standing(design)
+    apart = np.add.outer(scales, scales) if apart is None else apart
+    middle = np.zeros_like(scales) if middle is None else middle
+    free = set() if signed is None else {int(v) for v in np.flatnonzero(~signed)}
+    return [
+        _freed(candidate, design, free)
+        for state in design.open_states
+        for candidate in of_equation(design, state, scales, apart, middle)
+        if not all((state, _bare(term)) in present for term in candidate.terms)
+        # A dead zone lies about zero, and a position that never is there knows nothing of it.
+        and not (candidate.name == "dead zone" and candidate.terms[0].variables & free)
+    ]
+
+
+def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
+    """Drop the offset from the parents of an effect of variables that keep their sign.
+
+    Not so in the equation of a velocity: a position that is never zero is only measured from
+    somewhere else.
+    """
+    variables = frozenset().union(*(term.variables for term in candidate.terms))
+    positioned = design.position_of(candidate.state) is not None
+    if positioned or not variables & free or candidate.name == "drift":
+        return candidate
+    kept = tuple(parent for parent in candidate.parents if parent != OFFSET)
+    return replace(candidate, parents=kept)
+
+
+def standing(design: Design) -> set[tuple[int, Sum]]:
+    """Return equation and expression, without its coefficient, of all that stands in a design."""
+    found = set()
+    for state in range(len(design.states)):
+        for part in (design.fixed[state], *(c.parts[state] for c in design.columns)):
+            if part.parts:
+                found.add((state, _bare(part)))
+            found |= {(state, Sum(((1.0, term),))) for _, term in part.parts}
+    return found
+
+
+def _bare(expression: Sum) -> Sum:
+    """Return an expression with its last coefficient made one."""
+    leading = expression.parts[-1][0]
+    return Sum(tuple((c / leading, term) for c, term in expression.parts))

@@ -1,0 +1,102 @@
+"""Relaxation that an equation may lack: a spring whose force fades, a body that stores heat.
+
+What acts is how far a state is ahead of a hidden one that follows it, see relaxing.py. Short
+relaxation times look like a damping, long ones like a spring or an outflow; in between nothing else
+of the vocabulary has the same phase, but noise, a filter or a late input can look like it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...memory import DELAY, LAG
+from ...path_states import kind_of, paths_in
+from ...relaxing import RELAXING, relaxing
+from ...signals import Record
+from ...terms import Call, Sum, variable
+from ..given.design import Design
+from .candidate import Candidate, CandidateMaker, Shape
+from .hysteresis import SIMPLER
+
+__all__ = ["relaxations_of", "relaxed_ways", "within_reach"]
+
+# A shorter one looks like one more derivative of the state, in which noise of the target, and any
+# late or lagging input, can be told from the measured state itself.
+SHORTEST = 0.5  # relaxation time, in periods of the highest frequency that a filter left
+SAMPLES = 2.0  # the same, in samples
+LONGEST = 0.25  # of the record
+CLEAR = 1.25  # times the shortest one, that a relaxation time must be
+RATIO = 2.5  # between places of the grid, from each of which it is tuned
+PLAINER = (*SIMPLER, "viscous damping", DELAY, LAG)
+
+
+@dataclass(frozen=True)
+class Relaxed:
+    """Builds the term of a relaxation from its time, which is no shorter than the samples can tell.
+
+    Attributes
+    ----------
+    source, time : Sum
+        The state that a hidden one follows, and the time.
+    shortest : float
+        Relaxation time, units of t.
+    """
+
+    source: Sum
+    time: Sum
+    shortest: float
+
+    def __call__(self, relaxation_time: float) -> Sum:
+        """Return the term."""
+        return relaxing(self.source, self.time, max(relaxation_time, self.shortest))
+
+
+def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
+    """Return the relaxations that an equation may lack.
+
+    Parameters
+    ----------
+    state : int
+        Whose equation it is.
+    source : int
+        The state that a hidden one follows: a position, or the state itself.
+    record : Record
+        The longest of the training records.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    effect, time = CandidateMaker(state), record.n_states + record.n_inputs
+    value, longest = _span(record)
+    build, found = Relaxed(variable(source), variable(time), value), []
+    while value < longest:
+        shape = Shape((value,), (build,))
+        found.append(effect("hidden state", shape=shape, refines=PLAINER, alone=True))
+        value *= RATIO
+    return found
+
+
+def _span(record: Record) -> tuple[float, float]:
+    """Return the shortest and the longest relaxation time that a record can tell."""
+    made, shortest = record.preparation, SAMPLES * record.dt
+    if made is not None and made.cutoff:
+        shortest = max(shortest, SHORTEST / made.cutoff)
+    return shortest, LONGEST * len(record) * record.dt
+
+
+def within_reach(path: Call, record: Record) -> bool:
+    """Tell whether a relaxation time is longer than the shortest one tried, and not too long.
+
+    One that ends at the shortest would be shorter still if it could, and means another derivative.
+    """
+    (relaxation_time,), (shortest, longest) = kind_of(path).numbers(path), _span(record)
+    return CLEAR * shortest < relaxation_time < longest
+
+
+def relaxations_of(design: Design) -> tuple[Call, ...]:
+    """Return the different relaxations that a design holds."""
+    paths = paths_in(design.equations(np.ones(len(design.columns))))
+    return tuple(path for path in paths if path.operator == RELAXING)

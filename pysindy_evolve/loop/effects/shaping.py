@@ -1,0 +1,58 @@
+"""The numbers inside an effect, such as the rate of an exponential, as a shape to be tuned."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from ...genetics import CURVED
+from ...terms import Call, Product, Sum, constant, mul, simplified
+from .candidate import Candidate, Shape
+
+__all__ = ["shape_of"]
+
+MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
+
+
+def shape_of(candidate: Candidate) -> Shape | None:
+    """Return the numbers of an effect and how to build its terms.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Of the vocabulary or grown.
+
+    Returns
+    -------
+    Shape or None
+        None if there is no number in it that could be tuned, or too many of them.
+    """
+    if candidate.shape is not None:
+        return candidate.shape
+    parts = [part for term in candidate.terms for part in term.parts]
+    term, numbers = parts[0][1], np.array(parts[0][1].constants)
+    if not len(numbers):  # exp(v) is exp(1 v)
+        term = _with_numbers(term)
+        numbers = np.ones(len(term.constants))
+    if len(parts) != 1 or not 0 < len(numbers) <= MOST_NUMBERS or not numbers.all():
+        return None
+    build = partial(_built, term, np.sign(numbers))
+    return Shape(tuple(np.abs(numbers).tolist()), (build,))
+
+
+def _with_numbers(term: Product) -> Product:
+    """Return a term with some number before the argument of each curved function."""
+    return simplified(
+        tuple(
+            (Call(atom.operator, tuple(mul(constant(2.0), a) for a in atom.args)), n)
+            if isinstance(atom, Call) and atom.operator.name in CURVED
+            else (atom, n)
+            for atom, n in term.factors
+        )
+    )
+
+
+def _built(term: Product, signs: np.ndarray, *values: float) -> Sum:
+    constants = [float(s * v) for s, v in zip(signs, values, strict=True)]
+    return Sum(((1.0, term.with_constants(constants)),))

@@ -1,0 +1,198 @@
+"""The vocabulary: effects that engineers know by name, and the terms that each of them stands for.
+
+Squares, products, absolute values and time have a mean, so each of them can pose as an offset. They
+may enter only where the constant itself already stands (the marginality principle of regression,
+Nelder 1977, DOI 10.2307/2344517).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from ...operators import BUILTIN
+from ...terms import Sum, add, call, constant, mul, power, sub, variable
+from ..given.design import Design
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape
+from .hysteresis import remembering, rounded, yields
+
+__all__ = ["VOCABULARY", "of_equation"]
+
+VOCABULARY = (
+    "Coulomb friction",
+    "asymmetric Coulomb friction",
+    "Stribeck friction",
+    "position-dependent friction",
+    "viscous damping",
+    "quadratic drag",
+    "nonlinear damping",
+    "linear stiffness",
+    "quadratic stiffness",
+    "cubic stiffness",
+    "quintic stiffness",
+    "dead zone",
+    "saturation",
+    "gravity",
+    "constant offset",
+    "coupling",
+    "input nonlinearity",
+    "input gain",
+    "drift",
+    "periodic forcing",
+    "position-periodic ripple",
+    "input delay",
+    "actuator lag",
+    "hysteresis",
+    "hidden state",
+    "evolved term",
+)
+
+# Stribeck speeds and widths of dead zones and saturations, as shares of the size of the signal.
+STRIBECK_SPEEDS = (0.03, 0.1, 0.3)
+DEAD_ZONES = (0.08, 0.2, 0.5)
+SATURATIONS = (0.08, 0.2, 0.35, 0.5, 0.7, 0.9)
+
+
+def _abs(a: Sum) -> Sum:
+    return call(BUILTIN["abs"], a)
+
+
+def _sgn(a: Sum) -> Sum:
+    return call(BUILTIN["sgn"], a)
+
+
+def _clipped(a: Sum, limit: float) -> Sum:
+    """Return a between -limit and limit, written with absolute values."""
+    edge = constant(limit)
+    return mul(constant(0.5), sub(_abs(add(a, edge)), _abs(sub(a, edge))))
+
+
+def _beyond(a: Sum, limit: float) -> Sum:
+    """Return how far a lies outside of -limit to limit."""
+    return sub(a, _clipped(a, limit))
+
+
+def _stribeck(v: Sum, speed: float) -> Sum:
+    """Return the sign of v with a bell around zero: friction that falls with the speed."""
+    bell = call(BUILTIN["exp"], mul(constant(-1.0 / speed**2), power(v, 2)))
+    return mul(_sgn(v), bell)
+
+
+def of_equation(
+    design: Design, state: int, scales: np.ndarray, apart: np.ndarray, middle: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through the vocabulary for one equation, simple effects before composed ones."""
+    effect = CandidateMaker(state)
+    n_states, n_inputs = len(design.states), len(design.inputs)
+    if design.algebraic:
+        yield from _of_target(effect, design, scales, middle)
+        return
+    v, position = variable(state), design.position_of(state)
+    yield effect("constant offset", OFFSET)
+    yield from _frictions(effect, v, float(scales[state]))
+    if position is not None:
+        yield from _springs(effect, variable(position), v, float(scales[position]))
+    for other in range(n_states):
+        if other not in (state, position):
+            yield from _couplings(effect, design, state, other)
+            yield from _between(effect, design, state, other, apart)
+    for column in range(n_states, n_states + n_inputs):
+        own = [v] if position is None else [v, variable(position)]
+        yield from _inputs(effect, variable(column), own, float(scales[column]))
+    yield effect("drift", variable(n_states + n_inputs), parents=(OFFSET,))
+
+
+def _of_target(
+    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through the effects of a target that is a function of inputs."""
+    yield effect("constant offset", OFFSET)
+    first = len(design.states)
+    velocities = {v for _, v in design.motions}
+    moving: set[int] = set()
+    for x, v in design.motions:
+        if x in velocities:  # velocity and acceleration
+            yield from yields(effect, v, x, scales, 0.0)  # the zero of an acceleration is known
+            continue
+        yield from _frictions(effect, variable(v), float(scales[v]))
+        yield from _springs(effect, variable(x), variable(v), float(scales[x]))
+        yield from rounded(effect, v, scales)
+        yield from yields(effect, x, v, scales, float(middle[x]))
+        yield from remembering(effect, x, v, scales, float(middle[x]))
+        moving |= {x, v}
+    for column in range(first, first + len(design.inputs)):
+        if column not in moving:
+            own = [variable(other) for other in sorted(moving)]
+            yield from _inputs(effect, variable(column), own, float(scales[column]))
+
+
+def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
+    yield effect("viscous damping", v)
+    yield effect("Coulomb friction", _sgn(v))
+    yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
+    for share in STRIBECK_SPEEDS:
+        shape = Shape((share * speed,), (partial(_stribeck, v),))
+        yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
+    yield effect("quadratic drag", mul(v, _abs(v)))
+    yield effect("nonlinear damping", power(v, 3))
+
+
+def _springs(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:
+    yield effect("linear stiffness", q)
+    yield effect("quadratic stiffness", power(q, 2), parents=(OFFSET,))
+    yield effect("cubic stiffness", power(q, 3))
+    yield effect("quintic stiffness", power(q, 5))
+    for share in DEAD_ZONES:
+        yield effect("dead zone", shape=Shape((share * reach,), (partial(_beyond, q),)))
+    yield effect("gravity", call(BUILTIN["sin"], q))
+    yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,), whole=True)
+    yield effect("nonlinear damping", mul(power(q, 2), v))
+    yield effect("position-dependent friction", mul(_abs(q), _sgn(v)))
+    yield effect("position-dependent friction", mul(power(q, 2), _sgn(v)))
+    yield effect("position-dependent friction", mul(q, _sgn(v)), parents=(_sgn(v),))
+    yield effect("coupling", mul(q, v), parents=(OFFSET,))
+
+
+def _couplings(
+    effect: CandidateMaker, design: Design, state: int, other: int
+) -> Iterator[Candidate]:
+    own, w = variable(state), variable(other)
+    yield effect("coupling", w)
+    yield effect("coupling", mul(own, w), parents=(OFFSET,))
+    yield effect("coupling", power(w, 2), parents=(OFFSET,))
+
+
+def _between(
+    effect: CandidateMaker, design: Design, state: int, other: int, apart: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through the forces between two bodies, which their relative motion makes."""
+    position = design.position_of(state)
+    if position is None:
+        return
+    if design.position_of(other) is not None:
+        slip = sub(variable(state), variable(other))
+        yield effect("Coulomb friction", _sgn(slip))
+        yield effect("nonlinear damping", _abs(slip), parents=(OFFSET,))
+        yield effect("quadratic drag", mul(slip, _abs(slip)))
+        yield effect("nonlinear damping", power(slip, 3))
+    if design.derivative_of(other) is not None:
+        stretch = sub(variable(position), variable(other))
+        yield effect("quadratic stiffness", power(stretch, 2), parents=(OFFSET,))
+        yield effect("cubic stiffness", power(stretch, 3))
+        for share in DEAD_ZONES:
+            width = share * float(apart[position, other])
+            shape = Shape((width,), (partial(_beyond, stretch),))
+            yield effect("dead zone", shape=shape)
+
+
+def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:
+    yield effect("input gain", u)
+    for x in own:
+        yield effect("input gain", mul(u, x), parents=(OFFSET,))
+    yield effect("input nonlinearity", power(u, 2), parents=(OFFSET,))
+    yield effect("input nonlinearity", mul(u, _abs(u)))
+    yield effect("input nonlinearity", power(u, 3))
+    for share in SATURATIONS:
+        yield effect("saturation", shape=Shape((share * reach,), (partial(_clipped, u),)))

@@ -1,0 +1,92 @@
+"""The effects that could have left the same short trajectory in the place of one.
+
+A rival stands in the place of the effect, and twins are made of that model. In each of them the
+rival is the cause, and yet another candidate may do better by chance. Where the best one does so by
+as much as in the record in more than a few of the twins, the rival is an alternative.
+
+References
+----------
+Cox, J. R. Stat. Soc. B 24 (1962), DOI 10.1111/j.2517-6161.1962.tb00468.x: models not nested.
+Williams, Biometrics 26 (1970), DOI 10.2307/2529002: the same by simulation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..fitting.trajectory import Trajectories
+from ..given.design import Column, Design
+from ..twins.chance import p_value_of
+from ..twins.drifting import DriftingTwins
+from .scoring import columns_of
+
+__all__ = ["twin_chance"]
+
+N_TWINS = 99
+FEWEST = 19  # after so many a rival is refuted if none of them comes near ...
+CLEAR = 2.0  # ... which is to say, within this factor
+
+
+def twin_chance(
+    rival: Candidate,
+    design: Design,
+    options: Sequence[Candidate],
+    records: Sequence[Record],
+    level: float,
+    rng: np.random.Generator,
+) -> float:
+    """Return the chance that the best option does so much better than a rival that is the cause.
+
+    Parameters
+    ----------
+    rival : Candidate
+        The supposed cause.
+    design : Design
+        The model without it.
+    options : sequence of Candidate
+        All that may be the cause, the rival among them.
+    records : sequence of Record
+        Training records.
+    level : float
+        No more twins are made once it is clear that the chance is larger.
+    rng : numpy.random.Generator
+        Draws the twins.
+
+    Returns
+    -------
+    float
+    """
+    observed = _lead(rival, design, options, records)
+    maker = DriftingTwins.of(design.adding(columns_of(rival, design)), records)
+    leads: list[float] = []
+    for child in rng.spawn(N_TWINS):
+        leads.append(_lead(rival, design, options, maker.make(child)))
+        stands = np.sum(np.array(leads) >= observed) > level * (N_TWINS + 1)
+        if stands:
+            break
+        if len(leads) >= FEWEST and CLEAR * max(leads) < observed:
+            return 1.0 / (1 + N_TWINS)
+    return p_value_of(observed, leads)
+
+
+def _lead(
+    rival: Candidate, design: Design, options: Sequence[Candidate], records: Sequence[Record]
+) -> float:
+    """Return the log error by which the best option does better than a rival."""
+    columns: list[Column] = list(design.columns)
+    base = tuple(range(len(columns)))
+    models: dict[int, list[tuple[int, ...]]] = {}
+    for option in options:
+        own = columns_of(option, design)
+        model = (*base, *range(len(columns), len(columns) + len(own)))
+        models.setdefault(len(model), []).append(model)
+        columns += own
+        if option is rival:
+            its_own = model
+    track = Trajectories(records, design, columns)
+    best = min(track.errors(np.array(alike)).min() for alike in models.values())
+    return float(np.log(track.errors(np.array([its_own])).min() / best))

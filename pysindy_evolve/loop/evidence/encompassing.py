@@ -1,0 +1,186 @@
+"""Which other effects could have left the same record? A confidence set, not a list of runners-up.
+
+Two models that are not nested are compared by encompassing: a rival stands in the place of the
+effect, all coefficients are refitted, and the effect is offered beside it once more. If the rival
+were the cause, the effect would gain no more beside it than chance gives to the best of all
+candidates. A gain counts in units of its scatter over the pieces of the record, each of them
+predicted by the others (jackknife), as a column that lives on a few loud pieces gains much by
+chance. How large the largest of these ratios is by chance, the wild cluster bootstrap says: what
+both together leave of each piece is multiplied by a random sign, so that the color of the noise and
+its changes from piece to piece stay. (What the rival alone leaves would hold the effect itself, and
+with it a few loud pieces could pass for chance.)
+
+A rival that is not refuted is an alternative. The cause, if it is among the candidates, is lost
+from the set with no larger chance than the level.
+
+References
+----------
+Mizon and Richard, Econometrica 54 (1986), DOI 10.2307/1911313: encompassing.
+Davidson and MacKinnon, Econometrica 49 (1981), DOI 10.2307/1911522: the J test.
+Cameron, Gelbach and Miller, Rev. Econ. Stat. 90 (2008), DOI 10.1162/rest.90.3.414: the bootstrap.
+MacKinnon, Nielsen and Webb, J. Appl. Econom. 38 (2023), DOI 10.1002/jae.2969: with the jackknife.
+Romano and Wolf, Econometrica 73 (2005), DOI 10.1111/j.1468-0262.2005.00615.x: the largest one.
+
+======  ==============================================  ======================================
+symbol  shape                                           meaning
+======  ==============================================  ======================================
+grams   (n_segments, n_columns + 1, n_columns + 1)      whitened inner products, target last
+free    (n_segments, n_columns + 1, n_columns + 1)      the same, the model's part out
+slopes  (n_segments, n_columns)                         what each column still explains
+shares  (n_segments, n_columns)                         of each column's square, model's part out
+======  ==============================================  ======================================
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..fitting.linear import solve
+from ..twins.chance import p_value_of
+
+__all__ = ["Left", "chance", "explained", "left_by"]
+
+N_SIGNS = 999
+NEW = 1e-6  # share of a column's square that must be left for it to be new
+
+
+@dataclass(frozen=True, eq=False)
+class Left:
+    """What columns of unit size could still explain, segment by segment, beside a model.
+
+    Attributes
+    ----------
+    slopes : ndarray of shape (n_segments, n_columns)
+        Inner products of what is left of the columns and of the target.
+    shares : ndarray of shape (n_segments, n_columns)
+        Of the square of what is left of a column; zero throughout where that is nothing new.
+    """
+
+    slopes: np.ndarray
+    shares: np.ndarray
+
+    @property
+    def gains(self) -> np.ndarray:
+        """Squares that the columns explain, each by itself, shape (n_columns,)."""
+        return np.asarray(self.slopes.sum(axis=0) ** 2)
+
+    def ratios(self, signs: np.ndarray) -> np.ndarray:
+        """Return the gains over their jackknifed scatter, under signs of the segments.
+
+        Parameters
+        ----------
+        signs : ndarray of shape (n_draws, n_segments)
+            Ones and minus ones.
+
+        Returns
+        -------
+        ndarray of shape (n_draws, n_columns)
+            Squares of t-ratios.
+        """
+        # The others miss a segment by (slope - share * total) / (1 - share).
+        weight = 1.0 / np.maximum(1.0 - self.shares, 1e-6) ** 2
+        total = signs @ self.slopes
+        mixed = signs @ (weight * self.shares * self.slopes)
+        own, moved = (np.sum(weight * part**2, axis=0) for part in (self.slopes, self.shares))
+        scatter = own - 2.0 * total * mixed + total**2 * moved
+        return np.asarray(total**2 / np.maximum(scatter, 1e-9 * own + 1e-300))
+
+
+def left_by(grams: np.ndarray, model: Sequence[int]) -> Left:
+    """Return what all columns could explain of what a model leaves.
+
+    Parameters
+    ----------
+    grams : ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
+        Inner products of all columns, target last.
+    model : sequence of int
+        Columns of the model.
+
+    Returns
+    -------
+    Left
+        The columns of the model themselves explain nothing more.
+    """
+    return _left(_freed(grams, model))
+
+
+def chance(
+    grams: np.ndarray, model: Sequence[int], columns: Sequence[int], rng: np.random.Generator
+) -> float:
+    """Return the chance of gains as clear as those of some columns, if the model were the cause.
+
+    Parameters
+    ----------
+    grams : ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
+        Inner products of all columns, target last.
+    model : sequence of int
+        Columns of the rival's model.
+    columns : sequence of int
+        Columns of the effect; the one that gains most clearly counts.
+    rng : numpy.random.Generator
+        Draws the signs.
+
+    Returns
+    -------
+    float
+    """
+    free, own = _freed(grams, model), list(columns)
+    left = _left(free)
+    observed = left.ratios(np.ones((1, len(grams))))[0, own].max()
+    elsewhere = free.sum(axis=0) - free
+    coef = solve(elsewhere[:, own][:, :, own], elsewhere[:, own, -1])
+    explained = free[:, :-1, own] @ coef[:, :, None]
+    both = replace(left, slopes=left.slopes - explained[..., 0])
+    signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(grams)))
+    largest = both.ratios(signs).max(axis=1)
+    return p_value_of(observed, largest)
+
+
+def explained(
+    grams: np.ndarray, model: Sequence[int], groups: Sequence[Sequence[int]]
+) -> list[float]:
+    """Return the squares that each group of columns explains beside a model.
+
+    Parameters
+    ----------
+    grams : ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
+        Inner products of all columns, target last.
+    model : sequence of int
+        Columns of the model.
+    groups : sequence of sequence of int
+        Columns of each group.
+
+    Returns
+    -------
+    list of float
+    """
+    total = _freed(grams, model).sum(axis=0)
+    slopes = total[:-1, -1]
+    places = [list(group) for group in groups]
+    return [float(slopes[k] @ solve(total[np.ix_(k, k)], slopes[k])) for k in places]
+
+
+def _freed(grams: np.ndarray, model: Sequence[int]) -> np.ndarray:
+    """Return inner products of what a model, fitted to all segments, leaves of all columns.
+
+    Columns are brought to unit size, and are zero where nothing new is left.
+    """
+    base, total = np.asarray(model, dtype=int), grams.sum(axis=0)
+    inner = np.broadcast_to(total[np.ix_(base, base)], (total.shape[1], len(base), len(base)))
+    maps = solve(inner, total[base].T).T  # of each column on the model
+    crossed = grams[:, :, base] @ maps
+    within = maps.T @ grams[:, base][:, :, base] @ maps
+    free = grams - crossed - np.swapaxes(crossed, 1, 2) + within
+    square, before = np.diagonal(free.sum(axis=0)), np.diagonal(total)
+    new = square > NEW * before
+    new[base] = False
+    unit = np.where(new, 1.0 / np.sqrt(np.where(new, square, 1.0)), 0.0)
+    unit[-1] = 1.0
+    return np.asarray(unit[:, None] * free * unit)
+
+
+def _left(free: np.ndarray) -> Left:
+    return Left(free[:, :-1, -1], np.diagonal(free, axis1=1, axis2=2)[:, :-1])

@@ -1,0 +1,143 @@
+"""What is on offer in a look: the vocabulary, and what remembers a state where that leads all else.
+
+Each look at a record and its twins then takes no longer than it must, and what a memory could
+explain of the noise does not change what other effects are worth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...boucwen import BOUC_WEN
+from ...equations import Equations
+from ...path_states import source_of
+from ...signals import Record
+from ...terms import variable
+from ..effects.candidate import Candidate
+from ..effects.hysteresis import remembered_ways
+from ..effects.relaxation import relaxations_of, relaxed_ways
+from ..fitting.unfolding import paths_of
+from ..given.design import Design
+from ..given.segments import Segments
+from .scoring import LEAD, columns_of, propose, quick_fit, score
+
+__all__ = ["Offer", "awaited", "leading", "offer_for", "relaxations_for"]
+
+SETTLING = 0.125  # of a record, until a relaxation knows where it is
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What is proposed, and on which pieces it is looked for.
+
+    Attributes
+    ----------
+    part : Segments
+        Pieces of the training records.
+    ways : tuple of Candidate
+        What remembers a state.
+    relaxes : bool
+        Whether these are relaxations, which need more proof than others.
+    """
+
+    part: Segments
+    ways: tuple[Candidate, ...] = ()
+    relaxes: bool = False
+
+    def propose(
+        self, design: Design, equations: Equations, records: Sequence[Record]
+    ) -> list[Candidate]:
+        """Return the vocabulary, and what remembers."""
+        return [*propose(design, equations, records), *self.ways]
+
+
+def offer_for(
+    design: Design, part: Segments, records: Sequence[Record], *, relaxing: bool = True
+) -> Offer:
+    """Return what is on offer.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    part : Segments
+        Pieces of the training records.
+    records : sequence of Record
+        The training records.
+    relaxing : bool
+        Whether relaxations may be among it.
+
+    Returns
+    -------
+    Offer
+    """
+    if part.tracks:
+        return Offer(part)
+    yields = [] if design.algebraic else _hystereses_for(design, records)
+    relaxes, late = relaxations_for(design, records) if relaxing else [], _late(part, records)
+    if leading(relaxes, (), design, late):  # mostly none is worth it, and all else takes longer
+        others = [*propose(design, quick_fit(design, late), records), *yields]
+        ahead = leading(relaxes, others, design, late)
+        if any(design.algebraic or _opposes(way, design, late) for way in ahead):
+            return Offer(late, tuple(relaxes), relaxes=True)
+    if yields:
+        others = propose(design, quick_fit(design, part), records)
+        if leading(yields, others, design, part):
+            return Offer(part, tuple(yields))
+    return Offer(part)
+
+
+def _hystereses_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
+    """Return the frictions that remember, of positions that have none yet."""
+    longest = max(records, key=len)
+    taken = {source_of(path) for path in paths_of(design) if path.operator == BOUC_WEN}
+    found = []
+    for state in design.open_states:
+        position = design.position_of(state)
+        if position is not None and variable(position) not in taken:
+            found += remembered_ways(state, position, longest.x[:, position])
+    return found
+
+
+def relaxations_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
+    """Return the relaxations that a design does not hold yet.
+
+    Of a position, or of a state of the first order; in an algebraic target, of any input.
+    """
+    longest, n = max(records, key=len), len(design.states)
+    taken = {source_of(path) for path in relaxations_of(design)}
+    found = []
+    for state in design.open_states:
+        position = design.position_of(state)
+        sources = [state if position is None else position]
+        if design.algebraic:
+            sources = list(range(n, n + len(design.inputs)))
+        for source in (s for s in sources if variable(s) not in taken):
+            found += relaxed_ways(state, source, longest)
+    return found
+
+
+def leading(
+    ways: Sequence[Candidate], others: Sequence[Candidate], design: Design, part: Segments
+) -> list[Candidate]:
+    """Return what clearly does better than all others, each by itself."""
+    scores = score(design, part, [*others, *ways], pairs=False) if ways else []
+    best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
+    return [s.group[0] for s in scores if s.group[0] in ways and s.value > best + LEAD]
+
+
+def _opposes(way: Candidate, design: Design, part: Segments) -> bool:
+    """Tell whether a relaxation takes energy: the coefficient of its one term is negative."""
+    equations = quick_fit(design.adding(columns_of(way, design)), part)
+    ((_, term),) = way.terms[0].parts
+    return bool(equations.coef[way.state, equations.terms.index(term)] < 0.0)
+
+
+def awaited(design: Design, part: Segments, records: Sequence[Record]) -> Segments:
+    """Return pieces with weight only where each relaxation of a design knows where it is."""
+    return _late(part, records) if relaxations_of(design) else part
+
+
+def _late(part: Segments, records: Sequence[Record]) -> Segments:
+    return part.after(int(SETTLING * min(len(record) for record in records)))

@@ -1,0 +1,90 @@
+"""Whether an effect is more than a plainer one seen through noise.
+
+A friction whose sign changes early or late explains a noisy record a little better than friction
+does, even where it is friction: the filtered velocity turns late, and what leads it makes up for
+that. So an effect that refines a plainer one takes its place only if it does better than that by
+more than it does in twins of the plainer one, whose sensor has the same noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..given.design import Design
+from ..given.rules import Rules
+from ..given.segments import Segments
+from ..twins.chance import p_value_of
+from ..twins.testing import twin_values
+from ..twins.twins import TwinMaker
+from .scoring import MARGIN, columns_of, quick_fit, score
+
+__all__ = ["justified"]
+
+
+def justified(
+    candidate: Candidate,
+    design: Design,
+    proposed: Sequence[Candidate],
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+    rng: np.random.Generator,
+) -> Candidate:
+    """Return a candidate, or the plainer one that it refines where that may be all there is.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        What passed.
+    design : Design
+        The model without it.
+    proposed : sequence of Candidate
+        All that was looked at.
+    records : sequence of Record
+        Training records.
+    part : Segments
+        Pieces of them.
+    rules : Rules
+        Significance and twins.
+    rng : numpy.random.Generator
+        Draws the twins.
+
+    Returns
+    -------
+    Candidate
+    """
+    own = [c for c in proposed if c.state == candidate.state]
+    forms = [c for c in own if c.name == candidate.name]
+    plain = score(design, part, [c for c in own if c.name in candidate.refines], pairs=False)
+    if not plain or part.tracks:
+        return candidate
+    (null,) = plain[0].group
+    equations = quick_fit(design.adding(columns_of(null, design)), part)
+    lead = partial(_lead, design=design, forms=forms, plain=[s.group[0] for s in plain])
+    observed = lead(part, [])
+    if observed < MARGIN:
+        return null
+    twins = twin_values(TwinMaker.of(equations, records), part, lead, observed, rules, rng)
+    p_value = p_value_of(observed, twins)
+    return candidate if p_value <= rules.level else null
+
+
+def _lead(
+    part: Segments,
+    _: Sequence[Record],
+    *,
+    design: Design,
+    forms: Sequence[Candidate],
+    plain: Sequence[Candidate],
+) -> float:
+    """Return by how much the best form scores more than the best plain one."""
+    scores = score(design, part, [*forms, *plain], pairs=False)
+    best = {c: s.value for s in reversed(scores) for c in s.group}
+    return max((best[c] for c in forms if c in best), default=0.0) - max(
+        (best[c] for c in plain if c in best), default=0.0
+    )

@@ -1,0 +1,172 @@
+"""The effects that could stand in the place of one that was found: its alternatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+
+import numpy as np
+
+from ...terms import Call, Sum, add, as_sum, constant, mul, power
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.hysteresis import rounded_sign
+from ..effects.missing import candidates, standing
+from ..given.design import Design
+from ..given.segments import Segments, ranges
+from .drifting_rivals import twin_chance
+from .encompassing import chance, explained
+from .scoring import columns_of
+from .spectral import spectral_grams
+
+__all__ = ["Rival", "rivals_of"]
+
+ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the sign of
+# Share of what an effect explains that a rival must explain in its place. Where much is missing,
+# anything could hide in the rest, and a test alone refutes nothing.
+EXPLAINED = 1.0 / 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """An effect that could have left the same record in another one's place.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        Name, equation and terms.
+    p_value : float
+        Chance that the other effect gains as much beside it, if this one were the cause.
+    """
+
+    candidate: Candidate
+    p_value: float
+
+    @property
+    def name(self) -> str:
+        """Name of the vocabulary."""
+        return self.candidate.name
+
+
+def rivals_of(
+    candidate: Candidate,
+    design: Design,
+    part: Segments,
+    level: float,
+    rng: np.random.Generator,
+) -> tuple[Rival, ...]:
+    """Return the effects that could stand in the place of one.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The effect.
+    design : Design
+        The whole model without it.
+    part : Segments
+        Pieces of the training records.
+    level : float
+        A rival with a smaller p-value is refuted.
+    rng : numpy.random.Generator
+        Draws the signs.
+
+    Returns
+    -------
+    tuple of Rival
+        The best form of each name, the least refuted first; other forms of the effect itself
+        count as well.
+    """
+    known = standing(design)
+    proposed = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    proposed += _rounded(candidate, part)
+    complete = [_with_offset(c, known) for c in proposed]
+    able = [c for c in complete if all((c.state, parent) in known for parent in c.parents)]
+    if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
+        able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
+    options = [c for c in dict.fromkeys(able) if c != candidate and not _is_form(c, candidate)]
+    if part.tracks:
+        return _by_twins(candidate, options, design, part, level, rng)
+    everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
+    grams = spectral_grams(part, design, [*design.columns, *everything])
+    first = len(design.columns)
+    base, places = tuple(range(first)), []
+    for one in (candidate, *options):
+        places.append(_places(first, one))
+        first = places[-1][-1] + 1
+    own, *others = places
+    ours, *theirs = explained(grams, base, places)
+    best: dict[str, Rival] = {}
+    for option, place, squares in zip(options, others, theirs, strict=True):
+        if squares < EXPLAINED * ours:
+            continue
+        p_value = chance(grams, (*base, *place), own, rng)
+        if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
+            best[option.name] = Rival(option, p_value)
+    return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
+
+
+def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate:
+    """Return a candidate that brings the offset it needs, such as a drift, if none stands."""
+    if OFFSET not in candidate.parents or (candidate.state, OFFSET) in known:
+        return candidate
+    others = tuple(parent for parent in candidate.parents if parent != OFFSET)
+    return replace(candidate, terms=(OFFSET, *candidate.terms), parents=others)
+
+
+def _by_twins(
+    candidate: Candidate,
+    options: Sequence[Candidate],
+    design: Design,
+    part: Segments,
+    level: float,
+    rng: np.random.Generator,
+) -> tuple[Rival, ...]:
+    """Return the alternatives of an effect on short trajectories."""
+    best: dict[str, Rival] = {}
+    for option in options:
+        p_value = twin_chance(option, design, [candidate, *options], part.tracks, level, rng)
+        if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
+            best[option.name] = Rival(option, p_value)
+    return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
+
+
+def _places(first: int, candidate: Candidate) -> tuple[int, ...]:
+    return tuple(range(first, first + len(candidate.terms)))
+
+
+def _is_form(one: Candidate, other: Candidate) -> bool:
+    """Tell whether two candidates differ in the number of their shape only."""
+    shapes = one.shape, other.shape
+    return None not in shapes and (one.name, one.state) == (other.name, other.state)
+
+
+def _rounded(candidate: Candidate, part: Segments) -> list[Candidate]:
+    """Return an effect with its sign functions rounded off, as a hyperbolic tangent is."""
+    if len(candidate.terms) != 1:
+        return []
+    (term,) = candidate.terms
+    signs = {
+        atom.args[0]
+        for _, product in term.parts
+        for atom, _ in product.factors
+        if isinstance(atom, Call) and atom.operator.name == "sgn"
+    }
+    if len(signs) != 1:
+        return []
+    (inside,) = signs
+    size = float(np.std(inside.evaluate(part.z.reshape(-1, part.z.shape[-1]))))
+    return [Candidate(candidate.name, candidate.state, (_soft(term, inside, ROUNDED * size),))]
+
+
+def _soft(term: Sum, inside: Sum, width: float) -> Sum:
+    """Replace the sign of an expression by its hyperbolic tangent."""
+    step = rounded_sign(inside, width)
+    parts = []
+    for coefficient, product in term.parts:
+        replaced = constant(coefficient)
+        for atom, exponent in product.factors:
+            is_sign = isinstance(atom, Call) and atom.operator.name == "sgn"
+            factor = step if is_sign else as_sum(atom)
+            replaced = mul(replaced, power(factor, exponent))
+        parts.append(replaced)
+    return reduce(add, parts)

@@ -1,0 +1,156 @@
+"""Propose what may be missing from a design, and score it beside the design's own columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize, minimize_scalar
+
+from ...equations import Equations
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..effects.missing import candidates, standing
+from ..effects.periodic import periodic_candidates, ripple_candidates
+from ..effects.vocabulary import VOCABULARY
+from ..fitting.linear import solve_gram
+from ..fitting.residual import derivative_grams
+from ..fitting.trajectory import Trajectories
+from ..given.design import Column, Design, in_state
+from ..given.segments import Segments, ranges, variables_of
+from ..given.sensor import heard
+from .spectral import spectral_grams
+from .trace import Score, rank, ranked
+
+__all__ = [
+    "MARGIN",
+    "PRICE",
+    "Proposer",
+    "columns_of",
+    "net",
+    "plainest",
+    "propose",
+    "quick_fit",
+    "score",
+    "sharpened",
+    "tuned",
+]
+
+LOOKS = 16  # at each number of a shape
+Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
+
+MARGIN = 0.02  # of the log error: names do not change for less
+PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
+LEAD = 0.1  # of the log error: what a state of its own and its numbers must be worth
+
+
+def quick_fit(design: Design, part: Segments) -> Equations:
+    """Fit a design on segments by its derivative, or by the trajectory if that is the witness."""
+    if part.tracks:
+        return design.equations(Trajectories(part.tracks, design, design.columns).fit()[0])
+    grams = derivative_grams(part, design, design.columns)
+    return design.equations(solve_gram(grams.sum(axis=0)))
+
+
+def propose(design: Design, equations: Equations, records: Sequence[Record]) -> list[Candidate]:
+    """Return what may be missing: the vocabulary, and waves over time and position."""
+    variables = np.concatenate([variables_of(record) for record in records])
+    proposed = candidates(design, *ranges(variables))
+    longest = max(records, key=len)
+    residual = heard(longest, longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t))
+    time = len(design.states) + len(design.inputs)
+    for state in design.open_states:
+        drivers = longest.x[:, :0] if longest.u is None else longest.u
+        proposed += periodic_candidates(state, time, residual[:, state], drivers, longest.dt)
+        position = design.position_of(state)
+        if position is not None:
+            made, q = longest.preparation, longest.x[:, position]
+            noise = 0.0 if made is None else float(made.noise[position // made.order])
+            proposed += ripple_candidates(state, position, residual[:, state], q, noise)
+    return proposed
+
+
+def score(
+    design: Design, part: Segments, proposed: Sequence[Candidate], *, pairs: bool = True
+) -> list[Score]:
+    """Score candidates on segments, each refitted together with the columns of the design."""
+    extra = [column for candidate in proposed for column in columns_of(candidate, design)]
+    n_fixed = len(design.columns)
+    columns, present = [*design.columns, *extra], standing(design)
+    if part.tracks:
+        tracks = Trajectories(part.tracks, design, columns)
+        return ranked(tracks.errors, tracks.total(0), n_fixed, proposed, present, pairs=pairs)
+    grams = spectral_grams(part, design, columns)
+    return rank(grams, n_fixed, proposed, present, part.folds, pairs=pairs)
+
+
+def net(score: Score) -> float:
+    """Return what a group gains per effect, less the price of its nodes."""
+    return score.value - PRICE * sum(c.size for c in score.group) / len(score.group)
+
+
+def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
+    """Return the columns that a candidate adds to a design."""
+    n_states = len(design.states)
+    return tuple(
+        in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms
+    )
+
+
+def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates with the promising shapes tuned, beside those on the grid.
+
+    Between two places of the grid a power of the input can look more like a saturation than
+    either of them does.
+    """
+    scores = score(design, part, proposed, pairs=False)
+    leader = scores[0].value if scores else 0.0
+    first: dict[tuple[str, int], Score] = {}
+    for s in scores:
+        if s.group[0].shape is not None and s.value > max(MARGIN, leader / 2):
+            first.setdefault((s.group[0].name, s.group[0].state), s)
+    return [*proposed, *(tuned(s.group[0], design, part) for s in first.values())]
+
+
+def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
+    """Tune the numbers that a candidate's shape depends on, from their place on the grid."""
+    shape = candidate.shape
+    if shape is None:
+        return candidate
+
+    def at(logs: np.ndarray) -> Candidate:
+        there = replace(shape, values=tuple(np.exp(logs).tolist()))
+        return replace(candidate, terms=there.terms, shape=there)
+
+    def loss(logs: np.ndarray) -> float:
+        scores = score(design, part, [at(np.atleast_1d(logs))], pairs=False)
+        return -scores[0].value if scores else 0.0
+
+    start = np.log(shape.values)
+    bounds = np.column_stack([start - shape.reach, start + shape.reach])
+    if len(start) == 1:
+        best = minimize_scalar(loss, bounds=bounds[0], method="bounded", options={"maxiter": LOOKS})
+    else:
+        simplex = np.vstack([start, start + 0.5 * shape.reach * np.eye(len(start))])
+        options = {"maxfev": LOOKS * len(start), "initial_simplex": simplex}
+        best = minimize(loss, start, method="Nelder-Mead", bounds=bounds, options=options)
+    return at(np.atleast_1d(best.x)) if best.fun < loss(start) else candidate
+
+
+def plainest(scores: Sequence[Score]) -> Score:
+    """Return the smallest of the groups that do as well as the first, to one percent.
+
+    Of equally small ones, powers come before sines, as in the vocabulary.
+    """
+    equal = [
+        s
+        for s in scores
+        if s.value >= 0.99 * scores[0].value and len(s.group) == len(scores[0].group)
+    ]
+
+    def plainness(score: Score) -> tuple[int, int]:
+        size = sum(candidate.size for candidate in score.group)
+        return size, sum(VOCABULARY.index(candidate.name) for candidate in score.group)
+
+    return min(equal, key=plainness)

@@ -1,0 +1,99 @@
+"""How much effects matter, in the derivative and in the simulation, whatever their chance."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..effects.candidate import Candidate
+from ..fitting.linear import solve
+from ..fitting.residual import derivative_grams, jacobian, view_grams
+from ..fitting.trajectory import Trajectories
+from ..given.design import Design
+from ..given.segments import Segments
+from .scoring import columns_of, quick_fit
+from .trace import Score, fold_errors
+
+__all__ = ["Shares", "is_exact", "view_gain"]
+
+EXACT = 3e-4  # derivative error, in standard deviations, below which no sensor sees a difference
+
+
+class Shares:
+    """What share of the explainable error, as a variance, the effects of a group remove.
+
+    Explainable is what the declared model leaves and the model with all candidates does not. Of
+    derivative and simulation the larger share counts: an offset hardly shows in the first, a
+    ripple hardly in the second. An effect that adds no term, but says when an input acts, is held
+    against what the present model leaves: it makes no equation longer.
+    """
+
+    def __init__(
+        self, declared: Design, design: Design, part: Segments, proposed: Sequence[Candidate]
+    ) -> None:
+        extra = [column for candidate in proposed for column in columns_of(candidate, design)]
+        columns = [*design.columns, *extra]
+        if part.tracks:
+            tracks = Trajectories(part.tracks, design, columns)
+            views = {"simulation": tracks.total(0)[None], "derivative": tracks.total(-1)[None]}
+        else:
+            slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
+            views = view_grams(part, design, columns, slopes)
+        self._grams = {name: grams.sum(axis=0) for name, grams in views.items()}
+        self._base = tuple(range(len(design.columns)))
+        n_columns = len(design.columns) + len(extra)
+        self._of_declared, self._of_present = (
+            {
+                name: _error(gram, range(n)) - _error(gram, range(n_columns))
+                for name, gram in self._grams.items()
+            }
+            for n in (len(declared.columns), len(design.columns))
+        )
+
+    def of(self, score: Score) -> float:
+        """Return the share that the least useful effect of a group removes."""
+        return min(self._of_effect(score, k) for k in range(len(score.group)))
+
+    def _of_effect(self, score: Score, k: int) -> float:
+        start = sum(len(candidate.terms) for candidate in score.group[:k])
+        own = score.places[start : start + len(score.group[k].terms)]
+        exchange = score.group[k].is_exchange
+        explainable = self._of_present if exchange else self._of_declared
+        others = tuple(place for place in score.places if place not in own)
+        return max(
+            (_error(gram, self._base + others) - _error(gram, self._base + score.places))
+            / max(explainable[name], 1e-300)
+            for name, gram in self._grams.items()
+        )
+
+
+def view_gain(design: Design, group: Sequence[Candidate], part: Segments) -> float:
+    """Return log(error without / error with), the larger one of derivative and simulation.
+
+    Each fold of segments is predicted from the others.
+    """
+    columns = [*design.columns, *(c for one in group for c in columns_of(one, design))]
+    slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)
+    base, every = np.arange(len(design.columns))[None, :], np.arange(len(columns))[None, :]
+    gains = []
+    for grams in view_grams(part, design, columns, slopes).values():
+        without, with_it = (
+            fold_errors(grams, models, part.folds).sum() for models in (base, every)
+        )
+        gains.append(float(np.log(max(without, 1e-300) / max(with_it, 1e-300))))
+    return max(gains)
+
+
+def is_exact(design: Design, part: Segments) -> bool:
+    """Tell whether a design leaves no more than differentiation and filters get wrong anyway."""
+    total = derivative_grams(part, design, design.columns).sum(axis=0)
+    n_rows = len(part.z) * part.windows.count(part.z.shape[1]) * len(design.open_states)
+    return _error(total, range(len(design.columns))) <= EXACT**2 * max(n_rows, 1)
+
+
+def _error(gram: np.ndarray, columns: Sequence[int]) -> float:
+    """Return what least squares on some columns leaves of the target's square."""
+    index = np.asarray(columns, dtype=int)
+    explained = solve(gram[np.ix_(index, index)], gram[index, -1]) @ gram[index, -1]
+    return float(max(gram[-1, -1] - explained, 0.0))

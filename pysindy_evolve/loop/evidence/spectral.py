@@ -1,0 +1,139 @@
+"""The spectral view of a residual: where effects are ranked and tested.
+
+Both sides of an equation are multiplied by tapered sines and cosines (the weak form with Fourier
+test functions), and each frequency is weighed by the noise there. What is left is white, so no row
+counts twice: generalized least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+from scipy import fft
+from scipy.signal.windows import tukey
+
+from ...terms import Cache
+from ..fitting.linear import solve
+from ..fitting.residual import force_on
+from ..given.design import Column, Design
+from ..given.segments import Segments
+
+__all__ = ["n_frequencies", "spectral_grams", "spectral_rows", "spectral_weights"]
+
+TAPER = 0.5  # share of a segment over which the taper falls to zero
+N_WEIGHINGS = 3  # of the frequencies by what the fit of the one before leaves
+LARGEST = 1e100  # a column with larger values is no candidate; its square would overflow
+LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding
+
+
+def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return the Gram matrices of each segment in the spectral view.
+
+    Parameters
+    ----------
+    part : Segments
+        Rows to look at.
+    design : Design
+        Supplies the known parts of the equations.
+    columns : sequence of Column
+        Columns of the design, then candidates.
+
+    Returns
+    -------
+    ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
+    """
+    rows = _spectra(part, design, columns)
+    weighed = rows * _weights(rows)[:, None, None]
+    n_columns, n_segments = rows.shape[1:3]
+    flat = weighed.transpose(2, 1, 0, 3).reshape(n_segments, n_columns, -1)
+    parts = np.ascontiguousarray(flat).view(float)
+    return np.asarray(parts @ np.swapaxes(parts, 1, 2))
+
+
+def spectral_weights(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return the weight of each frequency in each open equation, (n_open, n_frequencies)."""
+    return _weights(_spectra(part, design, columns))
+
+
+def spectral_rows(part: Segments, columns: np.ndarray) -> np.ndarray:
+    """Transform tapered segments.
+
+    Parameters
+    ----------
+    part : Segments
+        Sampling time and cutoff.
+    columns : ndarray of shape (n_segments, n, n_columns)
+        Anything sampled on the segments.
+
+    Returns
+    -------
+    ndarray of complex of shape (n_segments, n_frequencies, n_columns)
+        Frequencies up to the cutoff. A column with a value that is not finite is all zero.
+    """
+    return np.moveaxis(_transformed(part, np.moveaxis(columns, -1, 0)), 0, -1)
+
+
+def _transformed(part: Segments, columns: np.ndarray) -> np.ndarray:
+    """Transform tapered segments, (n_columns, n_segments, n) to (..., n_frequencies)."""
+    taper, n_frequencies = _taper(columns.shape[-1], part.dt, part.cutoff)
+    usable = np.all(np.abs(columns) < LARGEST, axis=(1, 2))  # False for NaN too
+    columns = columns if usable.all() else np.where(usable[:, None, None], columns, 0.0)
+    return np.asarray(fft.rfft(columns * taper, axis=-1)[..., :n_frequencies])
+
+
+def n_frequencies(part: Segments) -> int:
+    """Return how many frequencies of a segment are looked at."""
+    return _taper(part.z.shape[1], part.dt, part.cutoff)[1]
+
+
+@lru_cache(maxsize=16)
+def _taper(length: int, dt: float, cutoff: float) -> tuple[np.ndarray, int]:
+    """Return the taper of a segment, and how many frequencies are looked at."""
+    return tukey(length, TAPER), int(np.sum(fft.rfftfreq(length, dt) <= cutoff))
+
+
+def _spectra(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
+    """Return spectra of columns and target, (n_open, n_columns, n_segments, n_frequencies)."""
+    cache: Cache = {}
+    spectra = []
+    for state in design.open_states:
+        force = force_on(part, design, columns, state, cache)
+        weight = part.weight[:, :, state] / part.rate_scale[state]
+        spectra.append(_transformed(part, force * weight))
+    return np.stack(spectra)
+
+
+def _weights(rows: np.ndarray) -> np.ndarray:
+    """Weigh each frequency by the inverse of the noise there, (n_open, n_frequencies).
+
+    The noise is what all columns together, candidates included, leave. What only the model leaves
+    would hold the effect that is sought, and hide it behind its own power.
+    """
+    n_open, n_columns, n_segments, n_frequencies = rows.shape
+    at = rows.transpose(0, 3, 1, 2).reshape(-1, n_columns, n_segments)
+    at = np.ascontiguousarray(at).view(float)
+    grams = at @ np.swapaxes(at, 1, 2)  # of each frequency
+    target = grams[:, -1, -1].reshape(n_open, n_frequencies) / n_segments
+    # Where a column fits the target exactly there is no noise, and the weight would be infinite.
+    rounding = 1e-24 * target.max(axis=-1, keepdims=True) + 1e-100
+    weight = np.ones((n_open, n_frequencies))
+    for _ in range(N_WEIGHINGS):
+        gram = np.tensordot(weight.ravel() ** 2, grams, axes=1)
+        contrast = np.append(solve(gram[:-1, :-1], gram[:-1, -1]), -1.0)
+        left = np.tensordot(rows, contrast, axes=(1, 0))
+        power = np.mean(np.abs(left) ** 2, axis=1)
+        weight = 1.0 / np.sqrt(np.maximum(_smooth(power), rounding))
+    return weight
+
+
+def _smooth(power: np.ndarray) -> np.ndarray:
+    """Average a power spectrum over neighboring frequencies, an eighth of an octave and more."""
+    n = power.shape[-1]
+    index = np.arange(n)
+    reach = 1 + index // 8
+    sums = np.concatenate([np.zeros((len(power), 1)), np.cumsum(power, axis=-1)], axis=-1)
+    low, high = np.maximum(index - reach, 0), np.minimum(index + reach + 1, n)
+    flat = (sums[:, high] - sums[:, low]) / (high - low)
+    return np.maximum(flat, np.max(flat, axis=-1, keepdims=True) * LEAST_POWER + 1e-300)

@@ -1,0 +1,167 @@
+"""One step of the loop: the best of what may be missing, tested on twins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..given.design import Column, Design
+from ..given.rules import Rules
+from ..given.segments import Segments
+from ..twins.chance import p_value_of
+from ..twins.drifting import DriftingTwins
+from ..twins.testing import twin_values
+from ..twins.twins import TwinMaker
+from .offers import offer_for
+from .refinement import justified
+from .rejected import Rejected
+from .rivals import Rival
+from .scoring import (
+    Proposer,
+    columns_of,
+    plainest,
+    quick_fit,
+    score,
+    sharpened,
+    tuned,
+)
+from .shares import Shares, is_exact
+from .trace import Score
+
+__all__ = ["Finding", "find"]
+
+HALVED = float(
+    np.log(4.0)
+)  # score of an effect that halves the error: no trace, whatever its share
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """An effect that passed, with its evidence.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        Name, equation, terms.
+    columns : tuple of Column
+        Its columns in the design.
+    score : float
+        Log ratio of the errors without and with it, per effect of its group.
+    p_value : float
+        Chance that a twin shows a score as large.
+    twin_scores : ndarray
+        Best score found in each twin.
+    step : int
+        Number of the step that found it; the effects of a pair share one.
+    rivals : tuple of Rival
+        Effects that this data cannot tell from it, once all are found.
+    by_runs : bool
+        Whether free runs showed it, and not the derivative.
+    """
+
+    candidate: Candidate
+    columns: tuple[Column, ...]
+    score: float
+    p_value: float
+    twin_scores: np.ndarray
+    step: int = 0
+    rivals: tuple[Rival, ...] = ()
+    by_runs: bool = False
+
+
+def find(
+    declared: Design,
+    design: Design,
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+    rng: np.random.Generator,
+    proposer: Proposer | None = None,
+    rejected: list[Rejected] | None = None,
+) -> list[Finding]:
+    """Return the effect, or the pair of effects, that a design lacks; nothing if none passes.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start; shares are of its error.
+    design : Design
+        The model so far.
+    records : sequence of Record
+        Training records.
+    part : Segments
+        Pieces of them.
+    rules : Rules
+        When an effect counts.
+    rng : numpy.random.Generator
+        Draws the twins.
+    proposer : callable, optional
+        Maps design, equations and records to candidates; by default the vocabulary.
+    rejected : list of Rejected, optional
+        The best that did not pass is appended to it.
+
+    Returns
+    -------
+    list of Finding
+    """
+    rejected = [] if rejected is None else rejected
+    if is_exact(design, part):
+        return []
+    if proposer is None:
+        offer = offer_for(design, part, records)
+        proposer, part = offer.propose, offer.part
+    rules = rules.at(len(design.columns) - len(declared.columns))
+    equations = quick_fit(design, part)
+    proposed = proposer(design, equations, records)
+    searched = score(design, part, proposed)  # as in the twins, which tune no shapes
+    proposed = sharpened(design, part, proposed)
+    scores = score(design, part, proposed)
+    shares = Shares(declared, design, part, proposed)
+    worthy = [s for s in scores if s.value > 0.0 and _matters(s, shares, rules)]
+    gaining = [s for s in scores[:1] if s.value > 0.0]
+    names = (*design.states, *design.inputs, "t")
+    # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
+    if not worthy and (design.columns != declared.columns or not gaining):
+        rejected += [Rejected(s, shares.of(s), variables=names) for s in gaining]
+        return []
+    best = plainest(worthy or gaining)
+    maker = DriftingTwins.of(design, records) if part.tracks else TwinMaker.of(equations, records)
+    statistic = partial(_best_score, design=design, proposer=proposer)
+    observed = min(best.value, searched[0].value)
+    twins = twin_values(maker, part, statistic, observed, rules, rng)
+    p_value = p_value_of(observed, twins)
+    if p_value > rules.level or not worthy:
+        rejected.append(Rejected(best, shares.of(best), p_value, twins, names))
+        return []
+    group = []
+    for candidate in best.group:
+        beside = _beside(design, best.group, candidate)
+        if candidate.refines:
+            own = records, part, rules, rng
+            candidate = justified(candidate, beside, proposed, *own)
+        group.append(tuned(candidate, beside, part))
+    return [Finding(c, columns_of(c, design), best.value, p_value, twins) for c in group]
+
+
+def _matters(score: Score, shares: Shares, rules: Rules) -> bool:
+    """Tell whether a group is more than a trace of something."""
+    return score.value >= HALVED or shares.of(score) >= rules.min_share
+
+
+def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Design:
+    """Return the design with the other candidates of a group in it."""
+    others = (c for c in group if c is not one)
+    return design.adding(column for c in others for column in columns_of(c, design))
+
+
+def _best_score(
+    part: Segments, records: list[Record], *, design: Design, proposer: Proposer
+) -> float:
+    proposed = proposer(design, quick_fit(design, part), records)
+    scores = score(design, part, proposed)  # best first
+    return scores[0].value if scores else 0.0

@@ -1,0 +1,130 @@
+"""Is anything left that depends on what was measured? The question behind "untraced".
+
+A generic model, polynomials of all variables and the recent past of the inputs, predicts held-out
+segments. If it does so better than it does in twins, there is structure that no tried effect
+explains: perhaps a delay or a hidden state, which need more than the present values. The past of
+the states is left out, as filtered sensor noise alone makes x_dot a function of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from ...signals import Record
+from ...terms import Cache
+from ..given.design import Column, Design
+from ..given.rules import Rules
+from ..given.segments import Segments
+from ..twins.chance import p_value_of
+from ..twins.testing import twin_values
+from ..twins.twins import TwinMaker
+from .scoring import quick_fit
+from .shares import is_exact
+from .spectral import spectral_grams
+from .trace import fold_errors
+
+__all__ = ["structure_chance"]
+
+MAX_COLUMNS = 60
+LAGS = (1, 2, 4, 8)  # in eighths of the width of the windows
+NOTABLE = 0.05  # log error that the generic model must gain
+
+
+@dataclass(frozen=True)
+class Monomial(Column):
+    """A product of variables, some of them delayed, in the equation of one state."""
+
+    factors: tuple[tuple[int, int], ...] = ()
+    state: int = 0
+    length: int = 1
+
+    def values_in(
+        self, state: int, variables: np.ndarray, cache: Cache | None = None
+    ) -> np.ndarray | None:
+        """Return the product of the variables in its own equation, and None in the others."""
+        if state != self.state:
+            return None
+        index = np.arange(len(variables))
+        start = index - index % self.length  # of the segment that a row belongs to
+        product = np.ones(len(variables))
+        for column, lag in self.factors:
+            product = product * variables[np.maximum(index - lag, start), column]
+        return product
+
+
+def structure_chance(
+    design: Design,
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+    rng: np.random.Generator,
+) -> float:
+    """Return the chance that twins are predicted by a generic model as well as the record is.
+
+    Parameters
+    ----------
+    design : Design
+        The model in which no effect was found to be missing.
+    records : sequence of Record
+        Training records.
+    part : Segments
+        Pieces of them.
+    rules : Rules
+        Significance and twins.
+    rng : numpy.random.Generator
+        Draws the twins.
+
+    Returns
+    -------
+    float
+        One where it gains nothing notable.
+    """
+    if part.tracks:  # which hold fewer numbers than a generic model has coefficients
+        return 1.0
+    columns = generic_columns(design, part)
+    observed = generic_gain(design, columns, part)
+    if observed < NOTABLE or is_exact(design, part):
+        return 1.0
+    maker = TwinMaker.of(quick_fit(design, part), records)
+    statistic = partial(_gain_in_twin, design=design, columns=columns)
+    values = twin_values(maker, part, statistic, observed, rules, rng)
+    return p_value_of(observed, values)
+
+
+def _gain_in_twin(
+    part: Segments, _: list[Record], *, design: Design, columns: Sequence[Column]
+) -> float:
+    return generic_gain(design, columns, part)
+
+
+def generic_columns(design: Design, part: Segments) -> list[Column]:
+    """Return monomials of the variables up to degree three, and delayed inputs."""
+    length, n_variables = part.z.shape[1], part.z.shape[2] - 1
+    inputs = range(len(design.states), n_variables)
+    now = [((v, 0),) for v in range(n_variables)]
+    factors: list[tuple[tuple[int, int], ...]] = [()]
+    for degree in (1, 2, 3):
+        factors += [sum(group, ()) for group in combinations_with_replacement(now, degree)]
+    step = max(1, part.windows.width // 8)
+    delays = [lag * step for lag in LAGS if lag * step < length // 4]
+    past = [((v, lag),) for lag in delays for v in inputs]
+    factors = [*factors[: MAX_COLUMNS - len(past)], *past]
+    return [
+        Monomial(f"{state}: {f}", design.fixed, f, state, length)
+        for state in design.open_states
+        for f in factors
+    ]
+
+
+def generic_gain(design: Design, columns: Sequence[Column], part: Segments) -> float:
+    """Return log(held-out error without / with the generic columns)."""
+    grams = spectral_grams(part, design, [*design.columns, *columns])
+    n_fixed = len(design.columns)
+    without = fold_errors(grams, np.arange(n_fixed)[None, :], part.folds).sum()
+    with_all = fold_errors(grams, np.arange(n_fixed + len(columns))[None, :], part.folds).sum()
+    return float(np.log(max(without, 1e-300) / max(with_all, 1e-300)))

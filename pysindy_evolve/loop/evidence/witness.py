@@ -1,0 +1,51 @@
+"""Which view of the records bears witness: the spectrum of the derivative, or the trajectory.
+
+The spectral view takes the noise from what all candidates together leave. That needs more numbers
+than there are candidates. A record holds two numbers a cycle of what is looked at, however often it
+was sampled; where that is no more than what the candidates take and as many again to see the noise
+by, the trajectory is looked at instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.missing import candidates
+from ..fitting.trajectory import followable
+from ..given.design import Design
+from ..given.segments import Segments, ranges, segments, variables_of
+from .spectral import n_frequencies
+
+__all__ = ["witnessed"]
+
+
+def witnessed(design: Design, records: Sequence[Record]) -> Segments:
+    """Cut records into pieces, with their tracks if these are to be the witness.
+
+    Parameters
+    ----------
+    design : Design
+        The declared model.
+    records : sequence of Record
+        Training records.
+
+    Returns
+    -------
+    Segments
+    """
+    part = segments(records, design.velocities)
+    if not followable(design, records) or _says_enough(design, records, part):
+        return part
+    return part.tracked(records)
+
+
+def _says_enough(design: Design, records: Sequence[Record], part: Segments) -> bool:
+    """Tell whether the spectra of the pieces hold twice as many numbers as there are columns."""
+    variables = np.concatenate([variables_of(record) for record in records])
+    offered = [c.state for c in candidates(design, *ranges(variables)) for _ in c.terms]
+    n_columns = len(design.columns) + max(offered.count(state) for state in design.open_states)
+    n_numbers = len(part.places) * (2 * n_frequencies(part) - 1)
+    return n_numbers >= 2 * n_columns

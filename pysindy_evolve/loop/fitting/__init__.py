@@ -1,0 +1,1 @@
+"""Coefficients fitted to derivatives, trajectories and free runs."""

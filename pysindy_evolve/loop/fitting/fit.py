@@ -1,0 +1,246 @@
+"""Fit the coefficients of a design on whole records, and say how sure they are.
+
+The derivative is fitted first, in windows. Where the simulation then does better on parts of the
+training data that it was not fitted on, the coefficients come from there, from short stretches and
+long ones alike: position noise, which the second derivative magnifies and which biases sgn and its
+like, hardly enters, and what only adds up over a long run, such as a loss of energy, does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...signals import Record, Windows, choose_windows, project
+from ...terms import Cache
+from ..given.design import Design
+from ..given.segments import places_of, scale_of, segments, variables_of
+from ..given.sticking import moving
+from .linear import solve_gram
+from .past import rates_on, settled_rows
+from .residual import forces, jacobian, simulation_rows
+from .trajectory import Trajectories
+
+__all__ = [
+    "Fit",
+    "derivative_errors",
+    "derivative_fit_errors",
+    "derivative_intervals",
+    "derivative_square",
+    "fit",
+    "refit",
+]
+
+N_BLOCKS = 40  # of the derivative fit: long against the memory of a residual
+N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each from one initial state
+JUDGED = 16  # stretches by which the simulation fit is compared with the derivative fit
+ROUNDING = 1e-16  # an exact fit leaves no less of the target's square
+N_RESAMPLES = 400
+# A model that lacks something fits simulation and derivative with different coefficients; where the
+# square of the derivative error would rise by more than this, the derivative is kept.
+MAX_TORN = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Coefficients, their 95 % intervals, and which error they were fitted to.
+
+    Attributes
+    ----------
+    coef : ndarray of shape (p,)
+        One for each column of the design.
+    intervals : ndarray of shape (p, 2)
+        From blocks of rows drawn with replacement, so they respect the memory of the residual.
+    criterion : {"derivative", "simulation", "trajectory"}
+        The error that was minimized.
+    """
+
+    coef: np.ndarray
+    intervals: np.ndarray
+    criterion: str
+
+
+def fit(
+    design: Design, records: Sequence[Record], rng: np.random.Generator, refine: str = "auto"
+) -> Fit:
+    """Fit a design on training records.
+
+    Parameters
+    ----------
+    design : Design
+        Model with p columns.
+    records : sequence of Record
+        Training records.
+    rng : numpy.random.Generator
+        Draws the blocks of the intervals.
+    refine : {"auto", "derivative", "simulation", "trajectory"}
+        Error to minimize; by default the better one of the first two. The last is for short
+        records, see trajectory.py.
+
+    Returns
+    -------
+    Fit
+    """
+    blocks = derivative_grams(design, records)
+    by_derivative = _solve(blocks)
+    if not design.columns:
+        return Fit(by_derivative, np.empty((0, 2)), "derivative")
+    if refine == "trajectory":
+        return Fit(*Trajectories(records, design, design.columns).fit(), refine)
+    if refine == "derivative":
+        return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
+    horizons = simulation_grams(design, by_derivative, records)
+    by_simulation = _over_all(horizons)
+    if refine == "auto" and not _betters(horizons[JUDGED], blocks, by_derivative, by_simulation):
+        return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
+    shortest = horizons[max(horizons)]
+    shift = by_simulation - _solve(shortest)
+    return Fit(by_simulation, _bootstrap(shortest, rng) + shift[:, None], "simulation")
+
+
+def _betters(
+    judged: np.ndarray, blocks: np.ndarray, by_derivative: np.ndarray, by_simulation: np.ndarray
+) -> bool:
+    """Tell whether stretches are simulated better by a fit to the others than by the derivative."""
+    whole = blocks.sum(axis=0)
+    torn = _square(whole, by_simulation) > MAX_TORN * _square(whole, by_derivative)
+    if len(judged) < 2 or torn:
+        return False
+    held_out = sum(
+        _square(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
+    )
+    plain = sum(_square(stretch, by_derivative) for stretch in judged)
+    return bool(held_out < plain)
+
+
+def derivative_square(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:
+    """Return the sum of squares that coefficients leave of the windowed derivative."""
+    return _square(derivative_grams(design, records).sum(axis=0), coef)
+
+
+def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarray:
+    """Return the coefficients, shape (p,), that minimize the error named by a criterion."""
+    if criterion == "trajectory":
+        return Trajectories(records, design, design.columns).fit()[0]
+    by_derivative = _solve(derivative_grams(design, records))
+    if criterion == "derivative":
+        return by_derivative
+    return _over_all(simulation_grams(design, by_derivative, records))
+
+
+def _over_all(horizons: dict[int, np.ndarray]) -> np.ndarray:
+    return _solve(np.array([_normalized(grams) for grams in horizons.values()]))
+
+
+def _normalized(grams: np.ndarray) -> np.ndarray:
+    """Sum over the stretches, in units of the error that the best fit to them leaves."""
+    total = grams.sum(axis=0)
+    left = sum(_square(g, _solve(grams)) for g in grams)
+    return total / max(left, ROUNDING * float(total[-1, -1]), 1e-100)
+
+
+def derivative_grams(design: Design, records: Sequence[Record]) -> np.ndarray:
+    """Return inner products of columns and target in consecutive blocks of windowed rows.
+
+    Shape (n_blocks, p + 1, p + 1), target last. Each equation is weighed by the size of its
+    derivative.
+    """
+    windows = choose_windows(list(records))
+    scale = np.concatenate([record.x_dot for record in records]).std(axis=0)
+    total = sum(record.n_samples for record in records)
+    grams = []
+    for record in records:
+        rows = _rows(design, record, windows, np.where(scale > 0.0, scale, 1.0))
+        n_blocks = max(1, round(N_BLOCKS * record.n_samples / total))
+        grams += [block.T @ block for block in np.array_split(rows, n_blocks) if len(block)]
+    return np.array(grams)
+
+
+def derivative_intervals(
+    design: Design, records: Sequence[Record], rng: np.random.Generator
+) -> np.ndarray:
+    """Return the 95 % intervals of the coefficients that fit the derivative, shape (p, 2)."""
+    return _bootstrap(derivative_grams(design, records), rng)
+
+
+def simulation_grams(
+    design: Design, coef: np.ndarray, records: Sequence[Record]
+) -> dict[int, np.ndarray]:
+    """Return, for each number of stretches, inner products of the deviations in each stretch."""
+    equations, dt = design.equations(coef), records[0].dt
+    scale = scale_of([record.x for record in records])
+    wholes = [segments([record], design.velocities, 1, max_rows=None) for record in records]
+    force = [forces(whole, design, design.columns)[0] for whole in wholes]
+    slopes = [jacobian(equations, whole.z, scale)[0] for whole in wholes]
+    grams = {}
+    for n_stretches in N_STRETCHES:
+        places, length = places_of(records, n_stretches)
+        driven, slope = (
+            np.stack([rows[i][start : start + length] for i, start in places])
+            for rows in (force, slopes)
+        )
+        rows = simulation_rows(driven, slope, dt, scale)
+        grams[n_stretches] = np.swapaxes(rows, 1, 2) @ rows
+    return grams
+
+
+def _rows(design: Design, record: Record, windows: Windows, scale: np.ndarray) -> np.ndarray:
+    """Return windowed columns and target, equations side by side in time order."""
+    variables = variables_of(record)
+    cache: Cache = {}
+    target = record.x_dot - design.known(variables)
+    values = [column.evaluate(variables, cache) for column in design.columns]
+    stacked, weights = [], moving(record, design.velocities) * settled_rows(design, record)
+    for state in design.open_states:
+        columns = np.column_stack([*(v[:, state] for v in values), target[:, state]])
+        stacked.append(project(columns * weights[:, state, None], windows) / scale[state])
+    return np.stack(stacked, axis=1).reshape(-1, len(values) + 1)
+
+
+def _solve(grams: np.ndarray) -> np.ndarray:
+    return solve_gram(grams.sum(axis=0))
+
+
+def _square(gram: np.ndarray, coef: np.ndarray) -> float:
+    contrast = np.append(coef, -1.0)
+    return float(contrast @ gram @ contrast)
+
+
+def _bootstrap(grams: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    draws = rng.integers(len(grams), size=(N_RESAMPLES, len(grams)))
+    coefs = np.array([_solve(grams[draw]) for draw in draws])
+    return np.quantile(coefs, [0.025, 0.975], axis=0).T
+
+
+def derivative_errors(
+    design: Design, coef: np.ndarray, records: Sequence[Record], windows: Windows
+) -> np.ndarray:
+    """Return the NRMSE of the derivative, percent of the standard deviation, for each state.
+
+    Both sides are averaged over the windows of the fit, so that it is the error of the model
+    and not of the differentiation; rows at rest, where the sign of the velocity is a coin toss,
+    are left out.
+    """
+    equations = design.equations(coef)
+    squares, samples, weights = [], [], []
+    for record in records:
+        wide = windows if record.n_samples >= windows.width else Windows(1)
+        weight = moving(record, design.velocities)
+        error = record.x_dot - rates_on(equations, record)
+        squares.append(project(error * weight, wide) ** 2)
+        samples.append(project(record.x_dot, wide))
+        weights.append(project(weight, wide) ** 2)
+    spread = np.concatenate(samples).std(axis=0)
+    rows = np.maximum(np.concatenate(weights).sum(axis=0), 1e-300)
+    rms = np.sqrt(np.concatenate(squares).sum(axis=0) / rows)
+    return 100.0 * rms / np.where(spread > 0.0, spread, 1.0)
+
+
+def derivative_fit_errors(
+    design: Design, train: Sequence[Record], test: Sequence[Record]
+) -> np.ndarray:
+    """Fit the derivative on training records; return its NRMSE on others, for each state."""
+    coef = _solve(derivative_grams(design, train))
+    return derivative_errors(design, coef, test, choose_windows(list(train)))

@@ -1,0 +1,189 @@
+"""Where hidden states begin: what inputs and motions of a record were before it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ...equations import Equations, stack
+from ...hidden import MemoryEquations, with_memories
+from ...memory import preceded, raw_inputs
+from ...path_states import kind_of, paths_in
+from ...signals import Record
+from ...terms import Call
+from ..given.design import Design
+from ..given.segments import scale_of
+from ..given.sticking import noise_of
+
+__all__ = ["begun", "first_state", "rates_on", "settled_rows"]
+
+LONGEST = 8  # no more than the eighth part of a record tells how it began
+HALVED = 4.0  # times the mean square that another past must leave: it halves the error
+FADED = 0.05  # of what a hidden state was at the beginning is left when it counts no more
+CLEAR = 3.0  # standard deviations of the noise, that the error must be in the mean of its rows
+MOST_WAIT = 0.25  # of a record, until the derivative counts
+_SHORTEST = 2  # rows: a record holds no less
+
+
+def begun(equations: Equations, record: Record) -> Record:
+    """Return a record before which the inputs stood where its first rows say.
+
+    A run begins in a state, of which the hidden part was not measured. By default the inputs are
+    taken to have stood at their first values for long. Where that leaves more of the derivative
+    over the first time constant than the noise of the sensor does, and other values, within the
+    range of the input, halve it, these are taken.
+
+    Parameters
+    ----------
+    equations : Equations
+        The model. Without hidden states nothing changes.
+    record : Record
+        What was measured.
+
+    Returns
+    -------
+    Record
+    """
+    if not isinstance(equations, MemoryEquations):
+        return record
+    for memory in equations.memories:
+        if memory.has_state:
+            record = _begun_in(equations, record, memory.column, memory.values[0])
+    return record
+
+
+def _begun_in(
+    equations: MemoryEquations, record: Record, column: int, time_constant: float
+) -> Record:
+    raw = raw_inputs(record)
+    longest = max(_SHORTEST, len(record) // LONGEST)
+    n = int(np.clip(np.ceil(time_constant / record.dt), _SHORTEST, longest))
+    noise = np.array([noise_of(record, state, 1) for state in range(record.n_states)])
+    scale = np.maximum(CLEAR * noise, 1e-9 * scale_of([record.x_dot]))
+
+    def at(value: float) -> Record:
+        past = raw[0].copy()
+        past[column] = value
+        return preceded(record, past.tolist())
+
+    def miss(value: float) -> float:
+        acts = at(value)
+        for memory in equations.memories:
+            acts = memory.apply(acts)
+        head = acts[:n]
+        rates = equations.inner.evaluate(head.x, head.u, head.t)
+        return float(np.max(np.mean(((head.x_dot - rates) / scale) ** 2, axis=0)))
+
+    ends = float(raw[:, column].min()), float(raw[:, column].max())
+    if ends[0] == ends[1]:
+        return record
+    options = {"xatol": 1e-3 * (ends[1] - ends[0])}
+    found = minimize_scalar(miss, bounds=ends, method="bounded", options=options)
+    given = miss(float(raw[0, column]))
+    return at(float(found.x)) if given > max(1.0, HALVED * found.fun) else record
+
+
+def first_state(equations: Equations, record: Record) -> np.ndarray:
+    """Return where a free run over a record begins.
+
+    What a friction or a damper remembers of the motion before the record nobody measured. It fades
+    over a short way or time, and until then the derivatives say what it was.
+
+    Parameters
+    ----------
+    equations : Equations
+        The model; memories of its inputs are not looked at here.
+    record : Record
+        What was measured.
+
+    Returns
+    -------
+    ndarray of shape (n_states,)
+        The first measured state, and the hidden states that follow measured ones there.
+    """
+    if not isinstance(equations, MemoryEquations) or not equations.paths:
+        return np.asarray(record.x[0])
+    rows = stack(record.x, record.u, record.t)
+    spans = [kind_of(path).span(path, rows) for path in equations.paths]
+    starts = [kind_of(path).along(path, rows[:1])[0] for path in equations.paths]
+    for k, span in enumerate(spans):
+        starts[k] = _remembered(equations, record, starts, k, span)
+    return np.concatenate([record.x[0], starts])
+
+
+def rates_on(equations: Equations, record: Record) -> np.ndarray:
+    """Return the rates on a record, the hidden states begun where its first rows say.
+
+    Parameters
+    ----------
+    equations : Equations
+        The model, in terms of what acts; what remembers a state is an operator on the rows.
+    record : Record
+        What was measured, with what acts.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_states)
+    """
+    full = with_memories(equations, ())
+    if not isinstance(full, MemoryEquations) or full.n_algebraic:
+        return equations.evaluate(record.x, record.u, record.t)
+    rows, starts = stack(record.x, record.u, record.t), first_state(full, record)[record.n_states :]
+    hidden = [_along(path, rows, w) for path, w in zip(full.paths, starts, strict=True)]
+    x = np.column_stack([record.x, *hidden])
+    return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
+
+
+def settled_rows(design: Design, record: Record) -> np.ndarray:
+    """Return on which rows it does not matter any more how hidden states began.
+
+    Parameters
+    ----------
+    design : Design
+        Holds what remembers as operators on the rows.
+    record : Record
+        What was measured.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, 1)
+        One or zero; one on most rows, however slow what remembers is.
+    """
+    paths = paths_in(design.equations(np.ones(len(design.columns))))
+    wait = max((kind_of(path).fades(path) for path in paths), default=0.0)
+    late = record.t - record.t[0] >= min(wait, MOST_WAIT * (record.t[-1] - record.t[0]))
+    return np.asarray(late, dtype=float)[:, None]
+
+
+def _remembered(
+    equations: MemoryEquations,
+    record: Record,
+    starts: Sequence[float],
+    place: int,
+    span: tuple[float, float],
+) -> float:
+    """Return one hidden state at the first row, given the others, within a span."""
+    head = record[: max(_SHORTEST, len(record) // LONGEST)]
+    rows = stack(head.x, head.u, head.t)
+    low, high = (_along(equations.paths[place], rows, end) for end in span)
+    n = max(_SHORTEST, int(np.sum(high - low > FADED * (span[1] - span[0]))))  # it only falls
+    rows, scale = rows[:n], scale_of([record.x_dot])
+
+    def miss(start: float) -> float:
+        at = [*starts[:place], start, *starts[place + 1 :]]
+        hidden = [_along(path, rows, w) for path, w in zip(equations.paths, at, strict=True)]
+        rates = equations.evaluate(np.column_stack([head.x[:n], *hidden]), *_acting(head, n))
+        error = head.x_dot[:n] - rates[:, : record.n_states]
+        return float(np.sum((error / scale) ** 2))
+
+    return float(minimize_scalar(miss, bounds=span, method="bounded").x)
+
+
+def _along(path: Call, rows: np.ndarray, start: float) -> np.ndarray:
+    return kind_of(path).along(path, rows, start)
+
+
+def _acting(record: Record, n: int) -> tuple[np.ndarray | None, np.ndarray]:
+    return None if record.u is None else record.u[:n], record.t[:n]

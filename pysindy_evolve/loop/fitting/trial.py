@@ -1,0 +1,280 @@
+"""Models on trial: they run freely over stretches, and are fitted to them by multiple shooting.
+
+Gauss-Newton steps change the coefficients of each model, and the states in which its runs begin,
+until it meets the record as well as it can. What is left is linear in small changes, so that
+held-out errors, and what any other target would leave, follow from small Gram matrices. The runs
+of many models over the same stretches are columns of one integration, unless a caller brings
+another way to run them.
+
+References
+----------
+Bock, Recent advances in parameter identification techniques for O.D.E., in: Numerical Treatment of
+Inverse Problems in Differential and Integral Equations (1983), 95-121: multiple shooting.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...equations import Equations
+from ...simulation.pieces import simulate_pieces
+from ..given.design import Design
+from ..given.segments import Segments
+from ..given.sensor import told
+from .residual import MAX_GROWTH, forces, jacobian, respond
+from .saltation import saltation
+
+__all__ = ["Rows", "Trial", "bettered", "runs_of", "settled"]
+
+ROWS = 2000  # of the runs that a step looks at
+N_STEPS = 6  # of Gauss-Newton, each of which may be a shortened one
+SHORTER = 0.3  # a step that makes the error larger is tried again, so much shorter
+SETTLED = 1e-4  # relative gain of a step after which no other one is taken
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A model that runs over stretches.
+
+    Attributes
+    ----------
+    design : Design
+        The model, with p columns.
+    part : Segments
+        States to meet, and the inputs as they act in this model.
+    scale : ndarray of shape (n_states,)
+        Unit of the error of each state.
+    coef : ndarray of shape (p,)
+        Coefficients.
+    starts : ndarray of shape (n_stretches, n_states)
+        Where the runs begin.
+    x : ndarray of shape (n_stretches, n, n_states)
+        The runs.
+    """
+
+    design: Design
+    part: Segments
+    scale: np.ndarray
+    coef: np.ndarray
+    starts: np.ndarray
+    x: np.ndarray
+
+    @property
+    def n_seen(self) -> int:
+        """Number of states that were measured: of hidden ones, the last, no miss counts."""
+        return len(self.scale) - self.design.n_hidden
+
+    @property
+    def target(self) -> np.ndarray:
+        """States to meet, shape (n_stretches, n, n_states)."""
+        return self.part.z[:, :, : self.part.n_states]
+
+    @property
+    def miss(self) -> np.ndarray:
+        """What the sensors show of the states to meet, minus what they show of the runs."""
+        return self.part.missed(self.x)
+
+    @property
+    def error(self) -> float:
+        """Sum of the squared misses; infinite if a run diverges."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            misses = (self.miss / self.scale)[..., : self.n_seen]
+            total = float(np.sum(misses**2))
+        return total if np.isfinite(total) else np.inf
+
+    def aimed_at(self, target: np.ndarray) -> Trial:
+        """Return the trial with other states to meet."""
+        z = np.concatenate([target, self.part.z[:, :, self.part.n_states :]], axis=2)
+        return replace(self, part=replace(self.part, z=z))
+
+    def picked(self, pick: slice) -> Trial:
+        """Return the trial over some of the stretches."""
+        return replace(self, part=self.part.picked(pick), starts=self.starts[pick], x=self.x[pick])
+
+    def rows(self, most_growth: float = MAX_GROWTH) -> Rows | None:
+        """Return what the runs miss and what the coefficients change, free of the starts.
+
+        None where the runs forget how they began, or deviations typically grow by more than said.
+        """
+        n_stretches, length, _ = self.x.shape
+        keep = max(1, n_stretches * length // ROWS)
+        free, response = map(self._of_seen, self.sensitivities(keep))
+        growth = np.max(np.abs(free), axis=(1, 2))
+        if not (np.max(growth) <= MAX_GROWTH and np.median(growth) <= most_growth):
+            return None
+        if self.part.limits is not None:
+            there = told(self.x, self.part.limits, self.part.seen)
+            there = picked(there[..., : self.n_seen], keep)
+            free, response = free * there, response * there
+        basis, _ = np.linalg.qr(free)
+        return Rows(response, basis, np.linalg.pinv(free), self.scale, keep, self.n_seen)
+
+    def _of_seen(self, rows: np.ndarray) -> np.ndarray:
+        """Leave out the rows of states that were not measured."""
+        n_stretches, n_rows, n_columns = rows.shape
+        n_states = len(self.scale)
+        of_states = rows.reshape(n_stretches, n_rows // n_states, n_states, n_columns)
+        return of_states[:, :, : self.n_seen].reshape(n_stretches, -1, n_columns)
+
+    def sensitivities(self, keep: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return what the runs owe to their starts and to the coefficients, as in `respond`."""
+        inputs = self.part.z[:, :, self.part.n_states :]
+        along = replace(self.part, z=np.concatenate([self.x, inputs], axis=2))
+        equations, scale, dt = self.design.equations(self.coef), self.part.state_scale, self.part.dt
+        slopes = jacobian(equations, along.z, scale)
+        driven = forces(along, self.design, self.design.columns, weighed=False)[..., :-1]
+        jumps = saltation(equations, along.z, scale, dt)
+        return respond(slopes, driven, dt, self.scale, keep, jumps)
+
+    def change(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return the Gauss-Newton step of coefficients and starts; None if there is none."""
+        rows = self.rows()
+        if rows is None or not np.isfinite(rows.response).all():
+            return None
+        miss = rows.of(self.miss)
+        change = rows.change(rows.response, miss)
+        return change, rows.starts(rows.response, miss, change)
+
+
+Runner = Callable[[Sequence[Trial]], list[Trial]]
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What the runs of a trial owe to its coefficients and starts, to first order.
+
+    Attributes
+    ----------
+    response : ndarray of shape (n_stretches, n_rows, p)
+        What a unit change of each coefficient moves.
+    basis : ndarray of shape (n_stretches, n_rows, n_states)
+        Orthonormal basis of what the starts move.
+    to_starts : ndarray of shape (n_stretches, n_states, n_rows)
+        Change of the starts that explains rows best.
+    scale : ndarray of shape (n_states,)
+        Unit of the error of each state.
+    keep : int
+        Every so many samples a row is taken.
+    n_seen : int
+        Number of states, the first ones, that were measured.
+    """
+
+    response: np.ndarray
+    basis: np.ndarray
+    to_starts: np.ndarray
+    scale: np.ndarray
+    keep: int
+    n_seen: int
+
+    def of(self, deviation: np.ndarray) -> np.ndarray:
+        """Return deviations of the states, (n_stretches, n, n_states), as (..., n_rows, 1)."""
+        return picked((deviation / self.scale)[..., : self.n_seen], self.keep)
+
+    def freed(self, rows: np.ndarray) -> np.ndarray:
+        """Return rows without what the starts can explain."""
+        return np.asarray(rows - self.basis @ (np.swapaxes(self.basis, 1, 2) @ rows))
+
+    def change(self, response: np.ndarray, miss: np.ndarray, damping: float = 0.0) -> np.ndarray:
+        """Return the change that meets a miss best, with the starts eliminated first.
+
+        Parameters
+        ----------
+        response : ndarray of shape (n_stretches, n_rows, p)
+            What a unit change moves.
+        miss : ndarray of shape (n_stretches, n_rows, 1)
+            What is to be met.
+        damping : float
+            Of Levenberg and Marquardt, relative to the square of each column.
+
+        Returns
+        -------
+        ndarray of shape (p,)
+        """
+        both = (response, miss)
+        columns, target = (self.freed(part).reshape(-1, part.shape[-1]) for part in both)
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        damped = np.vstack([columns / size, np.sqrt(damping) * np.eye(len(size))])
+        wanted = np.append(target[:, 0], np.zeros(len(size)))
+        return np.asarray(np.linalg.lstsq(damped, wanted, rcond=1e-8)[0] / size)
+
+    def starts(self, response: np.ndarray, miss: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Return by how much the starts follow a change, shape (n_stretches, n_states)."""
+        left = miss - (response @ change)[..., None]
+        return np.asarray((self.to_starts @ left)[..., 0] * self.scale)
+
+
+def picked(states: np.ndarray, keep: int) -> np.ndarray:
+    """Return every `keep`-th sample of (n_stretches, n, n_states) as (n_stretches, n_rows, 1)."""
+    last = (states.shape[1] - 1) // keep * keep
+    return states[:, : last + 1 : keep].reshape(len(states), -1, 1)
+
+
+def settled(trials: Sequence[Trial]) -> list[Trial]:
+    """Run and fit coefficients and starts of all trials; those that diverge stay as they are."""
+    return bettered(runs_of(list(trials)))
+
+
+def bettered(
+    trials: Sequence[Trial], run: Runner | None = None, least_gain: float = SETTLED
+) -> list[Trial]:
+    """Take steps from trials whose runs are made, until they gain nothing more.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        Models with the runs to begin with; those that diverge stay as they are.
+    run : callable, optional
+        Makes the runs of moved trials; by default all in one integration.
+    least_gain : float
+        Relative gain of a step after which no other one is taken.
+
+    Returns
+    -------
+    list of Trial
+    """
+    run, found = run or runs_of, list(trials)
+    active = {k: 1.0 for k, trial in enumerate(found) if np.isfinite(trial.error)}
+    changes = {k: found[k].change() for k in active}
+    for _ in range(N_STEPS):
+        active = {k: share for k, share in active.items() if changes[k] is not None}
+        if not active:
+            break
+        moved = run([_moved(found[k], changes[k], share) for k, share in active.items()])
+        for (k, share), after in zip(list(active.items()), moved, strict=True):
+            gain = 1.0 - after.error / max(found[k].error, 1e-300)
+            if gain <= 0.0:
+                active[k] = share * SHORTER
+                continue
+            found[k] = after
+            if gain < least_gain:
+                del active[k]
+            else:
+                active[k], changes[k] = 1.0, after.change()
+    return found
+
+
+def _moved(trial: Trial, change: tuple[np.ndarray, np.ndarray] | None, share: float) -> Trial:
+    if change is None:
+        return trial
+    coef, starts = trial.coef + share * change[0], trial.starts + share * change[1]
+    return replace(trial, coef=coef, starts=starts)
+
+
+def runs_of(trials: Sequence[Trial]) -> list[Trial]:
+    """Run all trials, of equal stretches and states, in one integration."""
+    if not trials:
+        return []
+    equations = [trial.design.equations(trial.coef) for trial in trials]
+    first, part = equations[0], trials[0].part
+    terms = tuple(dict.fromkeys(term for one in equations for term in one.terms))
+    coef = np.zeros((len(trials), len(first.states), len(terms)))
+    for rows, one in zip(coef, equations, strict=True):
+        rows[:, [terms.index(term) for term in one.terms]] = one.coef
+    z = np.concatenate([trial.part.z for trial in trials])
+    starts = np.concatenate([trial.starts for trial in trials])
+    shared = Equations(terms, coef[0], first.states, first.inputs)
+    x = simulate_pieces(shared, coef, starts, z[:, :, -1], z[:, :, part.n_states : -1])
+    return [replace(t, x=runs) for t, runs in zip(trials, np.split(x, len(trials)), strict=True)]

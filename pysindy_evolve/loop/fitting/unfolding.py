@@ -1,0 +1,153 @@
+"""What remembers a state as one more state of a design, for runs that begin anywhere.
+
+A design holds it as a term, an operator on the rows of a record, see path_states.py. A run that
+begins in the middle of a record needs a hidden state instead, with a start of its own. Nobody
+measured that state, so no miss of it counts. In some weights its equation is linear, so these may
+be columns like any others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...equations import stack
+from ...hidden import with_memories
+from ...path_states import kind_of, moved, path_rate, paths_in
+from ...signals import Record
+from ...substitution import substituted
+from ...terms import Call, Sum, as_sum, variable
+from ..effects.candidate import Candidate
+from ..given.design import Column, Design, in_state
+from .fit import derivative_square
+from .past import first_state
+
+__all__ = ["paths_of", "retuned", "square_left", "unfolded", "with_paths"]
+
+FARTHEST = 4.0  # times by which runs may change a number; beyond, they have lost their way
+
+
+def paths_of(design: Design) -> tuple[Call, ...]:
+    """Return what remembers states in a design; nothing if it is algebraic."""
+    if design.algebraic:
+        return ()
+    return paths_in(design.equations(np.ones(len(design.columns))))
+
+
+def unfolded(design: Design, *, free: bool = False) -> Design:
+    """Return a design with hidden states for what remembers.
+
+    Parameters
+    ----------
+    design : Design
+        With p columns and m paths.
+    free : bool
+        Whether the weights of each path are columns, the last ones.
+
+    Returns
+    -------
+    Design
+        The same object where nothing remembers.
+    """
+    paths = paths_of(design)
+    if not paths:
+        return design
+    n, m = len(design.states), len(paths)
+    inputs = range(n, n + len(design.inputs) + 1)
+    places: dict[int | Call, Sum] = {place: variable(place + m) for place in inputs}
+    own = [(kind_of(p), moved(p, places), variable(k)) for k, p in enumerate(paths, start=n)]
+    written = places | {
+        path: kind.term(here, state) for path, (kind, here, state) in zip(paths, own, strict=True)
+    }
+    fixed = [substituted(side, written) for side in design.fixed]
+    nothing = (Sum(()),) * m
+    columns = [
+        Column(c.name, (*(substituted(part, written) for part in c.parts), *nothing))
+        for c in design.columns
+    ]
+    for k, (kind, here, state) in enumerate(own, start=n):
+        if free:
+            parts = kind.parts(here, state)
+            columns += [in_state("weight", part, k, n + m) for part in parts]
+        fixed.append(Sum(()) if free else path_rate(here, state))
+    states = (*design.states, *(f"w{k}" for k in range(m)))
+    return replace(design, states=states, fixed=tuple(fixed), columns=tuple(columns), n_hidden=m)
+
+
+def with_paths(
+    design: Design, records: Sequence[Record], coef: np.ndarray | None = None
+) -> list[Record]:
+    """Return records with what remembers, along the measured states, as last states.
+
+    Parameters
+    ----------
+    design : Design
+        With p columns.
+    records : sequence of Record
+        What was measured.
+    coef : ndarray of shape (p,), optional
+        With these the first rows say how the hidden states began; by default, at rest.
+
+    Returns
+    -------
+    list of Record
+    """
+    paths = paths_of(design)
+    if not paths:
+        return list(records)
+    if coef is None:
+        return [_with_paths(paths, record, [None] * len(paths)) for record in records]
+    full = with_memories(design.equations(coef), ())
+    starts = [first_state(full, record)[record.n_states :].tolist() for record in records]
+    return [_with_paths(paths, r, own) for r, own in zip(records, starts, strict=True)]
+
+
+def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float | None]) -> Record:
+    rows, x, x_dot = stack(record.x, record.u, record.t), [record.x], [record.x_dot]
+    n = rows.shape[1]
+    for path, start in zip(paths, starts, strict=True):
+        w = kind_of(path).along(path, rows, start)
+        rate = path_rate(path, variable(n))
+        x.append(w[:, None])
+        x_dot.append(rate.evaluate(np.column_stack([rows, w]))[:, None])
+    seen = record.seen
+    if seen is not None:  # what remembers a motion that nobody saw is not known either
+        seen = np.hstack([seen, np.repeat(np.all(seen, axis=1)[:, None], len(paths), axis=1)])
+    return replace(record, x=np.hstack(x), x_dot=np.hstack(x_dot), states=None, seen=seen)
+
+
+def square_left(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:
+    """Return the sum of squares that coefficients leave of the derivative.
+
+    Hidden states begin where the first rows say: one that is slow to forget where it was believed
+    to begin would make what is right look wrong.
+    """
+    return derivative_square(unfolded(design), with_paths(design, records, coef), coef)
+
+
+def retuned(candidate: Candidate, path: Call, weights: np.ndarray) -> Candidate:
+    """Return an effect with other numbers in what remembers.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The effect.
+    path : Call
+        What remembers, as it was; an effect that is another one stays as it is.
+    weights : ndarray of shape (n_weights,)
+        See path_states.py. Where they are far off, the effect stays as it is as well.
+
+    Returns
+    -------
+    Candidate
+    """
+    if candidate.terms != (as_sum(path),) or candidate.shape is None or weights[0] <= 0.0:
+        return candidate
+    kind = kind_of(path)
+    old, new = kind.numbers(path), kind.numbers_from(weights)
+    if max(new[0] / old[0], old[0] / new[0]) > FARTHEST:
+        return candidate
+    shape = replace(candidate.shape, values=new)
+    return replace(candidate, terms=shape.terms, shape=shape)

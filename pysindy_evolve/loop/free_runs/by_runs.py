@@ -1,0 +1,259 @@
+"""Find what a model lacks where only its free runs show it.
+
+The derivative of a noisy record is blind to what is slow. What passes here keeps the runs on
+stretches that it was not fitted to, better than chance does in the twins; and it must not make the
+derivative worse. In a closed loop the input knows what disturbed the output, and runs can be
+bettered by a memory that is not there; the derivative, which sees the disturbance itself, objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.missing import candidates, standing
+from ..evidence.rejected import Rejected
+from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.step import Finding
+from ..evidence.trace import Score
+from ..given.design import Design
+from ..given.rules import Rules
+from ..given.segments import ranges, segments, variables_of
+from ..memories.reach import exchanged
+from ..memories.recall import MemoryFinding, memories_of
+from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models, gains_of_terms
+from .halts import drift_from, limits_in, needed, notable, stops_of
+from .limits import limited, off_limits
+from .tuning import tuned
+from .variants import Model, Pasts, Variant, memories_beside
+
+__all__ = ["find_by_runs", "model_of", "with_findings"]
+
+
+N_SIGNS = 999  # draws, which cost next to nothing
+HALVED = float(np.log(2.0))  # of the squares that the runs miss
+
+
+def with_findings(declared: Design, findings: Sequence[Finding]) -> Design:
+    """Return a design with the columns and limits of findings."""
+    design = declared.adding(column for finding in findings for column in finding.columns)
+    return limited(design, limits_in(findings))
+
+
+def find_by_runs(
+    declared: Design,
+    findings: Sequence[Finding],
+    records: Sequence[Record],
+    wide: Sequence[Record],
+    rules: Rules,
+    rng: np.random.Generator,
+    rejected: list[Rejected],
+) -> tuple[list[Finding], Pasts]:
+    """Return findings with what free runs show besides, one after the other until none passes.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found before.
+    records : sequence of Record
+        Training records without memories.
+    wide : sequence of Record
+        The same with a higher cutoff, for the derivative.
+    rules : Rules
+        When an effect counts.
+    rng : numpy.random.Generator
+        Draws the twins.
+    rejected : list of Rejected
+        The best that did not pass is appended to it.
+
+    Returns
+    -------
+    findings : list of Finding
+        All of them; the numbers of the new memories are tuned again after each step.
+    pasts : tuple of (tuple of float)
+        For each record, where its inputs stood before it; empty where that does not matter.
+    """
+    before = list(findings)
+    stops = stops_of(model_of(declared, before), records, rules, rng)
+    new: list[Finding] = []
+    pasts: Pasts = ()
+    while len(before) + len(new) < rules.max_effects:
+        model = replace(
+            model_of(declared, [*before, *new]),
+            limits=tuple(one.limit for one in stops),
+            n_known=len(memories_of(before)),
+            pasts=pasts,
+        )
+        drift = drift_from(model, records)
+        step = None if drift is None else _best(drift, wide, not new, rules, rng, rejected)
+        if step is None:
+            break
+        new, pasts = _retuned([*new, step[0]], step[1]), step[1].pasts
+    whole = replace(model_of(declared, [*before, *new]), pasts=pasts)
+    kept = needed(whole, stops, records, rules)
+    memories = [f for f in new if isinstance(f, MemoryFinding)]
+    terms = [f for f in new if f not in memories]
+    number = 1 + max((f.step for f in before), default=0)
+    found = [*memories, *kept, *terms]
+    return [*before, *(replace(f, step=number + k) for k, f in enumerate(found))], pasts
+
+
+def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
+    """Return a design with all findings, memories and limits among them."""
+    design = declared.adding(column for f in findings for column in f.columns)
+    return Model(design, memories_of(findings), limits_in(findings))
+
+
+def _retuned(new: list[Finding], model: Model) -> list[Finding]:
+    """Return findings with the memories of a model."""
+    memories = iter(model.memories[model.n_known :])
+    return [replace(f, memory=next(memories)) if isinstance(f, MemoryFinding) else f for f in new]
+
+
+def _best(
+    drift: Drift,
+    wide: Sequence[Record],
+    first: bool,
+    rules: Rules,
+    rng: np.random.Generator,
+    rejected: list[Rejected],
+) -> tuple[Finding, Model] | None:
+    """Return the best effect that passes, and the model with it."""
+    found = _memory_or_term(drift, wide, first, rules, rng)
+    if found is None or found[0].p_value <= rules.level_of_runs:
+        return found
+    rejected.append(_as_rejected(found[0], drift))
+    return None
+
+
+def _memory_or_term(
+    drift: Drift,
+    wide: Sequence[Record],
+    first: bool,
+    rules: Rules,
+    rng: np.random.Generator,
+) -> tuple[Finding, Model] | None:
+    """Return the plainest memory or term of those that gain most, with its chance.
+
+    Of memories that differ in numbers only, the best one of a grid is tested, as in the twins, and
+    those that pass are tuned. The first effect may be a term only if it halves what the runs miss:
+    a force that a noisy or delayed input brings with it is worth less.
+    """
+    signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(drift.part.z)))
+    memories = memories_beside(drift.model, drift.records, segments(drift.records))
+    terms = [v for v in _terms(drift) if not first or _is_of_motion(v, drift)]
+    if first and np.all(gains_of_terms(drift, [v.columns for v in terms], signs[:1])[0] < HALVED):
+        terms = []  # nothing to hold against the twins
+    by_terms, in_twins = gains_of_terms(drift, [v.columns for v in terms], signs)
+    if first:
+        by_terms = np.where(by_terms >= HALVED, by_terms, -np.inf)
+    plain = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
+    heads = _heads([*terms, *memories], plain, notable(rules))
+    heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]
+    if not heads:
+        return None
+    beside = [v for _, v in heads if first and v.memory is None]
+    twins = chance_of_models(drift, [v.model for v in (*memories, *beside)], signs)
+    twins[0] = np.maximum(twins[0], in_twins)
+    judged = _judged(drift, [v for _, v in heads], plain[[k for k, _ in heads]], twins, first)
+    passing = [one for one in judged if one[2] <= rules.level_of_runs]
+    variant, gain, p_value = _plainest(drift, passing) if passing else judged[0]
+    own = (variant.candidate, variant.columns, gain, p_value, twins[0])
+    if variant.memory is not None:
+        return MemoryFinding(*own, by_runs=True, memory=variant.memory), variant.model
+    return Finding(*own, by_runs=True), variant.model
+
+
+def _judged(
+    drift: Drift, heads: Sequence[Variant], gains: np.ndarray, twins: np.ndarray, first: bool
+) -> list[tuple[Variant, float, float]]:
+    """Return variants with their gains and chances.
+
+    What is new must show them as well: what an input answers to may look like a memory. Only a term
+    beside what is slow shows in nothing but the whole miss.
+    """
+    views = gains_of_models(drift, [variant.model for variant in heads])
+    views[0] = gains
+    views[1, [variant.memory is None and not first for variant in heads]] = np.inf
+    chances = [_p_value(view, twins) for view in views.T]
+    return list(zip(heads, gains.tolist(), chances, strict=True))
+
+
+def _is_of_motion(variant: Variant, drift: Drift) -> bool:
+    """Tell whether a term depends on what was measured, as chance in the twins does not.
+
+    What lasts for longer than a stretch, such as an offset or a drift, is there by chance as well.
+    """
+    time = len(drift.model.design.states) + len(drift.model.design.inputs)
+    return all(term.variables - {time} for term in variant.candidate.terms)
+
+
+def _p_value(gain: np.ndarray, twins: np.ndarray) -> float:
+    """Return the chance of a gain in the view that is less sure of it."""
+    n_better = np.sum(twins >= gain[:, None], axis=1)
+    return float(np.max(1 + n_better)) / (1 + twins.shape[1])
+
+
+def _heads(
+    tried: Sequence[Variant], gains: np.ndarray, notable: float
+) -> list[tuple[int, Variant]]:
+    """Return the best of each family that gains at least half as much as the best of all."""
+    found: dict[tuple[object, ...], int] = {}
+    for k in np.argsort(-gains).tolist():
+        if gains[k] >= max(notable, 0.5 * gains.max()):
+            found.setdefault(tried[k].family, k)
+    return [(k, tried[k]) for k in found.values()]
+
+
+def _plainest(
+    drift: Drift, passing: Sequence[tuple[Variant, float, float]]
+) -> tuple[Variant, float, float]:
+    """Tune variants on long runs, and return the plainest of those that do as well as the best."""
+    long = drift_of(drift.model, drift.trial.coef, drift.records, LONG) or drift
+    variants = [one[0].with_model(tuned(long, one[0].model)) for one in passing]
+    gains = gains_of_models(long, [variant.model for variant in variants])[0]
+    near = gains >= gains.max() - max(MARGIN, 0.01 * gains.max())
+    k = min(np.flatnonzero(near).tolist(), key=lambda k: variants[k].plainness)
+    return variants[k], passing[k][1], passing[k][2]
+
+
+def _as_rejected(finding: Finding, drift: Drift) -> Rejected:
+    design = drift.model.design
+    left = np.full(1, np.exp(-finding.score))
+    tried = Score((finding.candidate,), (), np.ones(1), left, finding.score)
+    names = (*design.states, *design.inputs, "t")
+    return Rejected(tried, float(1.0 - left[0]), finding.p_value, finding.twin_scores, names)
+
+
+def _terms(drift: Drift) -> list[Variant]:
+    """Return the effects of the vocabulary that may enter."""
+    design = drift.model.design
+    acted = drift.model.acted(drift.records)
+    variables = np.concatenate([variables_of(record) for record in acted])
+    present, found = standing(design), []
+    for candidate in candidates(design, *ranges(variables)):
+        if all((candidate.state, parent) in present for parent in candidate.parents):
+            columns = columns_of(candidate, design)
+            wider = replace(drift.model, design=design.adding(columns))
+            found.append(Variant(candidate, wider, columns))
+    return found
+
+
+def _refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
+    """Tell whether the derivative is predicted worse with a variant than without it."""
+    design = drift.model.design
+    acted = drift.model.acted(wide)
+    part = off_limits(segments(acted, design.velocities), drift.model.limits)
+    if variant.memory is not None:
+        gain = exchanged([variant.memory], design, acted, part)[0].gain
+    elif variant.columns:
+        scores = score(design, part, [replace(variant.candidate, parents=())], pairs=False)
+        gain = scores[0].value if scores else 0.0
+    else:
+        gain = 0.0
+    return gain < -MARGIN

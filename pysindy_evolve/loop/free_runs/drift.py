@@ -1,0 +1,219 @@
+"""How far free runs drift from the record, and what would keep them on it.
+
+Variants of a model are fitted to stretches of the record by their free runs, and predict the
+stretches that they were not fitted to. Twins tell what chance does: the runs of the present model
+plus what they leave of the record, with a random sign on each stretch. That is as large and as
+colored as measured, but no longer a function of the input. As each run begins in a state of its
+own, what disturbed one stretch does not reach the next.
+
+References
+----------
+Cameron, Gelbach and Miller, Rev. Econ. Stat. 90 (2008), DOI 10.1162/rest.90.3.414: the signs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...signals import Record
+from ..fitting.residual import MAX_GROWTH
+from ..fitting.trial import Trial, settled
+from ..given.design import Column
+from ..given.segments import Segments, segments
+from .heldout import HeldOut
+from .variants import Model
+from .whitening import Whitener
+
+__all__ = ["LONG", "Drift", "chance_of_models", "drift_of", "gains_of_models", "gains_of_terms"]
+
+N_STRETCHES = (16, 32)  # the fewest that the model can follow; enough for many draws of signs
+LONG = (4, 8, 16, 32)  # what numbers are tuned on: what is slow shows in long runs
+MAX_ROWS = 9600  # of all stretches; a run takes one step after the other
+FAITHFUL = 1.0  # standard deviations by which a run may miss; beyond, it says nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Drift:
+    """The present model, fitted to stretches by its free runs.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    records : tuple of Record
+        Training records without memories.
+    part : Segments
+        Their stretches.
+    trial : Trial
+        The runs.
+    whitener : Whitener
+        Tells what is new in their misses.
+    """
+
+    model: Model
+    records: tuple[Record, ...]
+    part: Segments
+    trial: Trial
+    whitener: Whitener
+
+    @property
+    def views(self) -> tuple[Whitener | None, ...]:
+        """How misses are looked at: as they are, and what is new in them."""
+        return None, self.whitener
+
+    @property
+    def left(self) -> np.ndarray:
+        """What the runs leave of the record, shape (n_stretches, n, n_states)."""
+        return np.asarray(self.trial.miss)
+
+    @property
+    def in_twins(self) -> Trial:
+        """The same runs, where they are the truth."""
+        return self.trial.aimed_at(self.trial.x)
+
+    def begun(self, model: Model) -> Trial:
+        """Return a trial of another model that begins where this one ended."""
+        old = self.trial
+        coef = np.zeros(len(model.design.columns))
+        coef[: len(old.coef)] = old.coef[: len(coef)]
+        return replace(model.trial(coef, old.scale, self.records, self.part), starts=old.starts)
+
+
+def drift_of(
+    model: Model,
+    coef: np.ndarray,
+    records: Sequence[Record],
+    n_stretches: Sequence[int] = N_STRETCHES,
+    most_growth: float = MAX_GROWTH,
+) -> Drift | None:
+    """Fit a model to the longest stretches that it can follow; None if there are none.
+
+    Parameters
+    ----------
+    model : Model
+        The model, with p coefficients.
+    coef : ndarray of shape (p,)
+        Where to begin.
+    records : sequence of Record
+        Training records without memories.
+    n_stretches : sequence of int
+        How many stretches to try, in order.
+    most_growth : float
+        How much larger a deviation may become along half of the stretches.
+
+    Returns
+    -------
+    Drift or None
+    """
+    for n in n_stretches:
+        part = segments(records, model.design.velocities, n, MAX_ROWS)
+        (trial,) = settled([model.trial(coef, part.state_scale, records, part)])
+        rows = trial.rows(most_growth)
+        missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
+        if rows is not None and np.all(missed < FAITHFUL * part.state_scale):
+            misses = rows.freed(rows.of(trial.miss))
+            trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
+            stride = max(1, round(0.5 / (part.cutoff * part.dt * rows.keep)))
+            whitener = Whitener.of(misses.reshape(len(misses), -1, part.n_states), stride)
+            return None if whitener is None else Drift(model, tuple(records), part, trial, whitener)
+    return None
+
+
+def gains_of_models(drift: Drift, models: Sequence[Model]) -> np.ndarray:
+    """Return log(error without / error with) of other models, each fitted to the record.
+
+    Parameters
+    ----------
+    drift : Drift
+        The present model.
+    models : sequence of Model
+        What may take its place.
+
+    Returns
+    -------
+    ndarray of shape (n_views, n_models)
+        On stretches that were not fitted, of the misses and of what is new in them; minus infinity
+        for what cannot be run.
+    """
+    one = np.ones((1, len(drift.part.z)))
+    trials = settled([drift.begun(model) for model in models])
+    gains = np.full((len(drift.views), len(models)), -np.inf)
+    for row, whitener in zip(gains, drift.views, strict=True):
+        before = _log_errors(drift.trial, None, whitener, one)[0]
+        for k, trial in enumerate(trials):
+            row[k] = before - _log_errors(trial, None, whitener, one)[0]
+    return gains
+
+
+def chance_of_models(drift: Drift, models: Sequence[Model], signs: np.ndarray) -> np.ndarray:
+    """Return the largest gain of all models in each twin, fitted to what the twins share.
+
+    Parameters
+    ----------
+    drift : Drift
+        The present model, which is the truth in the twins.
+    models : sequence of Model
+        As many as were tried on the record.
+    signs : ndarray of shape (n_twins, n_stretches)
+        Of what the present model leaves.
+
+    Returns
+    -------
+    ndarray of shape (n_views, n_twins)
+    """
+    begun = [drift.begun(model).aimed_at(drift.trial.x) for model in models]
+    trials, left = settled(begun), drift.left
+    largest = []
+    for whitener in drift.views:
+        errors = [_log_errors(trial, left, whitener, signs) for trial in trials]
+        least = np.min([np.full(len(signs), np.inf), *errors], axis=0)
+        largest.append(_log_errors(drift.in_twins, left, whitener, signs) - least)
+    return np.array(largest)
+
+
+def gains_of_terms(
+    drift: Drift, groups: Sequence[tuple[Column, ...]], signs: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what groups of columns gain, and the largest gain of all of them in each twin.
+
+    To first order in their coefficients, so that no other runs are needed.
+
+    Returns
+    -------
+    gains : ndarray of shape (n_groups,)
+        Minus infinity for what is no more than a combination of the model's columns.
+    in_twins : ndarray of shape (n_twins,)
+    """
+    columns = [column for group in groups for column in group]
+    gains, largest = np.full(len(groups), -np.inf), np.full(len(signs), -np.inf)
+    record = HeldOut.of(_with_columns(drift.trial, columns))
+    twins = HeldOut.of(_with_columns(drift.in_twins, columns), drift.left)
+    if record is None or twins is None:
+        return gains, largest
+    own, one = range(len(drift.trial.coef)), np.ones((1, len(drift.part.z)))
+    before, place = np.log(record.errors(one, own)[0]), len(own)
+    before_in_twins = np.log(twins.errors(signs, own))
+    for k, group in enumerate(groups):
+        new = range(place, place + len(group))
+        place += len(group)
+        if record.is_new(len(own), new):
+            gains[k] = before - np.log(record.errors(one, [*own, *new])[0])
+            gained = before_in_twins - np.log(twins.errors(signs, [*own, *new]))
+            largest = np.maximum(largest, gained)
+    return gains, largest
+
+
+def _with_columns(trial: Trial, columns: Sequence[Column]) -> Trial:
+    coef = np.append(trial.coef, np.zeros(len(columns)))
+    return replace(trial, design=trial.design.adding(columns), coef=coef)
+
+
+def _log_errors(
+    trial: Trial, noise: np.ndarray | None, whitener: Whitener | None, signs: np.ndarray
+) -> np.ndarray:
+    """Return the logarithms of held-out errors; infinite if a trial cannot be run."""
+    view = HeldOut.of(trial, noise, whitener)
+    return np.full(len(signs), np.inf) if view is None else np.log(view.errors(signs))

@@ -1,0 +1,153 @@
+"""Effects that could take each other's place, judged by free runs.
+
+A filter turns the sign of a speed into something smoother, and blurs what two effects of similar
+shape differ in. A model that runs by itself has no filter in it. So once all is found, each effect
+has to hold its place against the few that come closest to it: all models are fitted to the same
+stretches of the record by their runs, and another effect takes the place of one if its runs are
+closer to the record by what matters, on so many stretches that chance hardly explains it.
+
+References
+----------
+Vuong, Econometrica 57 (1989), DOI 10.2307/1912557: models not nested, compared piece by piece.
+Wilcoxon, Biometrics Bull. 1 (1945), DOI 10.2307/3001968: the test of the signed ranks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import wilcoxon
+from tqdm.auto import tqdm
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..effects.missing import candidates
+from ..evidence.scoring import PRICE, columns_of, score
+from ..evidence.step import Finding
+from ..evidence.trace import EVOLVED
+from ..fitting.fit import refit
+from ..fitting.trial import Trial, settled
+from ..given.rules import Rules
+from ..given.segments import Segments, ranges
+from .drift import Drift, drift_of
+from .inner import Contender, sharpened
+from .variants import Model
+
+__all__ = ["held_against"]
+
+N_RIVALS = 5  # that come closest in the spectral view
+STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
+STEADY = 10.0  # times by which a deviation may grow: in chaos, long runs tell luck from luck
+
+
+def held_against(
+    model: Model,
+    findings: Sequence[Finding],
+    grown: Sequence[Candidate],
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+) -> list[Finding]:
+    """Return findings in which effects hold their places, or have lost them to others.
+
+    Parameters
+    ----------
+    model : Model
+        The declared model, with the memories and limits among the findings.
+    findings : sequence of Finding
+        What was found.
+    grown : sequence of Candidate
+        Grown terms that may take a place, besides the effects of the vocabulary.
+    records : sequence of Record
+        Training records, without memories.
+    part : Segments
+        Pieces of them as they were searched.
+    rules : Rules
+        Significance, and the least share that matters.
+
+    Returns
+    -------
+    list of Finding
+        Their p-values stay: that something is missing there was tested before.
+    """
+    kept = list(findings)
+    bar = tqdm(findings, desc="free runs", disable=not rules.progress, leave=False)
+    for place, finding in enumerate(bar):
+        rest = [f for k, f in enumerate(kept) if k != place]
+        needed = {parent for f in rest for parent in f.candidate.parents}
+        if finding.columns and not needed & set(finding.candidate.terms):
+            columns = [column for f in rest for column in f.columns]
+            without = replace(model, design=model.design.adding(columns))
+            kept[place] = _winner(without, finding, grown, records, part, rules)
+    return kept
+
+
+def _winner(
+    model: Model,
+    finding: Finding,
+    grown: Sequence[Candidate],
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+) -> Finding:
+    """Return a finding, or the one that takes its place in a model without it."""
+    own = finding.candidate
+    drift = drift_of(*_fitted(model, own, records), records, STRETCHES, STEADY)
+    if drift is None:
+        return finding
+    rivals = _closest(model, own, grown, part)
+    begun = [_begun(model, rival, drift, records) for rival in rivals]
+    fitted = map(Contender, rivals, settled(begun))
+    tuned = sharpened([Contender(own, drift.trial), *fitted], model, drift, records)
+    best, level = tuned[0], rules.significance / len(rivals)
+    for other in tuned[1:]:
+        price = PRICE * max(other.candidate.size - best.candidate.size, 0)
+        least = max(-np.log1p(-rules.min_share), price if other.candidate.name == EVOLVED else 0.0)
+        if _is_closer(other.trial, best.trial, least, level):
+            best = other
+    if best.candidate.name == EVOLVED:
+        names = [one for one in tuned if one.candidate.name != EVOLVED]
+        known = min(names, key=lambda one: one.error, default=best)
+        if not _is_closer(best.trial, known.trial, -np.log1p(-rules.min_share), level):
+            best = known  # what engineers know by name, unless it does worse
+    columns = columns_of(best.candidate, model.design)
+    return replace(finding, candidate=best.candidate, columns=columns)
+
+
+def _is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
+    """Tell whether the log error is less by so much, on more stretches than chance explains."""
+    if not one.error < np.exp(-least) * other.error:  # so too where both are zero
+        return False
+    closer = _squares(other) - _squares(one)
+    return bool(wilcoxon(closer, alternative="greater").pvalue <= level)
+
+
+def _closest(
+    model: Model, own: Candidate, grown: Sequence[Candidate], part: Segments
+) -> list[Candidate]:
+    """Return the effects of the same equation that do best in the spectral view."""
+    variables = part.z.reshape(-1, part.z.shape[-1])
+    options = [*candidates(model.design, *ranges(variables)), *grown]
+    alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
+    scores = score(model.design, part, list(alike), pairs=False)
+    return [s.group[0] for s in scores[:N_RIVALS]]
+
+
+def _fitted(
+    model: Model, candidate: Candidate, records: Sequence[Record]
+) -> tuple[Model, np.ndarray]:
+    """Return a model with an effect, and the coefficients that the derivative gives."""
+    whole = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
+    return whole, refit(whole.design, model.acted(records), "derivative")
+
+
+def _begun(model: Model, candidate: Candidate, drift: Drift, records: Sequence[Record]) -> Trial:
+    whole, coef = _fitted(model, candidate, records)
+    return whole.trial(coef, drift.trial.scale, records, drift.part)
+
+
+def _squares(trial: Trial) -> np.ndarray:
+    """Return the squared error of each stretch, shape (n_stretches,)."""
+    return np.asarray(np.sum((trial.miss / trial.scale) ** 2, axis=(1, 2)))

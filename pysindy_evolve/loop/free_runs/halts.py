@@ -1,0 +1,123 @@
+"""Limits that a state has met, and not only its sensor: it stops there, and leaves at once.
+
+Behind the end of a sensor a state goes on, and shows again when it has come back. The free runs
+over training records say which of the two it is; where they do not, the readings are believed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..evidence.shares import is_exact
+from ..evidence.step import Finding
+from ..fitting.fit import refit
+from ..given.design import Design
+from ..given.rules import Rules
+from ..given.segments import segments
+from .drift import Drift, drift_of, gains_of_models
+from .limits import LIMITED, Limit, limits_of, tested
+from .variants import Model
+
+__all__ = [
+    "LimitFinding",
+    "drift_from",
+    "limits_in",
+    "may_stop_itself",
+    "needed",
+    "notable",
+    "stops_of",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class LimitFinding(Finding):
+    """A limit of a state that passed. It adds no column: its term has no free coefficient."""
+
+    limit: Limit = field(kw_only=True)
+
+
+def limits_in(findings: Sequence[Finding]) -> tuple[Limit, ...]:
+    """Return the limits among findings at which states stop."""
+    return tuple(f.limit for f in findings if isinstance(f, LimitFinding))
+
+
+def stops_of(
+    model: Model, records: Sequence[Record], rules: Rules, rng: np.random.Generator
+) -> list[LimitFinding]:
+    """Return the limits at which states of the first order may stop.
+
+    Records stay there for longer than twins without the limit do. They are believed while the
+    search goes on, unless it was clear before that nobody saw where the state went.
+    """
+    if any(record.seen is not None for record in records):
+        return []
+    shown = [one for one in limits_of(records) if _may_stop(one, model.design, records)]
+    if not shown:
+        return []
+    acted = model.acted(records)
+    equations = model.design.equations(refit(model.design, acted, "derivative"))
+    found = []
+    for limit, length, p_value, lengths in tested(shown, equations, acted, rules, rng):
+        candidate = Candidate(LIMITED, limit.state, (limit.term,))
+        own = (candidate, (), float(length), p_value, lengths)
+        found.append(LimitFinding(*own, by_runs=True, limit=limit))
+    return found
+
+
+def may_stop_itself(
+    design: Design, records: Sequence[Record], rules: Rules, rng: np.random.Generator
+) -> bool:
+    """Tell whether states may stop at limits that readings show, so that these are right there.
+
+    They may unless the runs of the model are notably closer if only the sensor ends. A model that
+    lacks much tells neither from the other.
+    """
+    if all(record.seen is None for record in records) or design.algebraic:
+        return False
+    plain, believed = Model(design), [replace(record, seen=None) for record in records]
+    stops = stops_of(plain, believed, rules, rng.spawn(1)[0])
+    model = replace(plain, limits=tuple(one.limit for one in stops))
+    return bool(stops) and _gain(model, plain, records) > -notable(rules)
+
+
+def _may_stop(limit: Limit, design: Design, records: Sequence[Record]) -> bool:
+    made = records[0].preparation
+    return made is not None and made.order == 1 and limit.state in design.open_states
+
+
+def needed(
+    model: Model, stops: Sequence[LimitFinding], records: Sequence[Record], rules: Rules
+) -> list[LimitFinding]:
+    """Return the limits without which the runs, seen through the sensors, are notably worse."""
+    kept = []
+    for one in stops:
+        others = tuple(f.limit for f in stops if f is not one)
+        without = replace(model, limits=others)
+        whole = replace(model, limits=(*others, one.limit))
+        if _gain(whole, without, records) >= notable(rules):
+            kept.append(one)
+    return kept
+
+
+def _gain(model: Model, other: Model, records: Sequence[Record]) -> float:
+    """Return the log of the error of another model over that of a model; 0 if it cannot run."""
+    drift = drift_from(other, records)
+    return 0.0 if drift is None else float(gains_of_models(drift, [model])[0, 0])
+
+
+def notable(rules: Rules) -> float:
+    """Return the gain of what removes the least share that matters."""
+    return float(-np.log1p(-rules.min_share))
+
+
+def drift_from(model: Model, records: Sequence[Record]) -> Drift | None:
+    """Return the drift of a model; None where there is none to explain."""
+    acted = model.acted(records)
+    if not model.design.columns or is_exact(model.design, segments(acted, model.design.velocities)):
+        return None
+    return drift_of(model, refit(model.design, acted, "derivative"), records)

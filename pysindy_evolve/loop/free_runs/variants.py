@@ -1,0 +1,157 @@
+"""What may be missing that only free runs show: each variant is a model that could be simulated.
+
+Derivatives of a noisy record do not see what is slow: a vessel between the pump and the level, an
+overflow, a lag of minutes. A free run does, where it drifts away from the record. A variant puts
+another memory behind an input, lets a state end at a limit, or adds a term.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...memory import VESSEL, Memory, preceded, remembered
+from ...signals import Record
+from ...terms import variable
+from ..effects.candidate import Candidate
+from ..effects.vocabulary import VOCABULARY
+from ..fitting.trial import Trial
+from ..given.design import Column, Design
+from ..given.segments import Segments
+from ..memories.probes import grid_of, users_of
+from .limits import Limit, limited
+
+__all__ = ["Model", "Pasts", "Variant", "memories_beside"]
+
+Pasts = tuple[tuple[float, ...], ...]  # for each record, where its inputs stood before it
+
+BRIMS = (0.55, 0.7, 0.85)  # of a vessel, shares of what it would be filled to at most
+SHARES = (0.0, 1.0)  # of what runs over: all is lost, or all arrives
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A design with what its free runs have besides.
+
+    Attributes
+    ----------
+    design : Design
+        Equations of the measured states.
+    memories : tuple of Memory
+        What the inputs go through.
+    limits : tuple of Limit
+        Where states end.
+    n_known : int
+        So many of the memories, the first ones, keep their numbers: the derivative gave them.
+    pasts : tuple of (tuple of float)
+        For each training record, where its inputs stood before; by default at their first values.
+    """
+
+    design: Design
+    memories: tuple[Memory, ...] = ()
+    limits: tuple[Limit, ...] = ()
+    n_known: int = 0
+    pasts: Pasts = ()
+
+    @property
+    def whole(self) -> Design:
+        """The design with the limits in it."""
+        return limited(self.design, self.limits)
+
+    def acted(self, records: Sequence[Record]) -> list[Record]:
+        """Return training records whose inputs are what acts."""
+        if self.pasts:
+            records = [preceded(r, past) for r, past in zip(records, self.pasts, strict=True)]
+        return [remembered(record, self.memories) for record in records]
+
+    def trial(
+        self, coef: np.ndarray, scale: np.ndarray, records: Sequence[Record], part: Segments
+    ) -> Trial:
+        """Return a trial that begins with coefficients, on pieces of records without memories."""
+        acted = part.of(self.acted(records))
+        starts = acted.z[:, 0, : part.n_states]
+        return Trial(self.whole, acted, scale, coef, starts, acted.z[:, :, : part.n_states])
+
+
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """A model with one thing more: a memory or the columns of a term.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        Its name and equation.
+    model : Model
+        The model with it.
+    columns : tuple of Column
+        What it adds to the design.
+    memory : Memory, optional
+        What it puts behind an input, after all other memories.
+    """
+
+    candidate: Candidate
+    model: Model
+    columns: tuple[Column, ...] = ()
+    memory: Memory | None = None
+
+    @property
+    def family(self) -> tuple[object, ...]:
+        """What differs from it in numbers only."""
+        if self.memory is not None:
+            return self.memory.kind, self.memory.column, len(self.memory.values)
+        return self.candidate.name, self.candidate.state, self.candidate.terms
+
+    @property
+    def plainness(self) -> tuple[int, int, int]:
+        """How many numbers it adds, how long its terms are, its place in the vocabulary."""
+        n_numbers = len(self.columns) if self.memory is None else len(self.memory.values)
+        name = self.candidate.name
+        return n_numbers, self.candidate.size, VOCABULARY.index(name)
+
+    def with_model(self, model: Model) -> Variant:
+        """Return the variant with the numbers of its model tuned."""
+        memory = self.memory and model.memories[-1]
+        return replace(self, model=model, memory=memory)
+
+
+def memories_beside(model: Model, records: Sequence[Record], part: Segments) -> list[Variant]:
+    """Return the variants of a model that have one more memory.
+
+    Parameters
+    ----------
+    model : Model
+        The model so far.
+    records : sequence of Record
+        Training records without memories.
+    part : Segments
+        Pieces of them.
+
+    Returns
+    -------
+    list of Variant
+        Memories on a grid from very short to very long ones, vessels with and without a brim.
+    """
+    found = []
+    for memory in grid_of(model.design, records, part, model.memories):
+        state = users_of(model.design, memory.column)[0]
+        acts = variable(len(model.design.states) + memory.column)
+        candidate = Candidate(memory.kind, state, (acts,))
+        found += [
+            Variant(candidate, replace(model, memories=(*model.memories, one)), memory=one)
+            for one in (memory, *_with_brims(memory, records))
+        ]
+    return found
+
+
+def _with_brims(memory: Memory, records: Sequence[Record]) -> list[Memory]:
+    """Return a vessel with brims, each so high that the vessel runs over at times."""
+    if memory.kind != VESSEL:
+        return []
+    highest = max(float(memory.state(record).max()) for record in records)
+    return [
+        replace(memory, values=(*memory.values, brim * highest, share))
+        for brim in BRIMS
+        for share in SHARES
+    ]

@@ -1,0 +1,1 @@
+"""What the user gives: a declared model, its records, and the rules of the search."""

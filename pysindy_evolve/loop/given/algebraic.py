@@ -1,0 +1,56 @@
+"""Algebraic targets: a force that is what it is now, with nothing differentiated.
+
+The effects of the vocabulary are functions of inputs here: of a position and its velocity where two
+inputs are that to each other, of any other input by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...signals import Record
+
+__all__ = ["as_algebraic", "motions_of"]
+
+ALIKE = 0.98  # correlation from which on one input is the slope of another
+
+
+def as_algebraic(record: Record) -> Record:
+    """Return a record whose target, its columns of x, stands in the place of the rates."""
+    return replace(record, x_dot=record.x, preparation=None)
+
+
+def motions_of(records: Sequence[Record], n_states: int) -> tuple[tuple[int, int], ...]:
+    """Return which inputs are position and velocity of the same motion, as variables.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Training records.
+    n_states : int
+        Inputs are numbered after so many states.
+
+    Returns
+    -------
+    tuple of (int, int)
+        Position and velocity.
+    """
+    first = records[0]
+    n = first.n_inputs
+    found = []
+    for position in range(n):
+        for velocity in (k for k in range(n) if k != position):
+            pairs = [
+                (np.gradient(r.u[:, position], r.t), r.u[:, velocity])
+                for r in records
+                if r.u is not None
+            ]
+            slope, given = (np.concatenate(side) for side in zip(*pairs, strict=True))
+            if slope.std() > 0.0 and given.std() > 0.0:
+                alike = np.corrcoef(slope, given)[0, 1] > ALIKE
+                if alike and np.isclose(slope.std(), given.std(), rtol=0.2):
+                    found.append((n_states + position, n_states + velocity))
+    return tuple(found)

@@ -1,0 +1,133 @@
+"""A model with free coefficients: known parts, and columns that enter linearly.
+
+======  ============================  ========================================================
+symbol  shape                         meaning
+======  ============================  ========================================================
+fixed   (n_states,) of Sum            what is known of each right-hand side
+column  (n_states,) of Sum            what one free coefficient multiplies in each of them
+coef    (n_columns,)                  the free coefficients
+======  ============================  ========================================================
+
+A parameter that stands in several equations is one column with several parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...equations import AlgebraicEquations, Equations
+from ...terms import Cache, Product, Sum, Variable
+
+__all__ = ["Column", "Design", "in_state"]
+
+
+@dataclass(frozen=True)
+class Column:
+    """What one free coefficient multiplies, in the equation of each state."""
+
+    name: str
+    parts: tuple[Sum, ...]
+
+    def values_in(
+        self, state: int, variables: np.ndarray, cache: Cache | None = None
+    ) -> np.ndarray | None:
+        """Return the values in one equation, shape (n_samples,); None if it does not enter it."""
+        part = self.parts[state]
+        return part.evaluate(variables, cache) if part.parts else None
+
+    def evaluate(self, variables: np.ndarray, cache: Cache | None = None) -> np.ndarray:
+        """Return the values in each equation, shape (n_samples, n_states)."""
+        zero = np.zeros(len(variables))
+        values = (self.values_in(state, variables, cache) for state in range(len(self.parts)))
+        return np.column_stack([zero if value is None else value for value in values])
+
+    @property
+    def size(self) -> int:
+        """Number of nodes of its expressions."""
+        return sum(part.size for part in self.parts if part.parts)
+
+
+def in_state(name: str, expression: Sum, state: int, n_states: int) -> Column:
+    """Return the column that enters the equation of one state only."""
+    parts = [Sum(())] * n_states
+    parts[state] = expression
+    return Column(name, tuple(parts))
+
+
+@dataclass(frozen=True)
+class Design:
+    """A model whose right-hand sides are known parts plus columns times coefficients.
+
+    An algebraic one gives the states themselves, not their rates; its motions are the variables
+    that are position and velocity to each other. So many states as are hidden come last.
+    """
+
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    fixed: tuple[Sum, ...]
+    columns: tuple[Column, ...]
+    algebraic: bool = False
+    motions: tuple[tuple[int, int], ...] = ()
+    n_hidden: int = 0
+
+    def adding(self, columns: Iterable[Column]) -> Design:
+        """Return the design with more columns at its end."""
+        return replace(self, columns=(*self.columns, *columns))
+
+    def dropping(self, columns: Iterable[Column]) -> Design:
+        """Return the design without these columns."""
+        gone = set(columns)
+        return replace(self, columns=tuple(c for c in self.columns if c not in gone))
+
+    def known(self, variables: np.ndarray) -> np.ndarray:
+        """Return the values of the known parts, shape (n_samples, n_states)."""
+        return Column("known", self.fixed).evaluate(variables)
+
+    def kinematic(self, state: int) -> bool:
+        """Tell whether an equation only says that one state is the derivative of another."""
+        used = any(column.parts[state].parts for column in self.columns)
+        return not used and self.derivative_of(state) is not None
+
+    def derivative_of(self, state: int) -> int | None:
+        """Return the state whose value is the whole known right-hand side of `state`."""
+        parts = self.fixed[state].parts
+        if len(parts) != 1 or parts[0][0] != 1.0 or len(parts[0][1].factors) != 1:
+            return None
+        atom, exponent = parts[0][1].factors[0]
+        if not isinstance(atom, Variable) or exponent != 1 or atom.index >= len(self.states):
+            return None
+        return atom.index if atom.index != state else None
+
+    def position_of(self, state: int) -> int | None:
+        """Return the state whose derivative is `state`, if one is declared as such."""
+        for other in range(len(self.states)):
+            if self.kinematic(other) and self.derivative_of(other) == state:
+                return other
+        return None
+
+    @property
+    def velocities(self) -> tuple[int, ...]:
+        """Open states that are the derivative of another state."""
+        return tuple(i for i in self.open_states if self.position_of(i) is not None)
+
+    @property
+    def open_states(self) -> tuple[int, ...]:
+        """States whose equations may lack something: all but the kinematic ones."""
+        return tuple(i for i in range(len(self.states)) if not self.kinematic(i))
+
+    def equations(self, coef: Sequence[float] | np.ndarray) -> Equations:
+        """Return the equations with these coefficients, like terms collected."""
+        rows: list[dict[Product, float]] = []
+        for state in range(len(self.states)):
+            row: dict[Product, float] = {term: c for c, term in self.fixed[state].parts}
+            for value, column in zip(coef, self.columns, strict=True):
+                for c, term in column.parts[state].parts:
+                    row[term] = row.get(term, 0.0) + float(value) * c
+            rows.append(row)
+        terms = tuple(dict.fromkeys(term for row in rows for term in row))
+        matrix = np.array([[row.get(term, 0.0) for term in terms] for row in rows])
+        kind = AlgebraicEquations if self.algebraic else Equations
+        return kind(terms, matrix.reshape(len(rows), len(terms)), self.states, self.inputs)

@@ -1,0 +1,232 @@
+"""The records that the loop works on: checked, split, and brought to one sampling time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from ...signals import Record, prepare
+from .design import Design
+from .segments import variables_of
+
+__all__ = ["alike", "check_records", "split_records", "widened"]
+
+WIDER = 2.0  # cutoff of the search, in cutoffs of the record ...
+HIGHEST = 0.4  # ... and at most, in sampling rates of the raw record
+
+
+def split_records(
+    train: Record | Sequence[Record], test: Record | Sequence[Record] | None
+) -> tuple[list[Record], list[Record]]:
+    """Return the records to fit on and those to judge on."""
+    fit_on, judge_on = _listed("train", train), [] if test is None else _listed("test", test)
+    if judge_on:
+        return fit_on, judge_on
+    if len(fit_on) > 1:
+        return fit_on[:-1], fit_on[-1:]
+    first, last = fit_on[0].split(HELD_OUT)
+    return [first], [last]
+
+
+def _listed(parameter: str, given: Any) -> list[Record]:
+    records = [given] if isinstance(given, Record) else given
+    if not isinstance(records, list | tuple) or not all(isinstance(r, Record) for r in records):
+        raise TypeError(
+            f"close_loop({parameter}=...) must be a Record or a list of them; "
+            f"got {type(given).__name__}. Make one with prepare(t, q, F)."
+        )
+    if not records:
+        raise ValueError(
+            f"close_loop({parameter}=...) must hold at least one record; got an empty list. "
+            "Make one with prepare(t, q, F)."
+        )
+    return list(records)
+
+
+MIN_SAMPLES = 32
+HELD_OUT = 0.3  # share of a single record
+
+
+def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> None:
+    """Raise where records do not fit the model, or are too short to hold anything out.
+
+    Parameters
+    ----------
+    design : Design
+        The declared model.
+    records : sequence of Record
+        To fit on and to judge on.
+    whole : int
+        Samples of the one record that all of them were cut from; 0 if there were several.
+    """
+    for record in records:
+        wanted = {"x": (len(design.states), record.n_states, "state")}
+        wanted["u"] = (len(design.inputs), record.n_inputs, "input")
+        for name, (expected, found, what) in wanted.items():
+            if expected != found:
+                raise ValueError(
+                    f"close_loop(train=..., test=...) must have one column of {name} for each "
+                    f"{what} of the model; got {found} for {expected}. Declare each {what}, or "
+                    "prepare the records with the order of the model."
+                )
+        if record.n_samples < MIN_SAMPLES:
+            cut = f" of {whole} samples, the last {100 * HELD_OUT:.0f} % of them held out"
+            raise ValueError(
+                f"close_loop(train=..., test=...) must have at least {MIN_SAMPLES} samples a "
+                f"record, held-out part included; got {record.n_samples}{cut if whole else ''}. "
+                "Record longer, or pass `test`."
+            )
+        steps = np.diff(record.t)
+        if np.ptp(steps) > 0.01 * steps.mean():
+            raise ValueError(
+                "close_loop(train=..., test=...) must be sampled uniformly; "
+                f"got steps from {steps.min():g} to {steps.max():g}. "
+                "Interpolate the record to one sampling time first."
+            )
+        _check_finite(design, record)
+    _check_columns(design, records)
+    _check_velocities(design, records)
+
+
+def _check_velocities(design: Design, records: Sequence[Record]) -> None:
+    """Raise where a state is the velocity of another, and stands under another name in the model.
+
+    A name that is no state is a free parameter, so nothing else would say so.
+    """
+    for position, velocity in permutations(range(len(design.states)), 2):
+        sides = (design.fixed[position], *(c.parts[position] for c in design.columns))
+        if any(velocity in side.variables for side in sides):
+            continue
+        if all(np.array_equal(r.x_dot[:, position], r.x[:, velocity]) for r in records):
+            q, v = design.states[position], design.states[velocity]
+            free = [column.name for column in design.columns if column.parts[position].parts]
+            raise ValueError(
+                f"close_loop(declared=...) must use the velocity {v!r} in the equation of {q!r}, "
+                f"as the records hold a position and its velocity; got free parameters: "
+                f"{', '.join(free) or 'none'}. Write {q!r}: {v!r}, or prepare with order=1."
+            )
+
+
+LARGEST = 1e50  # of a term of the model
+SIZES = (1e-30, 1e30)  # beyond them squares of ratios of powers leave the range of a float
+
+
+def _check_columns(design: Design, records: Sequence[Record]) -> None:
+    """Raise where a column says nothing, or is out of the range of the arithmetic."""
+    rates = tuple(f"{state}'" for state in design.states)
+    for name, called in (("x", design.states), ("u", design.inputs), ("x_dot", rates)):
+        columns = [
+            getattr(record, name) for record in records if record.u is not None or name != "u"
+        ]
+        if not columns:
+            continue
+        stacked = np.concatenate(columns)
+        largest = np.abs(stacked).max(axis=0)
+        for index in np.flatnonzero(
+            (largest > 0.0) & ((largest < SIZES[0]) | (largest > SIZES[1]))
+        ):
+            raise ValueError(
+                f"close_loop(train=..., test=...) must have a size between {SIZES[0]:g} and "
+                f"{SIZES[1]:g} in each column of {name}; got {largest[index]:g} in "
+                f"{called[index]}. Use other units."
+            )
+        still = largest == 0.0 if name == "x_dot" else np.ptp(stacked, axis=0) == 0.0
+        for index in np.flatnonzero(still):
+            raise ValueError(
+                f"close_loop(train=..., test=...) must have columns of {name} that vary; got "
+                f"{stacked[0, index]:g} everywhere in {called[index]}. Drop it from the records "
+                "and from the model."
+            )
+
+
+def _check_finite(design: Design, record: Record) -> None:
+    """Raise where the model has no value on a record, such as a logarithm of a negative state."""
+    variables = variables_of(record)
+    with np.errstate(all="ignore"):
+        parts = [("known", design.known(variables))]
+        parts += [(column.name, column.evaluate(variables)) for column in design.columns]
+    for name, values in parts:
+        bad = np.flatnonzero(~(np.abs(values) < LARGEST).all(axis=1))  # NaN is not below either
+        if len(bad):
+            what = "the known part" if name == "known" else f"what {name!r} multiplies"
+            raise ValueError(
+                f"close_loop(declared=...) must be finite on the records; got {what} without a "
+                f"finite value at sample {bad[0]}. Write the model so that it holds there, or cut "
+                "the record."
+            )
+
+
+def alike(train: list[Record], test: list[Record]) -> tuple[list[Record], list[Record]]:
+    """Bring all records to one sampling time and, where they were prepared, to one cutoff.
+
+    The cutoff is the geometric mean of those of the training records; the held-out ones follow.
+    """
+    steps = np.array([record.dt for record in (*train, *test)])
+    if np.ptp(steps) <= 0.01 * steps[0]:
+        return train, test
+    made = train[0].preparation
+    if made is None or any(r.preparation is None for r in (*train, *test)):
+        raise ValueError(
+            "close_loop(train=..., test=...) must have one sampling time in all records; "
+            f"got {steps.min():g} to {steps.max():g}. Make all of them with prepare(t, y, u), or "
+            "interpolate them."
+        )
+    cutoffs = [r.preparation.cutoff for r in train if r.preparation and r.preparation.cutoff]
+    cutoff = float(np.exp(np.mean(np.log(cutoffs)))) if len(cutoffs) == len(train) else None
+    step = float(np.quantile(steps[: len(train)], 0.5, method="lower"))  # one of them
+    _check_raw_steps(made.dt, [*train, *test], step)
+    return [_prepared(r, cutoff, step) for r in train], [_prepared(r, cutoff, step) for r in test]
+
+
+def _check_raw_steps(own: float, records: Sequence[Record], step: float) -> None:
+    """Raise where a record was sampled more slowly than the training records are to be."""
+    longest = max(r.preparation.dt for r in records if r.preparation is not None)
+    if longest <= 1.01 * step:
+        return
+    factor = round(longest / own)
+    fits = factor > 1 and abs(factor * own / longest - 1.0) <= 0.01
+    advice = f"Prepare the training records with decimate={factor}"
+    raise ValueError(
+        "close_loop(train=..., test=...) must have raw sampling times no longer than the step of "
+        f"the training records; got a record sampled every {longest:g} for a step of {step:g}. "
+        + (f"{advice}." if fits else "Bring all records to one step with signals.resample.")
+    )
+
+
+def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
+    """Prepare a record again from its raw data, over the same span of time."""
+    made = record.preparation
+    if made is None:  # excluded by the caller
+        return record
+    decimation = round(step / made.dt)
+    if decimation < 1 or abs(decimation * made.dt / step - 1.0) > 0.01:
+        raise ValueError(
+            "close_loop(train=..., test=...) must have raw sampling times that are multiples of "
+            f"one another; got {made.dt:g} for {step:g}. Interpolate the records first."
+        )
+    settings = made.settings | {"cutoff": cutoff, "decimate": decimation}
+    again = prepare(made.t, made.y, made.u, **settings)
+    inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
+    return again[int(inside[0]) : int(inside[-1]) + 1]
+
+
+def widened(records: list[Record]) -> list[Record]:
+    """Prepare records again with a higher cutoff, for a search that looks well below it.
+
+    Terms are evaluated on filtered states, but the target is filtered after the machine evaluated
+    them. What the two differ by near the cutoff is a function of the state, and looks like physics.
+    """
+    made = [record.preparation for record in records]
+    steps = {m.dt for m in made if m is not None}
+    cutoffs = [m.cutoff for m in made if m is not None and m.cutoff is not None]
+    if len(cutoffs) < len(records) or max(steps) > 1.001 * min(steps):
+        return records
+    raw = max(steps)
+    cutoff = min(WIDER * max(cutoffs), HIGHEST / raw)
+    if cutoff <= max(cutoffs):
+        return records
+    step = raw * max(1, int(1.0 / (8.0 * cutoff * raw)))
+    return [_prepared(record, cutoff, step) for record in records]

@@ -1,0 +1,254 @@
+"""Pieces of equal length of the training records, and the band that is looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.fft import dct, prev_fast_len
+
+from ...equations import stack
+from ...signals import Record, Windows, choose_windows
+from .sensor import limits_of_states, missed
+from .sticking import moving
+
+__all__ = ["Segments", "places_of", "ranges", "scale_of", "segments", "variables_of"]
+
+N_SEGMENTS = 16
+N_FOLDS = 8
+TO_TRANSFER = 3  # records, from which on each fold is made of whole ones
+MAX_ROWS = 24_000  # the search looks at no more rows; coefficients are fitted on all of them
+LOST = 0.01  # share of the rows that a length may cost which transforms fast
+LOOK = 0.6  # share of the cutoff below which the low-pass of the states is hardly felt
+BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
+FEWEST_FREQUENCIES = 8  # of a segment
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """Pieces of equal length of one or several records, with the scales that weigh their rows."""
+
+    z: np.ndarray
+    x_dot: np.ndarray
+    weight: np.ndarray
+    velocities: tuple[int, ...]
+    dt: float
+    windows: Windows
+    state_scale: np.ndarray
+    rate_scale: np.ndarray
+    cutoff: float
+    places: tuple[tuple[int, int], ...]
+    tracks: tuple[Record, ...] = ()  # the records, where their trajectories bear witness
+    limits: np.ndarray | None = None  # of the sensors of the states, (2, n_states)
+    seen: np.ndarray | None = None  # where the states are measurements, (n_segments, n, n_states)
+    settling: int = 0  # rows at the beginning of each record in which little counts
+
+    @property
+    def n_states(self) -> int:
+        """Number of states."""
+        return self.x_dot.shape[2]
+
+    @property
+    def folds(self) -> np.ndarray:
+        """Fold of each piece, from 0: neighbors share one, or, of several records, a record does.
+
+        What only shows in one of several records is not confirmed by any other. Two records are
+        too few: each would be predicted from a single one.
+        """
+        record = np.unique([i for i, _ in self.places], return_inverse=True)[1]
+        unit = record if record[-1] + 1 >= TO_TRANSFER else np.arange(len(self.places))
+        n_units = int(unit[-1]) + 1
+        return unit * min(N_FOLDS, n_units) // n_units
+
+    def tracked(self, records: Sequence[Record]) -> Segments:
+        """Return the pieces with the whole records that they were cut from."""
+        return replace(self, tracks=tuple(records))
+
+    def after(self, rows: int) -> Segments:
+        """Return the pieces with little weight on the first rows of each record.
+
+        What remembers a state does not know yet where it began.
+        """
+        if self.settling:
+            return self
+        return replace(self, weight=self._late(self.weight, rows), settling=rows)
+
+    def _late(self, weight: np.ndarray, rows: int) -> np.ndarray:
+        """Return weights, (n_segments, n, n_states), that rise in the second half of some rows."""
+        place = np.add.outer([row for _, row in self.places], np.arange(weight.shape[1]))
+        return np.asarray(weight * np.clip(2.0 * place / max(rows, 1) - 1.0, 0.0, 1.0)[..., None])
+
+    def every_other(self, start: int) -> Segments:
+        """Return every second piece, beginning with the one numbered `start`."""
+        return self.picked(slice(start, None, 2))
+
+    def picked(self, pick: slice) -> Segments:
+        """Return some of the pieces."""
+        return replace(
+            self,
+            z=self.z[pick],
+            x_dot=self.x_dot[pick],
+            weight=self.weight[pick],
+            places=self.places[pick],
+            seen=None if self.seen is None else self.seen[pick],
+        )
+
+    def of(self, records: Sequence[Record]) -> Segments:
+        """Return the same pieces of other records of the same shape, such as twins."""
+        length = self.z.shape[1]
+        z, x_dot, weight = _cut(records, self.velocities, self.places, length)
+        weight = self._late(weight, self.settling) if self.settling else weight
+        tracks = tuple(records) if self.tracks else ()
+        seen = _seen(records, self.places, length)
+        return replace(self, z=z, x_dot=x_dot, weight=weight, tracks=tracks, seen=seen)
+
+    def missed(self, x: np.ndarray) -> np.ndarray:
+        """Return by how much runs (n_segments, n, n_states) miss what the sensors show."""
+        return missed(self.z[:, :, : self.n_states], x, self.limits, self.seen)
+
+
+def segments(
+    records: Sequence[Record],
+    velocities: Sequence[int] = (),
+    n_segments: int = N_SEGMENTS,
+    max_rows: int | None = MAX_ROWS,
+) -> Segments:
+    """Cut records into pieces of equal length.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Training records of equal sampling time.
+    velocities : sequence of int
+        States whose equations are looked at only where the body moves.
+    n_segments : int
+        About how many pieces; no piece crosses from one record into the next.
+    max_rows : int or None
+        Pieces are shortened to hold no more rows in all.
+
+    Returns
+    -------
+    Segments
+    """
+    places, length = places_of(records, n_segments, max_rows)
+    z, x_dot, weight = _cut(records, velocities, places, length)
+    state_scale = scale_of([record.x for record in records])
+    rate_scale = scale_of([record.x_dot for record in records])
+    windows = choose_windows(list(records))
+    if windows.width > length // 2:
+        windows = Windows(width=max(1, length // 2), stride=max(1, length // 8))
+    slowest = FEWEST_FREQUENCIES / (length * records[0].dt)
+    cutoff = min(_band(record, slowest) for record in records)
+    return Segments(
+        z,
+        x_dot,
+        weight,
+        tuple(velocities),
+        records[0].dt,
+        windows,
+        state_scale,
+        rate_scale,
+        cutoff,
+        places,
+        limits=limits_of_states(records),
+        seen=_seen(records, places, length),
+    )
+
+
+def places_of(
+    records: Sequence[Record], n_segments: int, max_rows: int | None = None
+) -> tuple[tuple[tuple[int, int], ...], int]:
+    """Return record and first row of each piece, and the length of all of them.
+
+    Pieces that are cut for a search are transformed over and over: their length has small factors,
+    where that costs hardly any rows.
+    """
+    sizes = [record.n_samples for record in records]
+    step = max(8, min(sum(sizes) // n_segments, min(sizes)))
+    length = step
+    if max_rows is not None:
+        length = max(8, min(step, max_rows // n_segments))
+        fast = prev_fast_len(length)
+        length = fast if length - fast <= LOST * length else length
+    places = ((i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step))
+    return tuple(places), length
+
+
+def variables_of(record: Record) -> np.ndarray:
+    """Return states, inputs and time side by side, shape (n_samples, n_variables)."""
+    return stack(record.x, record.u, record.t)
+
+
+def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the ranges of variables.
+
+    Parameters
+    ----------
+    variables : ndarray of shape (n_samples, n_variables)
+        States, inputs, time.
+
+    Returns
+    -------
+    largest : ndarray of shape (n_variables,)
+        Largest magnitudes.
+    signed : ndarray of bool of shape (n_variables,)
+        Which of them change their sign.
+    apart : ndarray of shape (n_variables, n_variables)
+        Largest magnitude of the difference of each two.
+    middle : ndarray of shape (n_variables,)
+        Halfway between the smallest and the largest value.
+    """
+    low, high = variables.min(axis=0), variables.max(axis=0)
+    largest, signed = np.maximum(np.abs(low), np.abs(high)), (low < 0.0) & (high > 0.0)
+    apart = [np.abs(variables - column[:, None]).max(axis=0) for column in variables.T]
+    return largest, signed, np.array(apart), 0.5 * (low + high)
+
+
+def _cut(
+    records: Sequence[Record],
+    velocities: Sequence[int],
+    places: Sequence[tuple[int, int]],
+    length: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    stacked = [variables_of(record) for record in records]
+    weights = [moving(record, velocities) for record in records]
+    z = np.stack([stacked[i][start : start + length] for i, start in places])
+    x_dot = np.stack([records[i].x_dot[start : start + length] for i, start in places])
+    weight = np.stack([weights[i][start : start + length] for i, start in places])
+    return z, x_dot, weight
+
+
+def _seen(
+    records: Sequence[Record], places: Sequence[tuple[int, int]], length: int
+) -> np.ndarray | None:
+    if all(record.seen is None for record in records):
+        return None
+    seen = [np.ones(r.x.shape, dtype=bool) if r.seen is None else r.seen for r in records]
+    return np.stack([seen[i][start : start + length] for i, start in places])
+
+
+def _band(record: Record, slowest: float) -> float:
+    """Return the highest frequency to look at, in cycles per unit of t.
+
+    It is the cutoff of the preparation. Nobody knows how a record of the user was smoothed, but
+    what is gone from its derivatives still is in sgn and its like, whose harmonics would speak
+    against them; so the band ends where the power of the derivatives does, but not below the
+    slowest that a segment can hold.
+    """
+    if record.preparation is not None:
+        return LOOK * (record.preparation.cutoff or np.inf)
+    moving = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0.0]
+    if moving.shape[1] == 0:
+        return np.inf
+    # Cosine transform: no taper, so what happens at the ends counts as well.
+    power = dct(moving / np.ptp(moving, axis=0), axis=0)[1:] ** 2
+    share = np.cumsum(power, axis=0) / power.sum(axis=0)
+    reached = 1 + int(np.max(np.argmax(share >= BAND, axis=0)))
+    return max(reached / (2.0 * record.n_samples * record.dt), slowest)
+
+
+def scale_of(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the standard deviation of each column over all parts; one where nothing changes."""
+    scale = np.concatenate(parts).std(axis=0)
+    return np.where(scale > 0.0, scale, 1.0)

@@ -1,0 +1,85 @@
+"""What a sensor shows of a run: nothing beyond the ends of its range.
+
+Where the sensor shows its limit, a run is right wherever it is beyond, and the derivatives of the
+reading say nothing. So runs and records are compared through the same sensor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...signals import Record
+
+__all__ = ["ends_of", "heard", "limits_of_states", "missed", "shown", "told"]
+
+
+def limits_of_states(records: Sequence[Record]) -> np.ndarray | None:
+    """Return the limits of the sensors behind which states went on unseen, as `ends_of`."""
+    return ends_of([record for record in records if record.seen is not None])
+
+
+def ends_of(records: Sequence[Record]) -> np.ndarray | None:
+    """Return where the readings of each state end, shape (2, n_states).
+
+    Those of all records together; infinite for what is no reading. None if there are none at all.
+    """
+    made = [record.preparation for record in records if record.preparation is not None]
+    if (
+        not made
+        or len(made) < len(records)
+        or not any(np.isfinite(one.limits).any() for one in made)
+    ):
+        return None
+    limits = np.array([[-np.inf], [np.inf]]) * np.ones(records[0].n_states)
+    order, n_columns = made[0].order, made[0].limits.shape[1]
+    read = slice(0, order * n_columns, order)  # hidden states come after the measured ones
+    limits[0, read] = np.max([one.limits[0] for one in made], axis=0)
+    limits[1, read] = np.min([one.limits[1] for one in made], axis=0)
+    return limits
+
+
+def shown(x: np.ndarray, limits: np.ndarray | None) -> np.ndarray:
+    """Return states (..., n_states) as sensors with limits show them."""
+    return x if limits is None else np.clip(x, *limits)
+
+
+def told(x: np.ndarray, limits: np.ndarray | None, seen: np.ndarray | None) -> np.ndarray:
+    """Tell which states (..., n_states) of a run show: bool of the same shape.
+
+    Parameters
+    ----------
+    x : ndarray of shape (..., n_states)
+        The run.
+    limits : ndarray of shape (2, n_states) or None
+        Of the sensors.
+    seen : ndarray of bool of shape (..., n_states) or None
+        Where the record is a measurement.
+    """
+    there = np.ones(x.shape, dtype=bool)
+    if limits is None:
+        return there
+    read = np.isfinite(limits).any(axis=0)  # a reading tells something even at a limit
+    if seen is not None:
+        there &= seen | read
+    return np.asarray(there & ~(x < limits[0]) & ~(x > limits[1]))
+
+
+def missed(
+    x: np.ndarray, run: np.ndarray, limits: np.ndarray | None, seen: np.ndarray | None
+) -> np.ndarray:
+    """Return measured minus simulated states, (..., n_states), as far as sensors tell."""
+    if limits is None:
+        return np.asarray(x - run)
+    read = np.isfinite(limits).any(axis=0)
+    difference = shown(x, limits) - shown(run, limits)
+    return difference if seen is None else np.where(seen | read, difference, 0.0)
+
+
+def heard(record: Record, columns: np.ndarray) -> np.ndarray:
+    """Return columns (n_samples, ...) of a record, zero where a sensor does not see its state."""
+    if record.seen is None:
+        return columns
+    whole = np.all(record.seen, axis=1)
+    return np.asarray(np.where(whole[:, None], columns, 0.0))

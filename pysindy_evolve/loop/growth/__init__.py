@@ -1,0 +1,1 @@
+"""Terms that no name fits, grown by genetic programming."""

@@ -1,0 +1,110 @@
+"""Better a grown term by exchanging one factor at a time, its numbers tuned each time.
+
+A random change of w sin(1.7 q) to w^2 sin(1.7 q) does worse, so the search drops it before the rate
+is tuned to the 2 that makes it the right one. Here all terms that differ in one factor are looked
+at, and the numbers of the most promising are tuned before they are compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...operators import Operator
+from ...terms import ONE, Product, Sum, constant, mul, sub
+from ..effects.candidate import Candidate
+from ..effects.shaping import shape_of
+from ..evidence.scoring import MARGIN, PRICE, net, score, tuned
+from ..evidence.trace import Score
+from ..given.design import Design
+from ..given.segments import Segments
+from .seeds import functions
+
+__all__ = ["climbed"]
+
+N_TUNED = 6  # of the terms around one
+SLOPE = 1e-3  # of a logarithm, to see what it changes
+MOST_FACTORS = 3  # different ones: more are a fit of something else
+MAX_STEPS = 4  # from where a search ended, the right term is seldom far
+
+
+def climbed(
+    begin: Candidate, design: Design, part: Segments, operators: Sequence[Operator]
+) -> Candidate:
+    """Return a term that no exchange of one factor betters any more.
+
+    Parameters
+    ----------
+    begin : Candidate
+        A grown term.
+    design : Design
+        The model so far.
+    part : Segments
+        Pieces to search in.
+    operators : sequence of Operator
+        Basis functions.
+
+    Returns
+    -------
+    Candidate
+        The same one if nothing around it gains more than the price of its nodes.
+    """
+    factors = functions(operators, part.z[..., :-1].reshape(-1, part.z.shape[-1] - 1))
+    best = _best(design, part, [begin])
+    for _ in range(MAX_STEPS):
+        if best is None:  # not to be told from what the model holds
+            return begin
+        around = [replace(begin, terms=(term,)) for term in _around(best.group[0], factors)]
+        other = _best(design, part, _promising(design, part, around))
+        if other is None or net(other) <= net(best) + MARGIN:
+            break
+        best = other
+    return best.group[0] if best else begin
+
+
+def _promising(design: Design, part: Segments, around: Sequence[Candidate]) -> list[Candidate]:
+    """Return the terms that gain most beside their slopes in the logarithms of their numbers.
+
+    To first order that is what they gain once their numbers are tuned.
+    """
+    free = {_with_slopes(candidate): candidate for candidate in around}
+    scores = score(design, part, list(free), pairs=False)
+    gains = {free[s.group[0]]: s.value - PRICE * free[s.group[0]].size for s in scores}
+    return sorted(gains, key=lambda candidate: -gains[candidate])[:N_TUNED]
+
+
+def _with_slopes(candidate: Candidate) -> Candidate:
+    shape = shape_of(candidate)
+    if shape is None:
+        return candidate
+    steps = np.array(shape.values) * np.exp(SLOPE * np.eye(len(shape.values)))
+    moved = (replace(shape, values=tuple(row.tolist())).terms[0] for row in steps)
+    slopes = (mul(constant(1.0 / SLOPE), sub(there, candidate.terms[0])) for there in moved)
+    return replace(candidate, terms=(*candidate.terms, *slopes))
+
+
+def _best(design: Design, part: Segments, candidates: Sequence[Candidate]) -> Score | None:
+    """Return the score of the best candidate, numbers tuned; None if none can be told apart."""
+    sharp = [tuned(replace(c, shape=shape_of(c)), design, part) for c in candidates]
+    plain = [replace(candidate, shape=None) for candidate in sharp]
+    return max(score(design, part, plain, pairs=False), key=net, default=None)
+
+
+def _around(candidate: Candidate, factors: Sequence[Sum]) -> list[Sum]:
+    """Return the terms that differ from one in a factor: another one, one more or one less."""
+    (term,) = (product for _, product in candidate.terms[0].parts)
+    rests = [term, *_with_one_less(term)]
+    products = (
+        mul(Sum(((1.0, rest),)), f) for rest in rests for f in (Sum(((1.0, ONE),)), *factors)
+    )
+    found = dict.fromkeys(p for product in products for _, p in product.parts)
+    short = [one for one in found if 0 < len(one.factors) <= MOST_FACTORS and one != term]
+    return [Sum(((1.0, one),)) for one in short]
+
+
+def _with_one_less(term: Product) -> Iterator[Product]:
+    for place, (atom, n) in enumerate(term.factors):
+        lower = ((atom, n - 1),) if n > 1 else ()
+        yield Product((*term.factors[:place], *lower, *term.factors[place + 1 :]))

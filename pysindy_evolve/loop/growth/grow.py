@@ -1,0 +1,239 @@
+"""Terms that no name fits: grown by genetic programming on what the model leaves.
+
+The search sees every other segment only. What it finds is then tested on the segments in between,
+as one fixed candidate among few, so the size of the search does not enter the chance of an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ...dictionary import Problem
+from ...evolution import evolve
+from ...generation import Settings
+from ...operators import Operator
+from ...signals import Record
+from ...terms import Product, Sum
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.missing import candidates, standing
+from ..evidence.scoring import columns_of, net, score
+from ..evidence.shares import view_gain
+from ..evidence.spectral import spectral_rows, spectral_weights
+from ..evidence.step import Finding, find
+from ..evidence.trace import EVOLVED
+from ..fitting.fit import derivative_intervals
+from ..fitting.residual import forces
+from ..given.design import Design
+from ..given.rules import Rules
+from ..given.segments import Segments, ranges
+from .climbing import climbed
+from .seeds import screened, small_terms
+
+__all__ = ["OPERATORS", "Garden", "grow"]
+
+# Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
+# saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
+OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh", "exp", "softsign")
+N_SEEDS = 40  # small terms that the search begins with
+N_FINALISTS = 6  # that are tested as well: what does best by itself need not be in the equation
+SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
+MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
+BETTER = 1.25  # times the log error that names gain: the same effect filtered does a little better
+USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
+
+
+def grow(
+    design: Design, part: Segments, operators: Sequence[Operator], rng: np.random.Generator
+) -> list[Candidate]:
+    """Grow terms on top of a design, for each equation that may lack something.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far; its columns are refitted beside every term.
+    part : Segments
+        Pieces to search in.
+    operators : sequence of Operator
+        Basis functions.
+    rng : numpy.random.Generator
+        Source of all randomness.
+
+    Returns
+    -------
+    list of Candidate
+        One for each term, under the name of the vocabulary if one fits.
+    """
+    largest, signed, *others = ranges(part.z.reshape(-1, part.z.shape[-1]))
+    known = candidates(design, largest, signed, *others)
+    extra = [column for candidate in known for column in columns_of(candidate, design)]
+    weights = spectral_weights(part, design, [*design.columns, *extra])
+    force = forces(part, design, design.columns, weighed=False)
+    flat = force.reshape(-1, *force.shape[2:])
+    variables = part.z[..., :-1].reshape(len(flat), -1)
+    found: list[Candidate] = []
+    for place, state in enumerate(design.open_states):
+        # As in the vocabulary: a position may be measured from anywhere, a population may not.
+        shifted = signed if design.position_of(state) is None else np.ones_like(signed)
+        target, fixed = flat[:, state, -1], flat[:, state, :-1]
+        project = partial(_project, part=part, state=state, weight=weights[place])
+        problem = Problem(variables, target, fixed, project)
+        evolution = evolve(
+            variables,
+            target,
+            operators=operators,
+            rng=rng,
+            fixed=fixed,
+            project=project,
+            begin=screened(problem, small_terms(operators, variables), N_SEEDS),
+            settings=SETTINGS,
+            keep_if_interrupted=False,  # the loop says itself that it was interrupted
+        )
+        finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS])
+        name = partial(_named, state=state, known=known, variables=variables, signed=shifted)
+        grown = [name(term) for term in dict.fromkeys(finalists)]
+        grown += [name(term) for term in _above(grown, design, part, operators)]
+        found += dict.fromkeys(grown)
+    return found
+
+
+def _above(
+    grown: Sequence[Candidate], design: Design, part: Segments, operators: Sequence[Operator]
+) -> list[Product]:
+    """Return the term to which the best one without a name climbs, if that is worth its nodes."""
+    free = [replace(c, parents=()) for c in grown if c.name == EVOLVED]
+    best = max(score(design, part, free, pairs=False), key=net, default=None)
+    if best is None or net(best) <= 0.0:
+        return []
+    top = climbed(best.group[0], design, part, operators)
+    return [term for _, term in top.terms[0].parts]
+
+
+def _project(columns: np.ndarray, part: Segments, state: int, weight: np.ndarray) -> np.ndarray:
+    """Map rows to weighed spectra, real and imaginary parts below each other."""
+    n_segments, length, _ = part.z.shape
+    moving = columns.reshape(n_segments, length, -1) * part.weight[:, :, state, None]
+    rows = spectral_rows(part, moving) * weight[None, :, None]
+    stacked = np.concatenate([rows.real, rows.imag], axis=1)
+    return stacked.reshape(-1, rows.shape[-1])
+
+
+def _named(
+    term: Product,
+    state: int,
+    known: Sequence[Candidate],
+    variables: np.ndarray,
+    signed: np.ndarray,
+) -> Candidate:
+    """Return a grown term as a candidate, named if it is an effect of the vocabulary.
+
+    One that poses as an offset may enter only beside the offset, as in the vocabulary.
+    """
+    expression = Sum(((1.0, term),))
+    for candidate in known:
+        if candidate.state == state and candidate.terms == (expression,):
+            return Candidate(candidate.name, state, candidate.terms)
+    poses = _poses_as_offset(term, variables, signed)
+    return Candidate(EVOLVED, state, (expression,), (OFFSET,) if poses else ())
+
+
+def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:
+    """Tell whether a term of variables that change their sign has a mean that matters."""
+    if not all(signed[v] for v in term.variables):
+        return False
+    column = term.evaluate(variables)
+    return bool(abs(column.mean()) > MEAN * np.sqrt(np.mean(column**2)))
+
+
+class Garden:
+    """Grown terms beside the vocabulary: where they do clearly better, and where nothing else does.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    records : sequence of Record
+        Training records.
+    part : Segments
+        Pieces of them: every other one is searched in, those between are tested on.
+    rules : Rules
+        When a term counts.
+    operators : sequence of Operator
+        Basis functions; without any, nothing grows.
+    rng : numpy.random.Generator
+        Source of all randomness.
+    """
+
+    def __init__(
+        self,
+        declared: Design,
+        records: Sequence[Record],
+        part: Segments,
+        rules: Rules,
+        operators: Sequence[Operator],
+        rng: np.random.Generator,
+    ) -> None:
+        self.declared, self.records, self.rules = declared, records, rules
+        self.operators, self.rng = operators, rng
+        self.look(part)
+        self.pool: list[Candidate] | None = None
+        self.grown: list[Candidate] = []
+
+    def look(self, part: Segments) -> None:
+        """Search in every other of these pieces, and test on those between."""
+        self.seen, self.fresh = part.every_other(0), part.every_other(1)
+
+    def better(self, design: Design, found: Sequence[Finding]) -> list[Finding]:
+        """Return a grown term that does clearly better on fresh segments than named effects."""
+        if self.pool is None:
+            self.pool = self._grow(self.declared)
+        names = [finding.candidate for finding in found]
+        fresh = [c for c in self.pool if c.name == EVOLVED]
+        if not fresh:
+            return []
+        grown = score(design, self.fresh, fresh, pairs=False)
+        ours = score(design, self.fresh, names, pairs=True)
+        named_scores = [len(names) * net(s) for s in ours if len(s.group) == len(names)]
+        best = max(grown, key=net, default=None)
+        if best is None or net(best) <= BETTER * max(named_scores, default=0.0):
+            return []
+        return self._test(design, list(best.group))
+
+    def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
+        """Grow terms on what a design leaves, and return the best one that passes."""
+        grown = [c for _ in range(n_searches) for c in self._grow(design)]
+        return self._test(design, list(dict.fromkeys(grown)))
+
+    def _grow(self, design: Design) -> list[Candidate]:
+        if not self.operators or len(self.fresh.z) < MIN_FRESH:
+            return []
+        known = standing(design)
+        grown = grow(design, self.seen, self.operators, self.rng)
+        new = [c for c in grown if (c.state, c.terms[0]) not in known]
+        self.grown += new
+        return new
+
+    def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
+        # Pairs too: 3 sin(v) - 4 sin(v)^3 is sin(3 v), and neither term gains anything alone.
+        scores = [s for s in score(design, self.fresh, grown, pairs=True) if net(s) > 0.0]
+        useful = [s for s in scores if view_gain(design, s.group, self.fresh) > USEFUL]
+        given = partial(_given, list(dict.fromkeys(c for s in useful for c in s.group)))
+        found = find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
+        return found if found and self._are_certain(design, found) else []
+
+    def _are_certain(self, design: Design, found: Sequence[Finding]) -> bool:
+        """Tell whether all records together know the sign of each coefficient."""
+        richer = design.adding(column for finding in found for column in finding.columns)
+        low, high = derivative_intervals(richer, self.records, self.rng).T
+        own = slice(len(design.columns), None)
+        return bool(np.all(low[own] * high[own] > 0.0))
+
+
+MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary
+
+
+def _given(grown: list[Candidate], *_: object) -> list[Candidate]:
+    return grown

@@ -1,0 +1,122 @@
+"""Small terms that a search begins with, as its random ones seldom hold all of them.
+
+A root of the speed with its sign is one of some hundred products of two functions of one variable.
+All of them are looked at one by one, and those that explain most begin the search.
+
+References
+----------
+Fan and Lv, J. R. Stat. Soc. B 70 (2008), DOI 10.1111/j.1467-9868.2008.00674.x: such screening.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from ...dictionary import Problem, build_dictionary
+from ...genetics import CURVED
+from ...operators import Operator
+from ...regression import gains
+from ...terms import Product, Sum, call, constant, mul, variable
+
+__all__ = ["functions", "screened", "small_terms"]
+
+SCALES = (0.5, 1.0, 3.0)  # numbers in a curved function, over the size of the variable
+CHUNK = 200  # terms that are evaluated at a time, so that memory does not grow with them
+
+
+def small_terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
+    """Return all products of two functions of one variable, of which one at most is curved.
+
+    Parameters
+    ----------
+    operators : sequence of Operator
+        Basis functions; without ``mul`` there are no products.
+    x : ndarray of shape (n, n_variables)
+        Variables; their sizes set the numbers in curved functions.
+
+    Returns
+    -------
+    list of Product
+    """
+    straight, curved = _of_one_variable(operators, x)
+    found = [*straight, *curved]
+    if any(operator.name == "mul" for operator in operators):
+        found += [mul(a, b) for a, b in combinations_with_replacement(straight, 2)]
+        found += [mul(a, b) for a in straight for b in curved]
+    return list(dict.fromkeys(term for one in found for _, term in one.parts))
+
+
+def functions(operators: Sequence[Operator], x: np.ndarray) -> list[Sum]:
+    """Return all functions of one variable that small terms are products of.
+
+    Parameters
+    ----------
+    operators : sequence of Operator
+        Basis functions.
+    x : ndarray of shape (n, n_variables)
+        Variables; their sizes set the numbers in curved functions.
+
+    Returns
+    -------
+    list of Sum
+    """
+    straight, curved = _of_one_variable(operators, x)
+    return [*straight, *curved]
+
+
+def screened(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
+    """Return the `n` terms that explain most, each by itself beside the fixed columns.
+
+    Parameters
+    ----------
+    problem : Problem
+        Variables, target and fixed columns.
+    terms : sequence of Product
+        Terms to choose from; of those that are one signal the smallest counts.
+    n : int
+        Number to return, best first.
+
+    Returns
+    -------
+    list of Product
+    """
+    chunks = [terms[i : i + CHUNK] for i in range(0, len(terms), CHUNK)]
+    best = [term for chunk in chunks for term in _best(problem, chunk, n)]
+    return _best(problem, best, n)
+
+
+def _best(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
+    dictionary = build_dictionary(problem, terms)
+    left, _ = gains(dictionary.gram.scaled(dictionary.gram.scale), np.array([], dtype=int))
+    return [dictionary.terms[j] for j in np.argsort(left, kind="stable")[:n]]
+
+
+def _of_one_variable(operators: Sequence[Operator], x: np.ndarray) -> tuple[list[Sum], list[Sum]]:
+    straight = [f for i in range(x.shape[1]) for f in _straight(operators, variable(i))]
+    curved = [
+        f
+        for i, size in enumerate(np.sqrt(np.mean(x**2, axis=0)))
+        for f in _curved(operators, variable(i), float(size))
+    ]
+    return straight, curved
+
+
+def _straight(operators: Sequence[Operator], x: Sum) -> Iterator[Sum]:
+    """Go through functions without a scale of their own; a root is one of the magnitude."""
+    known = {operator.name: operator for operator in operators}
+    yield x
+    for name in ("abs", "sgn"):
+        if name in known:
+            yield call(known[name], x)
+    if {"abs", "sqrt"} <= known.keys():
+        yield call(known["sqrt"], call(known["abs"], x))
+
+
+def _curved(operators: Sequence[Operator], x: Sum, size: float) -> Iterator[Sum]:
+    if size > 0.0:
+        for operator in operators:
+            if operator.name in CURVED:
+                yield from (call(operator, mul(constant(c / size), x)) for c in SCALES)

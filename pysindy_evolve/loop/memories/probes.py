@@ -1,0 +1,293 @@
+"""Probes: memories that an input may have, tried beside all other effects in the same search.
+
+What each memory of a grid makes of an input becomes one more input of the records. A model that has
+it in the place of the input itself has as many coefficients as before, and must predict held-out
+segments better to be proposed. Twins carry the same inputs, so the search in them is the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...equations import Equations
+from ...memory import DELAY, LAG, VESSEL, Memory
+from ...signals import Record
+from ...substitution import substituted
+from ...terms import Sum, sub, variable
+from ..effects.candidate import Candidate, renumbered
+from ..evidence.scoring import Proposer
+from ..evidence.spectral import spectral_grams
+from ..evidence.trace import fold_errors
+from ..given.design import Column, Design
+from ..given.segments import Segments
+
+__all__ = ["RATIO", "Exchange", "MemoryCandidate", "Probes", "exchanges", "grid_of", "users_of"]
+
+SHORTEST = 0.02  # delay or time constant, in periods of the highest frequency looked at
+RATIO = 2.5  # between places of the grid; a model between two of them is a mixture
+LONGEST = 0.25  # of a segment
+OWN = 0.5  # share of the gain of input and probe together that the probe must have alone
+
+
+@dataclass(frozen=True)
+class MemoryCandidate(Candidate):
+    """A memory that an input may have."""
+
+    memory: Memory = field(kw_only=True)
+
+    @property
+    def is_exchange(self) -> bool:
+        """Whether it changes what a term of the model depends on, instead of adding one."""
+        return True
+
+
+def users_of(design: Design, column: int) -> tuple[int, ...]:
+    """Return the open states whose equations depend on an input."""
+    index = len(design.states) + column
+    return tuple(
+        state
+        for state in design.open_states
+        if any(
+            index in part.variables
+            for part in (design.fixed[state], *(c.parts[state] for c in design.columns))
+        )
+    )
+
+
+def grid_of(
+    design: Design, records: Sequence[Record], part: Segments, present: Sequence[Memory] = ()
+) -> list[Memory]:
+    """Return the memories to try: of each input that acts, from very short to very long ones.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    records : sequence of Record
+        Training records.
+    part : Segments
+        Pieces of them.
+    present : sequence of Memory
+        Memories that the inputs have already; none is tried twice.
+
+    Returns
+    -------
+    list of Memory
+    """
+    highest = min(part.cutoff, 0.5 / part.dt)
+    segment = part.z.shape[1] * part.dt
+    record = min(len(r) for r in records) * part.dt
+    found = []
+    for column in range(0 if design.algebraic or part.tracks else len(design.inputs)):
+        if not users_of(design, column):
+            continue
+        had = {memory.kind for memory in present if memory.column == column}
+        reach = {DELAY: LONGEST * segment}
+        reach[LAG] = max(reach[DELAY], LONGEST * record)
+        if all(_raw_input(r, column).min() >= 0.0 for r in records):
+            reach[VESSEL] = reach[LAG]
+        if {LAG, VESSEL} & had:
+            reach.pop(LAG)
+            reach.pop(VESSEL, None)
+        for kind in (k for k in reach if k not in had):
+            value = SHORTEST / highest
+            while value < reach[kind]:
+                found.append(Memory(kind, column, (value,)))
+                value *= RATIO
+    return found
+
+
+def _raw_input(record: Record, column: int) -> np.ndarray:
+    made = record.preparation
+    inputs = record.u if made is None or made.u is None else made.u
+    return np.empty(0) if inputs is None else inputs[:, column]
+
+
+@dataclass(frozen=True, eq=False)
+class Probes:
+    """Memories as further inputs of a design and of its records.
+
+    Attributes
+    ----------
+    design : Design
+        The model so far.
+    memories : tuple of Memory
+        What is tried.
+    """
+
+    design: Design
+    memories: tuple[Memory, ...]
+
+    @property
+    def time(self) -> int:
+        """Column of the time in the variables without probes."""
+        return len(self.design.states) + len(self.design.inputs)
+
+    def widen(self, expression: Sum) -> Sum:
+        """Return an expression of the variables numbered as with probes, before the time."""
+        if self.time not in expression.variables:
+            return expression
+        return substituted(expression, {self.time: variable(self.time + len(self.memories))})
+
+    def narrow(self, expression: Sum) -> Sum:
+        """Return an expression of the variables numbered as without probes."""
+        moved = self.time + len(self.memories)
+        if moved not in expression.variables:
+            return expression
+        return substituted(expression, {moved: variable(self.time)})
+
+    def widened(self, design: Design) -> Design:
+        """Return a design with the probes as further inputs, which nothing depends on."""
+        names = tuple(f"probe{k}" for k in range(len(self.memories)))
+        columns = tuple(
+            replace(c, parts=tuple(self.widen(part) for part in c.parts)) for c in design.columns
+        )
+        fixed = tuple(self.widen(part) for part in design.fixed)
+        return Design(design.states, (*design.inputs, *names), fixed, columns)
+
+    def extended(self, record: Record) -> Record:
+        """Return a record with the probes as further inputs."""
+        if record.u is None:
+            return record
+        made = record.preparation
+        if made is None or made.u is None:
+            return replace(record, u=self._beside(record.t, record.u), inputs=None)
+        raw = self._beside(made.t, made.u)
+        again = replace(made, u=raw)
+        return replace(record, u=again.lowpass(raw), inputs=None, preparation=again)
+
+    def _beside(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+        probes = [memory.response(t, u[:, memory.column]) for memory in self.memories]
+        return np.column_stack([u, *probes])
+
+    def propose(
+        self,
+        design: Design,
+        equations: Equations,
+        records: Sequence[Record],
+        *,
+        part: Segments,
+        offer: Proposer,
+    ) -> list[Candidate]:
+        """Return the effects that are on offer, and for each input the best memory of each kind.
+
+        Of the records, which may be twins, the same pieces are looked at as in `part`.
+        """
+        n_inputs = len(self.design.inputs)
+        plain = [replace(r, u=None if r.u is None else r.u[:, :n_inputs]) for r in records]
+        terms = tuple(self.narrow(Sum(((1.0, term),))).parts[0][1] for term in equations.terms)
+        own = replace(equations, terms=terms, inputs=self.design.inputs)
+        proposed = [renumbered(c, self.widen) for c in offer(self.design, own, plain)]
+        return [*proposed, *self._best(design, part.of(records))]
+
+    def _best(self, design: Design, part: Segments) -> list[Candidate]:
+        """Return the best memory of each kind and input, if it does better than none."""
+        swaps = [self.swap(k) for k in range(len(self.memories))]
+        best: dict[tuple[str, int], tuple[float, int]] = {}
+        for k, exchange in enumerate(exchanges(design, part, swaps)):
+            if exchange.gain > OWN * max(exchange.gain_beside, 0.0):
+                key = self.memories[k].kind, self.memories[k].column
+                best[key] = max(best.get(key, (0.0, k)), (exchange.gain, k))
+        return [self.candidate(design, k) for gain, k in best.values() if gain > 0.0]
+
+    def swap(self, k: int) -> dict[int, Sum]:
+        """Return the input of a probe and what may stand in its place."""
+        probe = len(self.design.states) + len(self.design.inputs) + k
+        return {len(self.design.states) + self.memories[k].column: variable(probe)}
+
+    def candidate(self, design: Design, k: int) -> MemoryCandidate:
+        """Return a memory as what it changes in the equations of a widened design."""
+        memory = self.memories[k]
+        state = users_of(self.design, memory.column)[0]
+        swap = self.swap(k)
+        parts = (design.fixed[state], *(c.parts[state] for c in design.columns))
+        terms = tuple(
+            sub(substituted(part, swap), part) for part in parts if set(swap) & part.variables
+        )
+        return MemoryCandidate(memory.kind, state, terms, memory=memory)
+
+
+@dataclass(frozen=True, eq=False)
+class Exchange:
+    """What replacing variables does to the held-out errors, shape (n_folds,) each.
+
+    Attributes
+    ----------
+    without, alone, beside : ndarray
+        Errors with the original, with the replacement, and with both.
+    """
+
+    without: np.ndarray
+    alone: np.ndarray
+    beside: np.ndarray
+
+    @property
+    def gain(self) -> float:
+        """log(error before / after)."""
+        return _log_ratio(self.without, self.alone)
+
+    @property
+    def gain_beside(self) -> float:
+        """The same with original and replacement together."""
+        return _log_ratio(self.without, self.beside)
+
+
+def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -> list[Exchange]:
+    """Replace variables of a design, each time others, and predict held-out segments.
+
+    Parameters
+    ----------
+    design : Design
+        The model.
+    part : Segments
+        Pieces to predict from one another.
+    swaps : sequence of dict of int to Sum
+        Each says which variables are replaced, and by what.
+
+    Returns
+    -------
+    list of Exchange
+    """
+    columns = list(design.columns)
+    n_own = len(columns)
+    places = []
+    for swap in swaps:
+        new = {
+            k: _swapped(column, swap)
+            for k, column in enumerate((*design.columns, Column("known", design.fixed)))
+            if any(set(swap) & p.variables for p in column.parts)
+        }
+        places.append({k: len(columns) + i for i, k in enumerate(new)})
+        columns += new.values()
+    grams = spectral_grams(part, design, [*columns, Column("known", design.fixed)])
+    folds = part.folds
+    by_fold = np.array([grams[folds == k].sum(axis=0) for k in range(int(folds.max()) + 1)])
+    each = np.arange(len(by_fold))
+    without = fold_errors(by_fold, np.arange(n_own)[None, :], each)[0]
+    found = []
+    for place in places:
+        target = _with_target(by_fold, place[n_own]) if n_own in place else by_fold
+        moved = [place.get(k, k) for k in range(n_own)]
+        both = [*range(n_own), *(p for k, p in place.items() if k < n_own)]
+        alone, beside = (fold_errors(target, np.array([m]), each)[0] for m in (moved, both))
+        found.append(Exchange(without, alone, beside))
+    return found
+
+
+def _swapped(column: Column, swap: dict[int, Sum]) -> Column:
+    return replace(column, parts=tuple(substituted(part, swap) for part in column.parts))
+
+
+def _with_target(grams: np.ndarray, place: int) -> np.ndarray:
+    """Exchange the known parts in the target: columns, then the original known parts, target."""
+    last = grams.shape[1] - 1
+    change = np.eye(last + 1)
+    change[last - 1, last], change[place, last] = 1.0, -1.0  # target + known - changed known
+    return np.asarray(change.T @ grams @ change)
+
+
+def _log_ratio(before: np.ndarray, after: np.ndarray) -> float:
+    return float(np.log(max(before.sum(), 1e-300) / max(after.sum(), 1e-300)))

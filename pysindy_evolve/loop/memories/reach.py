@@ -1,0 +1,172 @@
+"""How long a memory reaches back: tuned, held against the other kinds, and with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ...memory import DELAY, LAG, VESSEL, Memory
+from ...signals import Record
+from ...substitution import substituted
+from ...terms import Sum, constant, mul, sub
+from ..evidence.encompassing import chance
+from ..evidence.scoring import MARGIN
+from ..evidence.spectral import spectral_grams
+from ..fitting.fit import derivative_intervals
+from ..given.design import Column, Design
+from ..given.segments import Segments
+from .probes import RATIO, Exchange, Probes, exchanges, grid_of
+
+__all__ = ["exchanged", "memory_interval", "reach_of", "settled"]
+
+STEP = 0.02  # of a delay or time constant, to see what it changes
+
+
+def settled(
+    memory: Memory,
+    design: Design,
+    records: Sequence[Record],
+    part: Segments,
+    level: float,
+    rng: np.random.Generator,
+    present: Sequence[Memory] = (),
+) -> tuple[Memory, tuple[tuple[str, float], ...]]:
+    """Tune how long a memory reaches back, and compare it with the other kinds at their best.
+
+    Parameters
+    ----------
+    memory : Memory
+        From the grid.
+    design, records, part
+        The model, training records without this memory, pieces of them.
+    level : float
+        A rival with a smaller p-value is refuted.
+    rng : numpy.random.Generator
+        Draws the signs.
+    present : sequence of Memory
+        Memories that the records have already.
+
+    Returns
+    -------
+    memory : Memory
+        Of the plainest kind that does as well as the best.
+    rivals : tuple of (str, float)
+        Kinds that could stand in its place, with their p-values.
+    """
+    tried = {m.kind for m in grid_of(design, records, part, present) if m.column == memory.column}
+    kinds = [kind for kind in (DELAY, LAG, VESSEL) if kind in tried]
+    best = [reach_of(replace(memory, kind=kind), design, records, part) for kind in kinds]
+    compared = exchanged(best, design, records, part)
+    top = max(exchange.gain for exchange in compared)
+    chosen = next(k for k, e in enumerate(compared) if e.gain >= top - max(MARGIN, 0.01 * top))
+    others = [m for m in best if m is not best[chosen]]
+    rivals = [(m.kind, _chance_of(m, best[chosen], design, records, part, rng)) for m in others]
+    return best[chosen], tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
+
+
+def exchanged(
+    memories: Sequence[Memory], design: Design, records: Sequence[Record], part: Segments
+) -> list[Exchange]:
+    """Return what each of several memories does to the held-out errors of a design."""
+    probes = Probes(design, tuple(memories))
+    extended = [probes.extended(record) for record in records]
+    swaps = [probes.swap(k) for k in range(len(memories))]
+    return exchanges(probes.widened(design), part.of(extended), swaps)
+
+
+def reach_of(memory: Memory, design: Design, records: Sequence[Record], part: Segments) -> Memory:
+    """Return a memory that reaches as far back as predicts held-out pieces best."""
+    start = float(np.log(memory.values[0]))
+
+    def at(log_value: float) -> Memory:
+        return replace(memory, values=(float(np.exp(log_value)),))
+
+    reach = 1.5 * float(np.log(RATIO))
+    found = minimize_scalar(
+        lambda place: -exchanged([at(place)], design, records, part)[0].gain,
+        bounds=(start - reach, start + reach),
+        method="bounded",
+        options={"maxiter": 20, "xatol": 0.01},
+    )
+    return at(float(found.x))
+
+
+def _chance_of(
+    rival: Memory,
+    chosen: Memory,
+    design: Design,
+    records: Sequence[Record],
+    part: Segments,
+    rng: np.random.Generator,
+) -> float:
+    """Return the chance that one memory gains as much beside another, if that were the cause."""
+    probes = Probes(design, (rival, chosen))
+    pieces = part.of([probes.extended(record) for record in records])
+    wide = probes.widened(design)
+    there = _swapped(wide, probes.swap(0))
+    columns = [*there.columns, *_swapped(wide, probes.swap(1)).columns]
+    n_own = len(wide.columns)
+    grams = spectral_grams(pieces, there, columns)
+    return chance(grams, range(n_own), range(n_own, 2 * n_own), rng)
+
+
+def _swapped(design: Design, swap: dict[int, Sum]) -> Design:
+    """Return a design with variables replaced."""
+    columns = tuple(
+        replace(c, parts=tuple(substituted(p, swap) for p in c.parts)) for c in design.columns
+    )
+    return replace(design, columns=columns, fixed=tuple(substituted(p, swap) for p in design.fixed))
+
+
+def memory_interval(
+    memory: Memory,
+    design: Design,
+    coef: np.ndarray,
+    records: Sequence[Record],
+    rng: np.random.Generator,
+) -> tuple[float, float]:
+    """Return the 95 % interval of a delay or time constant, from blocks of the training data.
+
+    What a small change of it does to the rates is one more column of the model; the interval of
+    that column's coefficient is how far the value could be off.
+
+    Parameters
+    ----------
+    memory : Memory
+        The memory, tuned.
+    design : Design
+        The model.
+    coef : ndarray of shape (n_columns,)
+        Its coefficients.
+    records : sequence of Record
+        Training records without this memory.
+    rng : numpy.random.Generator
+        Draws the blocks.
+
+    Returns
+    -------
+    low, high : float
+    """
+    (value,) = memory.values
+    longer = replace(memory, values=(value * (1.0 + STEP),))
+    probes = Probes(design, (memory, longer))
+    extended = [probes.extended(record) for record in records]
+    swap, swap_longer = probes.swap(0), probes.swap(1)
+    own = len(design.states) + memory.column
+    sides = [probes.widen(side) for side in design.equations(coef).sums]
+    slopes = tuple(
+        mul(
+            constant(1.0 / (STEP * value)),
+            sub(substituted(side, swap_longer), substituted(side, swap)),
+        )
+        if own in side.variables
+        else Sum(())
+        for side in sides
+    )
+    wide = _swapped(probes.widened(design), swap).adding([Column("change", slopes)])
+    low, high = derivative_intervals(wide, extended, rng)[-1]
+    half = 0.5 * float(high - low)
+    return max(value - half, 0.0), value + half

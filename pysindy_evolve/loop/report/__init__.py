@@ -1,0 +1,1 @@
+"""What the loop says: equations, errors before and after, evidence, pictures, experiments."""

@@ -1,0 +1,153 @@
+"""What a report says of one effect, and the errors of one model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ...equations import Equations
+from ...export import format_expression, to_sympy
+from ...memory import Memory
+from ...terms import Sum
+
+__all__ = ["Alternative", "Effect", "Errors", "Step"]
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Errors of a model on held-out data, in percent of the standard deviation (NRMSE).
+
+    Attributes
+    ----------
+    derivative_error : ndarray of shape (n_states,)
+        Of x_dot, both sides averaged over the windows of the fit.
+    simulation_error : ndarray of shape (n_states,)
+        Of a free run from the first state of each record; infinite if it diverges.
+    model : Equations
+        The model that the errors belong to.
+    parameters : mapping of str to float
+        Fitted values of the free parameters that were declared.
+    """
+
+    derivative_error: np.ndarray
+    simulation_error: np.ndarray
+    model: Equations
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def equations(self) -> list[Any]:
+        """Right-hand sides as sympy expressions, one for each state."""
+        return to_sympy(self.model)
+
+
+@dataclass(frozen=True, eq=False)
+class Alternative:
+    """An effect that could have left the same record in the place of another one.
+
+    Attributes
+    ----------
+    name : str
+        From the vocabulary.
+    state : str
+        State whose equation it would enter.
+    term : sympy.Expr
+        The effect without coefficient; with several terms, their sum.
+    p_value : float
+        Chance that the found effect gains as much beside it as it does, if this were the cause.
+    expressions : tuple of Sum
+        The terms.
+    coefficients : ndarray of shape (n_terms,)
+        Of the terms, if they stand in its place; empty for a memory.
+    """
+
+    name: str
+    state: str
+    term: Any
+    p_value: float
+    expressions: tuple[Sum, ...]
+    coefficients: np.ndarray = field(default_factory=lambda: np.empty(0))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Effect:
+    """One effect that the declared model lacks.
+
+    Attributes
+    ----------
+    name : str
+        From the vocabulary.
+    state : str
+        State whose equation it enters.
+    term : sympy.Expr
+        The effect without coefficient; with several terms, their sum.
+    coefficients : ndarray of shape (n_terms,)
+        In units of the derivative of the state per unit of the term.
+    confidence_intervals : ndarray of shape (n_terms, 2)
+        95 %, from a bootstrap over blocks of the training data.
+    explained : float
+        Share of the variance of the held-out derivative residual that it removed when it came in,
+        beside what came with it.
+    p_value : float
+        Chance of a score as large in a twin, where nothing is missing.
+    alternatives : tuple of str
+        Other names that this data cannot tell apart from it.
+    expressions : tuple of Sum
+        The terms.
+    twin_scores : ndarray of shape (n_twins,)
+        Best score in each twin.
+    score : float
+        Its own score.
+    rivals : tuple of Alternative
+        The alternatives with their terms, and other forms of the effect itself.
+    memory : Memory, optional
+        Of a memory of an input: its kind and its numbers.
+    by_runs : bool
+        Whether free runs showed it; `explained` then is a share of the variance of their error.
+    quantities : tuple of str
+        What the `coefficients` are, if they multiply nothing: the delay or time constant of a
+        memory, in units of t, or the limit of a state or of its sensor.
+    of_sensor : bool
+        Whether it is in what is read of the state, and not in its equation.
+    """
+
+    name: str
+    state: str
+    term: Any
+    coefficients: np.ndarray
+    confidence_intervals: np.ndarray
+    explained: float
+    p_value: float
+    alternatives: tuple[str, ...]
+    expressions: tuple[Sum, ...]
+    twin_scores: np.ndarray
+    score: float
+    rivals: tuple[Alternative, ...] = ()
+    memory: Memory | None = None
+    by_runs: bool = False
+    quantities: tuple[str, ...] = ()
+    of_sensor: bool = False
+
+    @property
+    def place(self) -> str:
+        """Where it is: in the equation of a state, or in its sensor."""
+        return f"the {'sensor' if self.of_sensor else 'equation'} of {self.state}"
+
+    def __repr__(self) -> str:
+        intervals = zip(self.coefficients, self.confidence_intervals, strict=True)
+        values = ", ".join(f"{c:.4g} ({low:.4g} to {high:.4g})" for c, (low, high) in intervals)
+        return (
+            f"Effect({self.name!r}, state={self.state!r}, term={format_expression(self.term)}, "
+            f"coefficients=[{values}], p_value={self.p_value:.2g})"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """The errors after one effect was added; the effects of a pair share them."""
+
+    name: str
+    state: str
+    errors: Errors

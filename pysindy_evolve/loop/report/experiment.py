@@ -1,0 +1,239 @@
+"""What to measure next, so that effects that this record cannot tell apart come apart.
+
+The corrected model with the effect, and the one with a rival in its place, are compared on motions
+that have not been made: the recorded one with another amplitude and at other frequencies. The
+rival's coefficients are refitted to both records together, the old and the imagined one, so only
+what no coefficient can absorb counts (T-optimality). It is weighed frequency by frequency by the
+noise of the record, and given in standard errors.
+
+References
+----------
+Atkinson and Fedorov, Biometrika 62 (1975), DOI 10.1093/biomet/62.1.57: T-optimality.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal.windows import tukey
+
+from ...equations import Equations
+from ...hidden import MemoryEquations
+from ...memory import remembered
+from ...signals import Record
+from ..evidence.spectral import TAPER, spectral_rows
+from ..fitting.linear import solve_gram
+from ..fitting.residual import forces
+from ..given.design import Design, in_state
+from ..given.segments import Segments, segments
+from .effect import Alternative, Effect
+from .motions import Motion, Motions
+from .units import check_units
+
+if TYPE_CHECKING:
+    from .report import LoopReport
+
+__all__ = ["Experiment", "Plan", "plan"]
+
+ENOUGH = 5.0  # standard errors: a test at 5 % among many candidates then misses one in twenty
+MAX_ROWS = 8000
+SMOOTHING = 4.0  # of the noise spectrum, in frequencies of a segment
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A motion that tells an effect from one of its alternatives.
+
+    Attributes
+    ----------
+    effect : Effect
+        What was found.
+    alternative : Alternative
+        What could have left the same record.
+    motion : Motion
+        Factors of amplitude and frequency on the recorded motion.
+    now : float
+        Standard errors by which the record tells the two apart.
+    then : float
+        The same with another record as long as this one, in the proposed motion.
+    reach : dict of str to tuple of three float
+        For each variable that the two depend on, and each velocity: its largest magnitude in the
+        record, the same in the proposed motion, and its value where the two differ most.
+    difference : float
+        Largest difference of the two models in that motion, units of x_dot.
+    """
+
+    effect: Effect
+    alternative: Alternative
+    motion: Motion
+    now: float
+    then: float
+    reach: Mapping[str, tuple[float, float, float]]
+    difference: float
+
+    @property
+    def n_records(self) -> int:
+        """How many records as long as this one it takes."""
+        return max(1, int(np.ceil((ENOUGH / max(self.then, 1e-6)) ** 2)))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Experiments, one for each pair of an effect and its alternative; prints as sentences.
+
+    Attributes
+    ----------
+    experiments : tuple of Experiment
+        In the order of the effects.
+    units : mapping of str to str, optional
+        Units of the variables.
+    """
+
+    experiments: tuple[Experiment, ...]
+    units: Mapping[str, str] | None = None
+
+    def __str__(self) -> str:
+        from .advice import as_sentences
+
+        return as_sentences(self, self.units)
+
+
+def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
+    """Return an experiment for each pair of an effect and an alternative.
+
+    Parameters
+    ----------
+    report : LoopReport
+        What the loop found.
+    units : mapping of str to str, optional
+        Units of the variables.
+
+    Returns
+    -------
+    Plan
+    """
+    check_units("suggest_experiment", units, report.before.model.names)
+    if report.design is None or not any(effect.rivals for effect in report.effects):
+        return Plan((), units)
+    equations, records = _acting(report)
+    part = segments(records, report.design.velocities, max_rows=MAX_ROWS)
+    judge = _Judge(equations, part)
+    experiments = []
+    for effect in report.effects:
+        if effect.memory is not None:  # memories differ in time, not over the states
+            continue
+        for rival in effect.rivals:
+            other = _exchanged(report.design, effect, rival)
+            experiments.append(_best(judge, other, effect, rival))
+    return Plan(tuple(experiments), units)
+
+
+def _acting(report: LoopReport) -> tuple[Equations, Sequence[Record]]:
+    """Return equations and training records in which inputs are what acts, memories behind them."""
+    equations = report.equations
+    if not isinstance(equations, MemoryEquations):
+        return equations, report.train
+    return equations.inner, [remembered(record, equations.memories) for record in report.train]
+
+
+def _exchanged(design: Design, effect: Effect, rival: Alternative) -> Design:
+    n_states = len(design.states)
+    pairs = []
+    for one in (effect, rival):
+        state = design.states.index(one.state)
+        pairs.append([in_state(one.name, term, state, n_states) for term in one.expressions])
+    return design.dropping(pairs[0]).adding(pairs[1])
+
+
+class _Judge:
+    """Weighs what two models differ by on imagined motions."""
+
+    def __init__(self, equations: Equations, part: Segments) -> None:
+        self.equations, self.part = equations, part
+        self.motions = Motions(equations, part.z)
+        left = (part.x_dot - self.rates(part.z)) * part.weight
+        power = np.mean(np.abs(spectral_rows(part, left)) ** 2, axis=0)
+        floor = 1e-12 * power.max(axis=0, keepdims=True) + 1e-300
+        self.noise = gaussian_filter1d(np.maximum(power, floor), SMOOTHING, axis=0, mode="nearest")
+        taper = tukey(part.z.shape[1], TAPER)
+        # Neighboring frequencies of a tapered segment are not independent.
+        self.overlap = len(taper) * np.sum(taper**2) / np.sum(taper) ** 2
+
+    def rates(self, z: np.ndarray) -> np.ndarray:
+        flat = z.reshape(-1, z.shape[-1])
+        n_states = len(self.equations.states)
+        values = self.equations.evaluate(flat[:, :n_states], flat[:, n_states:-1], flat[:, -1])
+        return values.reshape(*z.shape[:-1], n_states)
+
+    def forces(self, design: Design, z: np.ndarray) -> np.ndarray:
+        """Return columns of a design, and the rates of the model, (segments, n, states, p + 1)."""
+        moved = replace(self.part, z=z, x_dot=self.rates(z))
+        return forces(moved, design, design.columns)
+
+    def gram(self, design: Design, force: np.ndarray, frequency: float) -> np.ndarray:
+        """Return inner products in standard errors; two of them make a complex row's variance."""
+        total = np.zeros((force.shape[-1], force.shape[-1]))
+        index = np.arange(len(self.noise)) * frequency
+        known = index <= len(self.noise) - 1  # above, nobody knows the noise
+        for state in design.open_states:
+            rows = spectral_rows(self.part, force[:, :, state])
+            noise = np.interp(index, np.arange(len(self.noise)), self.noise[:, state])
+            rows = rows * np.sqrt(2.0 * known / (self.overlap * noise))[:, None]
+            flat = rows.reshape(-1, rows.shape[-1])
+            total += (flat.conj().T @ flat).real
+        return total
+
+
+def _best(judge: _Judge, other: Design, effect: Effect, rival: Alternative) -> Experiment:
+    """Return the motion closest to the recorded one that suffices, or the best of all."""
+    recorded = judge.gram(other, judge.forces(other, judge.part.z), 1.0)
+    now = _apart(recorded)
+    best: tuple[float, Motion, np.ndarray] | None = None
+    for motion in judge.motions:
+        z = judge.motions.of(motion)
+        if z is None:
+            continue
+        gram = judge.gram(other, judge.forces(other, z), motion.frequency)
+        then = _apart(recorded + gram)
+        if best is None or then > best[0]:
+            best = then, motion, recorded + gram
+        if then >= ENOUGH:
+            break
+    if best is None:  # the recorded motion itself is among them
+        raise RuntimeError("no motion can be derived from the record")
+    then, motion, total = best
+    return _described(judge, other, effect, rival, (motion, now, then), total)
+
+
+def _apart(gram: np.ndarray) -> float:
+    """Return the standard errors that the best fit of the rival's model leaves."""
+    left = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
+    return float(np.sqrt(max(left, 0.0)))
+
+
+def _described(
+    judge: _Judge,
+    other: Design,
+    effect: Effect,
+    rival: Alternative,
+    found: tuple[Motion, float, float],
+    gram: np.ndarray,
+) -> Experiment:
+    motion, now, then = found
+    z = judge.motions.of(motion)
+    moved = judge.part.z if z is None else z
+    coef = solve_gram(gram)
+    force = judge.forces(other, moved)
+    gap = np.abs(force[..., -1] - force[..., :-1] @ coef).max(axis=-1)
+    # The far end of the differences, without the very last sample, which may be an odd one.
+    place = np.unravel_index(np.argsort(gap, axis=None)[int(0.999 * (gap.size - 1))], gap.shape)
+    names, reach = judge.equations.names, {}
+    used = {v for e in (*effect.expressions, *rival.expressions) for v in e.variables}
+    for v in sorted({*used, *judge.motions.speeds} - {len(names) - 1}):
+        here, there = (float(np.abs(values[..., v]).max()) for values in (judge.part.z, moved))
+        reach[names[v]] = (here, there, float(moved[(*place, v)]))
+    return Experiment(effect, rival, motion, now, then, reach, float(gap[place]))

@@ -1,0 +1,186 @@
+"""The report as one page of HTML that holds all it needs: no script, no network."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from importlib.metadata import PackageNotFoundError, version
+from importlib.resources import files
+from io import StringIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...export import format_number
+from ...export.mathml import equations_mathml, expression_mathml
+from .advice import sentences, title
+from .remains import remains
+from .text import VERDICTS, free_parameters, table_cells
+from .units import check_units
+
+if TYPE_CHECKING:
+    from .effect import Effect
+    from .report import LoopReport
+
+__all__ = ["as_html"]
+
+
+def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
+    """Return a report as a page.
+
+    Parameters
+    ----------
+    report : LoopReport
+        What the loop found.
+    units : mapping of str to str, optional
+        Units of the variables and of t.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    ImportError
+        If jinja2 or matplotlib is missing.
+    ValueError
+        If a unit is given for something that is no variable.
+    """
+    try:
+        import jinja2
+        import matplotlib.figure  # noqa: F401
+    except ImportError as error:
+        raise ImportError(
+            'LoopReport.to_html() needs jinja2 and matplotlib: pip install "pysindy-evolve[report]"'
+        ) from error
+    check_units("to_html", units, report.before.model.names)
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    source = (files(__package__) / "report.html.j2").read_text(encoding="utf-8")
+    head, rows = table_cells(report)
+    return environment.from_string(source).render(
+        report=report,
+        verdict=VERDICTS[report.verdict].partition(": "),
+        before=equations_mathml(report.before.model),
+        after=equations_mathml(report.after.model),
+        parameters=[free_parameters(errors) for errors in (report.before, report.after)],
+        head=head,
+        rows=rows,
+        effects=[_effect(effect, report.equations.inner_symbols) for effect in report.effects],
+        experiments=[
+            (title(one), " ".join(sentences(one, units)))
+            for one in report.suggest_experiment(units).experiments
+        ],
+        remains=remains(report),
+        last_look=_rejected_picture(report),
+        pictures=_pictures(report, units),
+        facts=_facts(report),
+    )
+
+
+def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
+    parts = zip(effect.coefficients, effect.confidence_intervals, strict=True)
+    return {
+        "name": effect.name,
+        "place": effect.place,
+        "coefficients": [
+            (_shown_term(effect, k, symbols), *map(format_number, (value, low, high)))
+            for k, (value, (low, high)) in enumerate(parts)
+        ],
+        "share": f"{100 * effect.explained:.0f}",
+        "of_what": "free runs' error variance" if effect.by_runs else "residual variance",
+        "p": f"{effect.p_value:.2g}",
+        "n_twins": len(effect.twin_scores),
+        "twins": _twins(effect.name, effect.twin_scores, effect.score),
+        "rivals": [
+            (
+                "the same in another form" if rival.name == effect.name else rival.name,
+                expression_mathml(rival.term),
+                "" if rival.state == effect.state else rival.state,
+                f"{rival.p_value:.2g}",
+            )
+            for rival in effect.rivals
+        ],
+    }
+
+
+def _shown_term(effect: Effect, k: int, symbols: Sequence[Any]) -> str:
+    """Return what a coefficient multiplies, or what it is if it multiplies nothing."""
+    if effect.quantities:
+        return f"{expression_mathml(effect.term)}, {effect.quantities[k]}"
+    return expression_mathml(effect.expressions[k].to_sympy(symbols))
+
+
+def _shown(report: LoopReport) -> list[int]:
+    """Return the equations to draw: those with effects, or the one with the largest error."""
+    states = report.before.model.states
+    in_equations = (effect for effect in report.effects if not effect.of_sensor)
+    with_effects = dict.fromkeys(states.index(effect.state) for effect in in_equations)
+    return list(with_effects) or [int(np.argmax(report.before.derivative_error))]
+
+
+def _pictures(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple[str, str]]:
+    """Return the residual of each equation that matters, with the name of its state."""
+    from .plot import draw_residuals
+
+    pictures = []
+    for index in _shown(report):
+        state = report.before.model.states[index]
+        draw = partial(draw_residuals, report=report, index=index, units=units)
+        pictures.append((state, _svg((11.0, 8.5), f"residual {state}", draw)))
+    return pictures
+
+
+def _rejected_picture(report: LoopReport) -> str:
+    best = report.rejected
+    if best is None or not len(best.twin_scores):
+        return ""
+    return _twins("last look", best.twin_scores, best.score)
+
+
+def _twins(name: str, scores: np.ndarray, observed: float) -> str:
+    from .plot import draw_scores
+
+    return _svg((4.6, 2.1), f"twins {name}", lambda f: draw_scores(f.subplots(), scores, observed))
+
+
+def _svg(size: tuple[float, float], name: str, draw: Callable[[Any], None]) -> str:
+    """Return a figure as SVG to stand in a page; names of its parts differ between figures."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    from .plot import STYLE
+
+    with rc_context({**STYLE, "svg.hashsalt": name, "svg.fonttype": "path"}):
+        figure = Figure(figsize=size, layout="constrained")
+        FigureCanvasSVG(figure)
+        draw(figure)
+        out = StringIO()
+        figure.savefig(out, format="svg", metadata={"Date": None}, dpi=110, transparent=True)
+    return out.getvalue().partition("<svg")[1] + out.getvalue().partition("<svg")[2]
+
+
+def _version() -> str:
+    try:
+        return version("pysindy-evolve")
+    except PackageNotFoundError:
+        return "not installed, run from its source"
+
+
+def _facts(report: LoopReport) -> list[tuple[str, str]]:
+    facts = [("pysindy_evolve", _version())]
+    for name, records in (("training", report.train), ("held-out", report.test)):
+        spans = [f"{r.n_samples} samples over {r.t[-1] - r.t[0]:.4g}" for r in records]
+        facts.append((f"{name} records", "; ".join(spans)))
+    made = report.train[0].preparation
+    if made is not None and made.cutoff is not None:
+        facts.append(("cutoff of the preparation", f"{made.cutoff:.4g} cycles per unit of t"))
+    if report.rules is not None:
+        rules = report.rules
+        facts += [
+            ("significance", f"{rules.significance:g}"),
+            ("n_twins", f"{rules.n_twins}"),
+            ("min_share", f"{rules.min_share:g}"),
+            ("max_effects", f"{rules.max_effects}"),
+        ]
+    return facts

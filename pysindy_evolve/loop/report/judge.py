@@ -1,0 +1,55 @@
+"""Both errors of a model on held-out records."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...hidden import with_memories
+from ...memory import Memory, remembered
+from ...signals import Record, choose_windows
+from ..fitting.fit import Fit, derivative_errors, fit
+from ..fitting.past import begun
+from ..fitting.runs import simulation_errors
+from ..fitting.shooting import shot
+from ..free_runs.tuning import fit_by_runs
+from ..given.design import Design
+from ..given.rules import Rules
+from .bias import unbiased
+from .effect import Errors
+
+__all__ = ["judge"]
+
+
+def judge(
+    design: Design,
+    train: Sequence[Record],
+    test: Sequence[Record],
+    rules: Rules,
+    rng: np.random.Generator,
+    memories: Sequence[Memory] = (),
+    *,
+    final: bool = False,
+    by_runs: bool = False,
+) -> tuple[Fit, Errors]:
+    """Fit a design on all training rows and take both errors on held-out records.
+
+    The bias of the coefficients is taken off a final model only: that of a model which lacks
+    something is of no interest. Memories are what the inputs go through before they act. What only
+    free runs showed is also fitted to them, as the derivative does not know it.
+    """
+    train = [remembered(record, memories) for record in train]
+    fitted = fit(design, train, rng, rules.criterion)
+    if by_runs:
+        fitted = fit_by_runs(design, fitted, train, rng)
+    elif final and fitted.criterion != "trajectory":
+        fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
+        fitted = shot(design, fitted, train) if rules.refine != "derivative" else fitted
+    equations = design.equations(fitted.coef)
+    whole = with_memories(equations, memories)
+    test = [remembered(begun(whole, record), memories) for record in test]
+    windows = choose_windows(list(train))
+    derivative = derivative_errors(design, fitted.coef, test, windows)
+    simulation = simulation_errors(equations, test)
+    return fitted, Errors(derivative, simulation, whole)

@@ -1,0 +1,47 @@
+"""Equations as a fitted SINDy model, so that everything of PySINDy works on what was found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pysindy as ps
+
+from ...equations import Equations
+from ...optimizer import ElasticNet
+from ...term_library import TermLibrary
+from ...terms import ONE
+
+__all__ = ["as_sindy"]
+
+
+def as_sindy(equations: Equations) -> ps.SINDy:
+    """Return a fitted SINDy model with these equations.
+
+    Parameters
+    ----------
+    equations : Equations
+        Terms and coefficients. If one depends on time, the model has one more input, named t.
+
+    Returns
+    -------
+    pysindy.SINDy
+        predict, score, print, simulate work; a new `fit` refits the terms.
+    """
+    inputs = (*equations.inputs, "t") if equations.needs_time else equations.inputs
+    n_variables = len(equations.states) + len(inputs)
+    if not equations.terms:  # a library needs a column, even where all right-hand sides are zero
+        equations = replace(equations, terms=(ONE,), coef=np.zeros((len(equations.states), 1)))
+    library = TermLibrary(equations.terms)
+    library.fit(np.ones((2, n_variables)))
+    n_terms, n_states = len(equations.terms), len(equations.states)
+    # Any fit will do: its coefficients are replaced by those that were found.
+    optimizer = ElasticNet().fit(np.eye(n_terms), np.ones((n_terms, n_states)))
+    optimizer.coef_ = np.array(equations.coef, dtype=float)
+    optimizer.ind_ = optimizer.coef_ != 0.0
+    model = ps.SINDy(feature_library=library, optimizer=optimizer)
+    model.n_control_features_ = len(inputs)
+    model.feature_names = [*equations.states, *inputs]
+    model.n_features_in_ = n_variables
+    model.n_output_features_ = len(equations.terms)
+    return model

@@ -1,0 +1,220 @@
+"""Where the residual lives: a page of panels, before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...signals import Record, Windows, choose_windows
+from ..given.kinematics import positions
+from ..given.segments import variables_of
+from .panels import draw_frequency, draw_plane, draw_time, draw_twins, draw_variable, tidy
+from .units import check_units, label, rate_label, with_unit
+
+if TYPE_CHECKING:
+    from .report import LoopReport
+
+__all__ = ["draw_residuals", "draw_scores", "plot_residuals"]
+
+BEFORE, AFTER = "#c44e52", "#1f5f99"
+MAX_VARIABLES = 3  # panels side by side
+STYLE = {"font.size": 9.0, "axes.titlesize": 9.5, "axes.titleweight": "bold"}
+
+
+def plot_residuals(
+    report: LoopReport, state: str | None = None, units: Mapping[str, str] | None = None
+) -> Any:
+    """Draw the held-out residual of one equation before and after.
+
+    Parameters
+    ----------
+    report : LoopReport
+        What the loop found.
+    state : str, optional
+        Equation to draw; by default the one that the first effect entered.
+    units : mapping of str to str, optional
+        Units of the variables and of t.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    ImportError
+        If matplotlib is missing.
+    ValueError
+        If the model has no such state, or no such variable as a unit is given for.
+    """
+    try:
+        from matplotlib import pyplot as plt
+    except ImportError as error:
+        raise ImportError(
+            'LoopReport.plot() needs matplotlib: pip install "pysindy-evolve[plots]"'
+        ) from error
+    index = _state_index(report, state)
+    check_units("plot", units, report.before.model.names)
+    with plt.rc_context(STYLE):
+        figure = plt.figure(figsize=(11, 8.5), layout="constrained")
+        draw_residuals(figure, report, index, units)
+    return figure
+
+
+def draw_residuals(
+    figure: Any, report: LoopReport, index: int, units: Mapping[str, str] | None = None
+) -> None:
+    """Fill a figure with the panels of one equation.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        Where to draw.
+    report : LoopReport
+        What the loop found.
+    index : int
+        State whose equation it is.
+    units : mapping of str to str, optional
+        Units of the variables and of t.
+    """
+    names, rate = report.before.model.names, rate_label(report.before.model.states[index], units)
+    shown = _variables(report, index)
+    lines = ["t" * 6, _row("abc"[: len(shown)]), "ffxxyy"]
+    panels = figure.subplot_mosaic("\n".join(lines), height_ratios=(1.0, 1.1, 1.1))
+    record, windows = report.test[0], choose_windows(list(report.train))
+    stages = [("declared model", BEFORE, [r[:, index] for r in report.residual_before])]
+    if report.effects:
+        stages.append(("corrected model", AFTER, [r[:, index] for r in report.residual_after]))
+    for name, color, raw in stages:
+        draw_frequency(panels["f"], raw[0], record.dt, _highest(record), color, name)
+    rows = [averaged(raw, windows)[1] for raw in stages[0][2]]
+    stages = [(name, color, [averaged(r, windows)[0] for r in raw]) for name, color, raw in stages]
+    pairs = zip(report.test, rows, strict=True)
+    variables = np.concatenate([variables_of(one)[inside] for one, inside in pairs])
+    for name, color, residuals in stages:
+        everywhere = np.concatenate(residuals)
+        draw_time(panels["t"], record.t[rows[0]], residuals[0], color, name)
+        for letter, variable in zip("abc", shown, strict=False):
+            draw_variable(panels[letter], variables[:, variable], everywhere, color, name)
+    _label(panels, shown, names, units, rate)
+    span = with_unit(windows.width * record.dt, "t", units)
+    figure.suptitle(
+        f"Where the held-out residual lives, averaged over windows of {span} as in the fit",
+        fontsize=10,
+    )
+    _draw_planes(figure, panels, report, index, stages, variables, units)
+
+
+def averaged(residual: np.ndarray, windows: Windows) -> tuple[np.ndarray, slice]:
+    """Return a residual averaged over the windows of the fit, and the rows in their middles."""
+    if windows.width < 3 or len(residual) < 2 * windows.width:
+        return residual, slice(None)
+    smooth = np.convolve(residual, windows.weights, mode="valid")
+    first = windows.width // 2
+    return smooth, slice(first, first + len(smooth))
+
+
+def _label(
+    panels: Mapping[str, Any],
+    shown: Sequence[int],
+    names: Sequence[str],
+    units: Mapping[str, str] | None,
+    rate: str,
+) -> None:
+    tidy(panels["t"], label("t", units), f"residual of {rate}", "Over time: median and 80 % band")
+    for letter, variable in zip("abc", shown, strict=False):
+        where = f"Over {names[variable]}: median and middle half"
+        tidy(panels[letter], label(names[variable], units), "", where)
+    panels["a"].set_ylabel(f"residual of {rate}")
+    for letter in "tabc"[: 1 + len(shown)]:
+        panels[letter].axhline(0.0, color="0.5", lw=0.7, zorder=0)
+    panels["t"].legend(
+        frameon=False, ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1
+    )
+    time = (units or {}).get("t", "")
+    per = {"": "cycles per unit of t", "s": "Hz"}.get(time, f"1/{time}")
+    tidy(panels["f"], f"frequency [{per}]", "amplitude density", "Over frequency")
+    panels["f"].grid(which="major", color="0.9", lw=0.6)
+    panels["f"].xaxis.set_minor_formatter("")
+
+
+def _draw_planes(
+    figure: Any,
+    panels: Mapping[str, Any],
+    report: LoopReport,
+    index: int,
+    stages: Sequence[tuple[str, str, list[np.ndarray]]],
+    variables: np.ndarray,
+    units: Mapping[str, str] | None,
+) -> None:
+    """Color a plane of two variables by the mean residual, before and after."""
+    names, (x, y) = report.before.model.names, _plane(report, index)
+    limit = float(np.quantile(np.abs(np.concatenate(stages[0][2])), 0.9)) or 1.0
+    mesh = None
+    for letter, (name, _, residuals) in zip("xy", stages, strict=False):
+        everywhere = np.concatenate(residuals)
+        mesh = draw_plane(panels[letter], variables[:, x], variables[:, y], everywhere, limit)
+        vertical = label(names[y], units)
+        tidy(panels[letter], label(names[x], units), vertical, f"Mean residual, {name}")
+    if len(stages) == 1:
+        panels["y"].set_visible(False)
+    used = [panels[letter] for letter in "xy"[: len(stages)]]
+    figure.colorbar(mesh, ax=used, shrink=0.9, pad=0.01).outline.set_visible(False)
+
+
+def draw_scores(axes: Any, scores: np.ndarray, observed: float) -> None:
+    """Draw what the same search finds in twins, and what it found in the record."""
+    draw_twins(axes, scores, observed, AFTER)
+    tidy(axes, "score: log(error without it / with it)", "twins", "")
+
+
+def _row(letters: str) -> str:
+    """Return six places shared by some letters."""
+    return "".join(letter * (6 // len(letters)) for letter in letters)
+
+
+def _highest(record: Record) -> float:
+    made = record.preparation
+    nyquist = 0.5 / record.dt
+    return nyquist if made is None or made.cutoff is None else min(nyquist, made.cutoff)
+
+
+def _variables(report: LoopReport, index: int) -> list[int]:
+    """Return what to draw the residual over: what effects depend on, the state, its position."""
+    time = len(report.before.model.names) - 1
+    state = report.before.model.states[index]
+    own = [effect for effect in report.effects if effect.state == state]
+    wanted = [v for e in own for term in e.expressions for v in sorted(term.variables)]
+    wanted += [index, *_position(report, index), *range(time)]
+    used = {v for side in report.before.model.sums for v in side.variables} | {index}
+    used |= {v for effect in own for term in effect.expressions for v in term.variables}
+    chosen = dict.fromkeys(v for v in wanted if v != time and v in used)
+    return sorted(list(chosen)[:MAX_VARIABLES])
+
+
+def _position(report: LoopReport, index: int) -> list[int]:
+    known = positions(report.before.model)
+    return [known[index]] if index in known else []
+
+
+def _plane(report: LoopReport, index: int) -> tuple[int, int]:
+    """Return position and velocity; without them two variables, or time."""
+    if position := _position(report, index):
+        return position[0], index
+    others = [v for v in _variables(report, index) if v != index]
+    return (others[0] if others else len(report.before.model.names) - 1), index
+
+
+def _state_index(report: LoopReport, state: str | None) -> int:
+    states = report.before.model.states
+    if state is None:
+        worst = int(np.argmax(report.before.derivative_error))
+        first = next((one.state for one in report.effects if not one.of_sensor), None)
+        return worst if first is None else states.index(first)
+    if state not in states:
+        raise ValueError(
+            f"LoopReport.plot(state=...) must be a state of the model; got {state!r}. "
+            f"Choose from {', '.join(states)}."
+        )
+    return states.index(state)

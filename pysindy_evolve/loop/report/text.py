@@ -1,0 +1,204 @@
+"""The printed report: read once by somebody who knows the machine but not the code."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from textwrap import fill, indent, wrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...export import format_equations, format_expression, format_number
+from ...path_states import sayings
+from .advice import sentences, title
+from .remains import remains
+
+if TYPE_CHECKING:
+    from .report import Alternative, Effect, Errors, LoopReport
+
+__all__ = ["VERDICTS", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
+
+VERDICTS = {
+    "complete": "complete: nothing is missing that this data can show.",
+    "traced": "traced: the model lacked what is listed below.",
+    "untraced": "untraced: something is missing that no tried effect explains.",
+}
+
+
+def as_text(report: LoopReport) -> str:
+    """Return the report as plain text."""
+    parts = [
+        f"Verdict: {VERDICTS[report.verdict]}",
+        "Declared model, fitted\n" + indent(_model(report.before), "    "),
+    ]
+    if report.effects:
+        said = "\n".join([_model(report.after), *readings(report)])
+        parts.append("Corrected model\n" + indent(said, "    "))
+    parts.append(_table(report))
+    symbols = report.equations.inner_symbols
+    parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
+    parts += [fill(line, 96) for line in remains(report)]
+    return "\n\n".join(parts)
+
+
+def _model(errors: Errors) -> str:
+    """Return the equations and, below them, the free parameters."""
+    said = free_parameters(errors)
+    lines = [format_equations(errors.model), fill(said, 92, subsequent_indent="  ")]
+    return "\n".join(line for line in lines if line)
+
+
+def readings(report: LoopReport) -> list[str]:
+    """Return what sensors show that do not show their state everywhere, a line each."""
+    read = (effect for effect in report.effects if effect.of_sensor)
+    return [f"The sensor of {one.state} shows {format_expression(one.term)}" for one in read]
+
+
+def free_parameters(errors: Errors) -> str:
+    """Return the fitted values of what was free, so that no misspelled name hides among them.
+
+    The terms of a SINDy model are free without a name: nothing is said of them.
+    """
+    if not all(name.isidentifier() for name in errors.parameters):
+        return ""
+    shown = (f"{name} = {format_number(value)}" for name, value in errors.parameters.items())
+    return f"Free parameters: {', '.join(shown) or 'none'}"
+
+
+HEADLINE = "Errors on held-out data, % of the standard deviation (NRMSE)"
+
+
+def _table(report: LoopReport) -> str:
+    """Return both errors before and after every step, one column for each state."""
+    head, rows = table_cells(report)
+    width = max(len(name) for name, _ in rows) + 4
+    lines = [HEADLINE, " " * (width + 4) + "".join(f"{title:>16}" for title in head)]
+    for name, values in rows:
+        lines.append(f"    {name:<{width}}" + "".join(f"{value:>16}" for value in values))
+    return "\n".join(lines)
+
+
+def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str]]]]:
+    """Return the titles of the columns, and name and values of each row."""
+    states = report.before.model.states  # hidden ones are not measured
+    stages = [("declared", report.before)]
+    for _, group in groupby(report.steps, key=lambda step: id(step.errors)):
+        added = list(group)
+        stages.append(("+ " + ", ".join(step.name for step in added), added[0].errors))
+    rated = [i for i in range(len(states)) if _is_rated(report, i)]
+    head = [f"d{states[i]}/dt" for i in rated] + [f"{state} free run" for state in states]
+    rows = []
+    for name, errors in stages:
+        values = [errors.derivative_error[i] for i in rated] + list(errors.simulation_error)
+        rows.append((name, [_percent(value) for value in values]))
+    return head, rows
+
+
+def _is_rated(report: LoopReport, state: int) -> bool:
+    """Leave out equations such as q' = v, whose error is zero by definition."""
+    return bool(report.before.derivative_error[state] > 0.0)
+
+
+def _percent(value: float) -> str:
+    return "diverges" if not np.isfinite(value) else f"{value:.3g}"
+
+
+def interval(low: float, high: float) -> str:
+    """Return a 95 % interval with enough digits to tell its ends apart."""
+    size, width = max(abs(low), abs(high)), high - low
+    usable = np.isfinite(size) and np.isfinite(width) and width > 0.0
+    needed = 2 + int(np.ceil(np.log10(size / width))) if usable else 4
+    digits = min(max(needed, 4), 12)
+    return f"(95 %: {low:.{digits}g} to {high:.{digits}g})"
+
+
+def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
+    """Return what is known of one effect, in a few lines."""
+    lines = [f"{number}. {effect.name} in {effect.place}"]
+    lines += ["   " + line for line in evidence(effect, symbols)]
+    return "\n".join(lines)
+
+
+def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> list[str]:
+    """Return coefficients, share, p-value and rivals of one effect, a line each."""
+    parts = zip(effect.coefficients, effect.confidence_intervals, strict=True)
+    lines = []
+    for k, (value, (low, high)) in enumerate(parts):
+        if effect.quantities:
+            shown = f"{format_expression(effect.term)}: {effect.quantities[k]} {value:.4g}"
+            lines.append(shown if effect.of_sensor else f"{shown}   {interval(low, high)}")
+            continue
+        shown = _factor(effect.expressions[k].to_sympy(symbols))
+        lines.append(f"{value:.4g} times {shown}   {interval(low, high)}")
+        if low < 0.0 < high:
+            lines.append("the interval holds zero: by itself, this record is not sure of its sign")
+    lines += sayings(effect.expressions, [str(symbol) for symbol in symbols])
+    of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
+    lines.append(
+        f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; "
+        f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
+    )
+    if effect.rivals:
+        rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
+        said = f"this data cannot tell it from: {rivals}"
+        lines += [said] if wide else wrap(said, 92, subsequent_indent="  ")
+    return lines
+
+
+def alternative(rival: Alternative, effect: Effect) -> str:
+    """Return name, equation if it is another one, and term of an alternative."""
+    term = format_expression(rival.term)
+    if rival.name == effect.name:
+        return f"the same in the form {term}"
+    if len(rival.coefficients) == 1:
+        term = f"{rival.coefficients[0]:.4g} times {_factor(rival.term)}"
+    where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
+    return f"{rival.name} {term}{where} (p = {rival.p_value:.2g})"
+
+
+def _factor(term: Any) -> str:
+    """Return a term as what a coefficient multiplies."""
+    shown = format_expression(term)
+    return f"({shown})" if term.is_Add else shown
+
+
+def as_markdown(report: LoopReport) -> str:
+    """Return the report as Markdown."""
+    parts = [
+        f"**Verdict:** {VERDICTS[report.verdict]}",
+        f"Declared model, fitted:\n\n{_code(_model(report.before))}",
+    ]
+    if report.effects:
+        said = "\n".join([_model(report.after), *readings(report)])
+        parts.append(f"Corrected model:\n\n{_code(said)}")
+    head, rows = table_cells(report)
+    lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
+    lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
+    parts.append("\n".join(lines))
+    for effect in report.effects:
+        facts = [*evidence(effect, report.equations.inner_symbols, wide=True), _twins(effect)]
+        name = f"### {effect.name} in {effect.place}"
+        parts.append("\n".join([name, "", *(f"- {_shielded(fact)}" for fact in facts)]))
+    parts.append("\n\n".join(["### What remains", *map(_shielded, remains(report))]))
+    if plan := report.suggest_experiment().experiments:
+        advice = [f"- **{title(one)}** {' '.join(sentences(one))}" for one in plan]
+        parts.append("\n".join(["### What to measure next", "", *map(_shielded, advice)]))
+    return "\n\n".join(parts) + "\n"
+
+
+def _twins(effect: Effect) -> str:
+    middle, high = np.quantile(effect.twin_scores, [0.5, 1.0])
+    return (
+        f"score {effect.score:.3g}; the best that the same search finds in twins, in which nothing "
+        f"is missing, has a median of {middle:.2g} and a largest value of {high:.2g}"
+    )
+
+
+def _shielded(text: str) -> str:
+    """Return text in which no sign is taken for one of Markdown."""
+    return text.replace("|", "\\|").replace("_", "\\_").replace("^", "\\^")
+
+
+def _code(text: str) -> str:
+    return f"```text\n{text}\n```"

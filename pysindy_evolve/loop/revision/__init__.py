@@ -1,0 +1,1 @@
+"""A second look at what was found: exchanged, tuned again, or dropped."""

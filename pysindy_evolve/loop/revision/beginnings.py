@@ -1,0 +1,84 @@
+"""What the inputs were before records began, and what the memories of them are then.
+
+A memory is found with the inputs at their first values for long. A heater that is switched on with
+the first sample tells another story: the first rows say so, and the time constant changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...hidden import with_memories
+from ...memory import raw_inputs, remembered
+from ...signals import Record
+from ..evidence.scoring import quick_fit
+from ..evidence.step import Finding
+from ..fitting.past import begun
+from ..free_runs.by_runs import with_findings
+from ..given.design import Design
+from ..given.segments import Segments
+from ..memories.recall import memories_of, resettled
+
+__all__ = ["Beginning", "settled_beginning"]
+
+N_ROUNDS = 3  # of beginnings and memories in turn
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """Findings whose memories are tuned on records that began as their first rows say.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        What was found.
+    plain, wide : tuple of Record
+        The same records in two filters, with other inputs before they began.
+    """
+
+    findings: tuple[Finding, ...]
+    plain: tuple[Record, ...]
+    wide: tuple[Record, ...]
+
+
+def settled_beginning(
+    declared: Design,
+    findings: Sequence[Finding],
+    plain: Sequence[Record],
+    wide: Sequence[Record],
+    part: Segments,
+) -> Beginning:
+    """Return findings with memories tuned again, from where the records began.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found, memories among it.
+    plain, wide : sequence of Record
+        Training records without memories, in two filters.
+    part : Segments
+        Pieces of the wide ones.
+
+    Returns
+    -------
+    Beginning
+    """
+    design, found = with_findings(declared, findings), list(findings)
+    plain, wide = tuple(plain), tuple(wide)
+    for _ in range(N_ROUNDS):
+        memories = memories_of(found)
+        equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
+        model = with_memories(equations, memories)
+        before, wide = wide, tuple(begun(model, record) for record in wide)
+        if all(
+            np.array_equal(raw_inputs(a), raw_inputs(b)) for a, b in zip(before, wide, strict=True)
+        ):
+            break
+        plain = tuple(begun(model, record) for record in plain)
+        found = resettled(found, design, wide, part)
+    return Beginning(tuple(found), plain, wide)

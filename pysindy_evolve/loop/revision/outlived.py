@@ -1,0 +1,83 @@
+"""Drop what an input goes through, and what only free runs showed, once later effects explain it.
+
+A run that lacks a cosine of the input leaves the record as one does whose input comes late.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...memory import remembered
+from ...signals import Record
+from ..evidence.scoring import MARGIN
+from ..evidence.step import Finding
+from ..fitting.fit import derivative_square, refit
+from ..fitting.trial import settled
+from ..free_runs.by_runs import model_of
+from ..free_runs.drift import drift_of
+from ..free_runs.halts import LimitFinding
+from ..free_runs.variants import Model
+from ..given.design import Design
+from ..memories.recall import MemoryFinding
+
+__all__ = ["without_outlived"]
+
+
+def without_outlived(
+    declared: Design, findings: Sequence[Finding], records: Sequence[Record], wide: Sequence[Record]
+) -> list[Finding]:
+    """Return findings without those that neither derivative nor free runs miss any longer.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found.
+    records : sequence of Record
+        Training records without memories.
+    wide : sequence of Record
+        The same with a higher cutoff, for the derivative.
+
+    Returns
+    -------
+    list of Finding
+    """
+    for finding in findings:
+        rest = [f for f in findings if f is not finding]
+        if _may_go(finding, rest):
+            sides = model_of(declared, findings), model_of(declared, rest)
+            if _derivative_loss(*sides, wide) < MARGIN and _loss_of_runs(*sides, records) < MARGIN:
+                return without_outlived(declared, rest, records, wide)
+    return list(findings)
+
+
+def _may_go(finding: Finding, rest: Sequence[Finding]) -> bool:
+    """Tell whether later effects may explain what one was needed for, and no other builds on it."""
+    hidden = isinstance(finding, MemoryFinding) or finding.by_runs
+    followed = any(other.step > finding.step for other in rest)
+    built_on = {parent for f in rest for parent in f.candidate.parents}
+    is_free = not built_on & set(finding.candidate.terms)
+    return hidden and followed and is_free and not isinstance(finding, LimitFinding)
+
+
+def _derivative_loss(many: Model, few: Model, wide: Sequence[Record]) -> float:
+    """Return log(error of the derivative with few effects / with many)."""
+    errors = []
+    for model in (many, few):
+        acted = [remembered(record, model.memories) for record in wide]
+        coef = refit(model.whole, acted, "derivative")
+        errors.append(derivative_square(model.whole, acted, coef))
+    return float(np.log(max(errors[1], 1e-300) / max(errors[0], 1e-300)))
+
+
+def _loss_of_runs(many: Model, few: Model, records: Sequence[Record]) -> float:
+    """Return log(error of free runs with few effects / with many); infinity if none can be run."""
+    coef = [refit(model.design, model.acted(records), "derivative") for model in (many, few)]
+    drift = drift_of(many, coef[0], records)
+    if drift is None:
+        return float("inf")
+    (trial,) = settled([few.trial(coef[1], drift.trial.scale, records, drift.part)])
+    return float(np.log(max(trial.error, 1e-300) / max(drift.trial.error, 1e-300)))

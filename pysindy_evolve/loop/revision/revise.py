@@ -1,0 +1,184 @@
+"""Look again at what was found: exchange effects, drop them, name what could replace them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from ..effects.candidate import Candidate
+from ..effects.missing import candidates
+from ..evidence.rivals import Rival, rivals_of
+from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.step import Finding
+from ..given.design import Design
+from ..given.segments import Segments, ranges
+from ..memories.recall import MemoryFinding
+from .parents import without_parents
+
+__all__ = ["contested", "exchange", "merged", "prune"]
+
+# Share of the significance at which a rival is refuted. One that stays costs another measurement,
+# a cause that is lost a wrong machine: at 5 % for what is named, the cause is kept with 99 %.
+REFUTED = 0.2
+
+
+def exchange(
+    declared: Design, findings: list[Finding], part: Segments, *, latest: bool = False
+) -> list[Finding]:
+    """Replace an earlier effect, or the latest too, where another one does better by now.
+
+    Effects that only work together may enter one after the other, and the first of them under a
+    wrong name: cubic damping for drag, as long as the friction is not there yet.
+    """
+    for place, finding in enumerate(findings if latest else findings[:-1]):
+        if isinstance(finding, MemoryFinding):
+            continue
+        rest = [f for k, f in enumerate(findings) if k != place]
+        parents = {parent for f in rest for parent in f.candidate.parents}
+        if parents & set(finding.candidate.terms):
+            continue
+        design = declared.adding(column for f in rest for column in f.columns)
+        variables = part.z.reshape(-1, part.z.shape[-1])
+        others = candidates(design, *ranges(variables))
+        allowed = [c for c in others if finding.candidate.name not in c.refines]
+        options = dict.fromkeys([*allowed, finding.candidate])
+        scores = score(design, part, list(options), pairs=False)
+        own = next((s for s in scores if s.group == (finding.candidate,)), None)
+        if own is not None and scores[0].value > own.value + MARGIN:
+            better = scores[0].group[0]
+            findings[place] = replace(
+                finding,
+                candidate=better,
+                columns=columns_of(better, design),
+                score=scores[0].value,
+            )
+    return findings
+
+
+def merged(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
+    """Put one effect in the place of two that do no better together.
+
+    Gravity on an arm about the horizontal is first seen as an offset, for most of its cosine is
+    one, and then as a quadratic stiffness, which is the rest.
+    """
+    for first, second in combinations(findings, 2):
+        one = _in_place_of(first, second, declared, findings, part)
+        if one is not None:
+            rest = [f for f in findings if f is not first and f is not second]
+            return merged(declared, [*rest, one], part)
+    return findings
+
+
+def _in_place_of(
+    first: Finding, second: Finding, declared: Design, findings: list[Finding], part: Segments
+) -> Finding | None:
+    pair = (first.candidate, second.candidate)
+    rest = [f for f in findings if f is not first and f is not second]
+    needed = {parent for f in rest for parent in f.candidate.parents}
+    if (
+        isinstance(first, MemoryFinding)
+        or isinstance(second, MemoryFinding)
+        or pair[0].state != pair[1].state
+        or needed & {term for c in pair for term in c.terms}
+    ):
+        return None
+    design = declared.adding(column for f in rest for column in f.columns)
+    variables = part.z.reshape(-1, part.z.shape[-1])
+    own = [c for c in pair if not c.whole]
+    # What refines an effect has to pass a test of its own.
+    others = [c for c in candidates(design, *ranges(variables)) if not c.refines]
+    options = [c for c in others if c not in own]
+    free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
+    # In one call, for the errors are weighed by what all columns together leave.
+    scores = score(design, part, list(free))
+    names = {replace(c, parents=()) for c in pair}
+    both = max((2.0 * s.value for s in scores if set(s.group) == names), default=np.inf)
+    alone = [s for s in scores if len(s.group) == 1 and _is_single(s.group[0], pair, own)]
+    best = max(alone, key=lambda s: s.value, default=None)
+    if best is None or best.value < both - MARGIN:
+        return None
+    (candidate,) = best.group
+    return replace(
+        max(first, second, key=lambda f: f.p_value),
+        candidate=candidate,
+        columns=columns_of(candidate, design),
+        score=best.value,
+        step=min(first.step, second.step),
+    )
+
+
+def _is_single(
+    candidate: Candidate, pair: Sequence[Candidate], excluded: Sequence[Candidate]
+) -> bool:
+    """Tell whether a candidate is one column of the pair's equation, and not one of the pair."""
+    taken = {(c.name, c.terms) for c in excluded}
+    return (
+        candidate.state == pair[0].state
+        and len(candidate.terms) == 1
+        and (candidate.name, candidate.terms) not in taken
+    )
+
+
+def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
+    """Drop effects that later ones made superfluous, unless one of those needs them."""
+    for finding in list(findings):
+        rest = [f for f in findings if f is not finding]
+        if isinstance(finding, MemoryFinding) or finding.by_runs:  # the derivative is blind to it
+            continue
+        needed = {parent for f in rest for parent in f.candidate.parents}
+        if needed & set(finding.candidate.terms):
+            continue
+        design = declared.adding(column for f in rest for column in f.columns)
+        scores = score(design, part, [finding.candidate], pairs=False)
+        if not scores or scores[0].value < MARGIN:
+            findings = rest
+    return without_parents(declared, findings, part)
+
+
+def contested(
+    declared: Design,
+    findings: list[Finding],
+    part: Segments,
+    significance: float,
+    rng: np.random.Generator,
+) -> list[Finding]:
+    """Note with each effect those that could stand in its place beside all the others.
+
+    One that a later effect needs has no rivals: both would have to go.
+    """
+    judged = []
+    for finding in findings:
+        rest = [f for f in findings if f is not finding]
+        needed = {parent for f in rest for parent in f.candidate.parents}
+        design = declared.adding(column for f in rest for column in f.columns)
+        free = bool(finding.columns) and not needed & set(finding.candidate.terms)
+        if free:
+            found = rivals_of(finding.candidate, design, part, REFUTED * significance, rng)
+            finding = replace(finding, rivals=found)
+            if part.tracks:
+                finding = _lasting(finding, design, significance)
+        judged.append(finding)
+    return judged
+
+
+def _lasting(finding: Finding, design: Design, significance: float) -> Finding:
+    """Put an effect of the states in the place of one of the time, if the record allows it.
+
+    On a short trajectory most things change with the time. What depends on nothing else says
+    nothing about the next record, so it is named only where it has to be.
+    """
+    time = len(design.states) + len(design.inputs)
+
+    def lasts(candidate: Candidate) -> bool:
+        return not any(time in term.variables for term in candidate.terms)
+
+    able = [r for r in finding.rivals if r.p_value > significance and lasts(r.candidate)]
+    if lasts(finding.candidate) or not able:
+        return finding
+    likeliest = max(able, key=lambda rival: rival.p_value)
+    rivals = (Rival(finding.candidate, 1.0), *(r for r in finding.rivals if r is not likeliest))
+    columns = columns_of(likeliest.candidate, design)
+    return replace(finding, candidate=likeliest.candidate, columns=columns, rivals=rivals)

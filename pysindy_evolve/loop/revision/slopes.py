@@ -1,0 +1,65 @@
+"""Tell a dead zone of an input from its saturation: both are the input, clipped at a number.
+
+Beside the input itself the clipped one changes the slope inside of the limits. Where hardly any of
+it is left there, the input has a dead zone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...equations import Equations
+from ..effects.candidate import Candidate
+from ..evidence.scoring import quick_fit
+from ..evidence.step import Finding
+from ..free_runs.by_runs import with_findings
+from ..given.design import Design
+from ..given.segments import Segments
+
+__all__ = ["told_by_slopes"]
+
+MOST_LEFT = 0.5  # of the slope, inside of a dead zone
+
+
+def told_by_slopes(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
+    """Return findings in which a clipped input is called what it is.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found.
+    part : Segments
+        Pieces of the training records.
+
+    Returns
+    -------
+    list of Finding
+    """
+    told = []
+    for finding in findings:
+        candidate = finding.candidate
+        if candidate.name == "saturation" and candidate.shape is not None and finding.columns:
+            equations = quick_fit(with_findings(declared, findings), part)
+            inside, outside = _slopes(candidate, candidate.shape.values[0], equations, part)
+            if abs(inside) < MOST_LEFT * abs(outside):
+                finding = replace(finding, candidate=replace(candidate, name="dead zone"))
+        told.append(finding)
+    return told
+
+
+def _slopes(
+    candidate: Candidate, limit: float, equations: Equations, part: Segments
+) -> tuple[float, float]:
+    """Return the slopes of a rate over a clipped input, inside and outside of its limits."""
+    (place,) = candidate.terms[0].variables
+    n_states = part.n_states
+    rows = np.tile(part.z[..., :-1].mean(axis=(0, 1)), (4, 1))
+    rows[:, place] = np.array([-0.5, 0.5, 1.1, 1.5]) * limit
+    rates = equations.evaluate(rows[:, :n_states], rows[:, n_states:], np.zeros(4))
+    rate = rates[:, candidate.state]
+    return float((rate[1] - rate[0]) / limit), float((rate[3] - rate[2]) / (0.4 * limit))

@@ -1,0 +1,150 @@
+"""Twins: records of a machine that the declared model describes in full.
+
+Whatever a search finds in a twin, it finds where nothing is missing. A twin follows the model with
+the measured input, carries the noise of the sensor through the same preparation, and has the part
+of the residual that this noise does not explain, multiplied by a slow random signal: as strong and
+as colored as measured, wherever it was, but a function of nothing.
+
+References
+----------
+Shao, JASA 105 (2010), DOI 10.1198/jasa.2009.tm08744, the dependent wild bootstrap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import fft
+from scipy.ndimage import fourier_gaussian
+
+from ...equations import Equations
+from ...signals import Preparation, Record
+from ..given.sensor import heard
+from .paths import Path, follow
+
+__all__ = ["TwinMaker", "memory_of", "shuffle_signs"]
+
+
+@dataclass(frozen=True, eq=False)
+class TwinMaker:
+    """Makes twins of records, one for each random generator."""
+
+    equations: Equations
+    records: tuple[Record, ...]
+    simulated: tuple[Path | None, ...]
+    residuals: tuple[np.ndarray, ...]
+    memories: tuple[float, ...]
+
+    @classmethod
+    def of(cls, equations: Equations, records: Sequence[Record]) -> TwinMaker:
+        """Simulate the model once along each record.
+
+        Parameters
+        ----------
+        equations : Equations
+            The model in which nothing is missing, fitted. What it leaves is taken for disturbance:
+            a bootstrap that imposes the null hypothesis keeps its level better (Davidson and
+            MacKinnon 1999, DOI 10.1017/S0266466699153027).
+        records : sequence of Record
+            What was measured.
+
+        Returns
+        -------
+        TwinMaker
+        """
+        residuals = tuple(heard(r, r.x_dot - equations.evaluate(r.x, r.u, r.t)) for r in records)
+        simulated = tuple(follow(equations, record) for record in records)
+        memories = tuple(memory_of(residual) for residual in residuals)
+        return cls(equations, tuple(records), simulated, residuals, memories)
+
+    def make(self, rng: np.random.Generator) -> list[Record]:
+        """Return one twin of each record."""
+        parts = zip(self.records, self.simulated, self.residuals, self.memories, strict=True)
+        return [self._twin(*part, rng) for part in parts]
+
+    def _twin(
+        self,
+        record: Record,
+        path: Path | None,
+        residual: np.ndarray,
+        memory: float,
+        rng: np.random.Generator,
+    ) -> Record:
+        twin, explained = record, np.zeros_like(residual)
+        if path is not None and record.preparation is not None:
+            twin = replace(_measured(record.preparation, path, rng), u=record.u)
+            twin = twin if record.seen is not None else replace(twin, seen=None)
+        elif record.motion is not None:
+            forces = self.equations.evaluate(record.x, record.u, record.t)
+            twin = replace(record, u=_noisier(record, record.motion, rng), x_dot=forces)
+        rates = self.equations.evaluate(twin.x, twin.u, twin.t)
+        if twin is not record:
+            explained = heard(twin, twin.x_dot - rates)
+        left = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
+        share = np.sqrt(left / np.maximum(residual.var(axis=0), 1e-300))
+        disturbed = rates + explained + share * shuffle_signs(residual, rng, memory)
+        return replace(twin, x_dot=disturbed)
+
+
+def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
+    """Measure a path with a noisy sensor; take off the derivative what pushed the model along."""
+    noisy = path.y + made.noise * rng.standard_normal(path.y.shape)
+    record = made.apply(made.t, noisy)
+    if not path.push.any():
+        return record
+    x_dot = np.array(record.x_dot)
+    x_dot[:, made.order - 1 :: made.order] -= made.lowpass(path.push)
+    return replace(record, x_dot=x_dot)
+
+
+def _noisier(record: Record, made: Preparation, rng: np.random.Generator) -> np.ndarray | None:
+    """Return the motion that explains a force, with the noise of its sensor once more."""
+    linear = replace(made, limits=np.full_like(made.limits, np.inf) * [[-1.0], [1.0]])
+    noise = linear.apply(made.t, made.noise * rng.standard_normal(made.y.shape))
+    columns = np.column_stack([noise.x, noise.x_dot[:, made.order - 1 :: made.order]])
+    return record.u if record.u is None else record.u + columns
+
+
+def shuffle_signs(
+    columns: np.ndarray, rng: np.random.Generator, memory: float | None = None
+) -> np.ndarray:
+    """Multiply columns by a slow random signal: the dependent wild bootstrap.
+
+    What is strong at some time stays strong there, and what is colored stays so over the memory
+    of the columns, but nothing is a function of the states any more.
+
+    Parameters
+    ----------
+    columns : ndarray of shape (n_samples, n_columns)
+        Residuals. All are multiplied by the same signal, so what they share stays shared.
+    rng : numpy.random.Generator
+        Draws the signal.
+    memory : float, optional
+        Standard deviation, in samples, of the bell that smooths the signal; by default from the
+        columns, see `memory_of`.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_columns)
+    """
+    n = len(columns)
+    memory = memory_of(columns) if memory is None else memory
+    slow = fft.irfft(fourier_gaussian(fft.rfft(rng.standard_normal(n)), memory, n), n)
+    return columns * (slow / max(float(slow.std()), 1e-300))[:, None]
+
+
+def memory_of(columns: np.ndarray) -> float:
+    """Return twice the lag, in samples, at which the autocorrelation has fallen to a tenth.
+
+    Its envelope counts: that of a residual which rings crosses zero long before it is forgotten.
+    """
+    n = len(columns)
+    length = fft.next_fast_len(2 * n, real=True)
+    spectrum = fft.rfft(columns - columns.mean(axis=0), length, axis=0)
+    # Without its negative frequencies, an autocovariance has its envelope as magnitude.
+    covariance = np.abs(fft.ifft(np.abs(spectrum) ** 2, length, axis=0)[:n])
+    correlation = np.max(covariance / np.maximum(covariance[0], 1e-300), axis=1)
+    lag = int(np.argmax(correlation < 0.1)) or n
+    return float(np.clip(2 * lag, 2, max(2, n // 40)))
