@@ -18,11 +18,11 @@ import pysindy as ps
 import pytest
 
 import pysindy_evolve as pse
+from pysindy_evolve.breeding.dictionary import Problem
+from pysindy_evolve.breeding.generation import Settings
+from pysindy_evolve.breeding.genetics import Genetics
 from pysindy_evolve.datasets import DuffingRig, duffing
-from pysindy_evolve.dictionary import Problem
 from pysindy_evolve.evolution import evolve
-from pysindy_evolve.generation import Settings
-from pysindy_evolve.genetics import Genetics
 from pysindy_evolve.operators import resolve
 from pysindy_evolve.terms import Product, Variable
 

@@ -26,7 +26,7 @@ from tqdm import tqdm
 from undeclared_tables import print_effects, print_nulls
 
 import pysindy_evolve as pse
-from pysindy_evolve.boucwen import BOUC_WEN
+from pysindy_evolve.hidden_states.boucwen import BOUC_WEN
 
 
 def declare(name, extra=""):

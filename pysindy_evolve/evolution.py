@@ -23,17 +23,17 @@ from functools import partial
 import numpy as np
 from tqdm.auto import tqdm
 
-from . import parsimony, regression
-from .beam import best_subsets, with_exchanges
-from .constants import tune_constants
-from .dictionary import Dictionary, Problem, Project, build_dictionary, price
-from .generation import Evolution, Generation, Settings
-from .genetics import Genetics
+from .breeding.constants import tune_constants
+from .breeding.dictionary import Dictionary, Problem, Project, build_dictionary, price
+from .breeding.generation import Evolution, Generation, Settings
+from .breeding.genetics import Genetics
+from .breeding.plateau import Plateau
+from .breeding.refit import refit
+from .breeding.relatives import relatives
 from .operators import Operator
-from .plateau import Plateau
-from .refit import refit
-from .relatives import relatives
-from .selection import Selection, select
+from .sparse import parsimony, regression
+from .sparse.beam import best_subsets, with_exchanges
+from .sparse.selection import Selection, select
 from .terms import ONE, Product, Variable
 
 __all__ = ["evolve"]

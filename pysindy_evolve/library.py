@@ -12,10 +12,10 @@ from sklearn.base import clone
 from sklearn.utils import check_random_state
 
 from . import checks, handover
-from .denoise import Rows, denoise
-from .dictionary import Problem, build_dictionary
+from .breeding.denoise import Rows, denoise
+from .breeding.dictionary import Problem, build_dictionary
+from .breeding.generation import Evolution, Settings
 from .evolution import evolve
-from .generation import Evolution, Settings
 from .operators import Operator, resolve
 from .term_library import TermColumns
 from .terms import ONE, Product

@@ -12,8 +12,8 @@ import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from . import parsimony, regression
-from .selection import select
+from .sparse import parsimony, regression
+from .sparse.selection import select
 
 __all__ = ["ElasticNet"]
 

@@ -11,7 +11,7 @@ from pysindy.utils import AxesArray, comprehend_axes
 from sklearn.utils.validation import check_is_fitted
 
 from . import checks, handover
-from .gram import chunks
+from .sparse.gram import chunks
 from .terms import Cache, Product
 
 __all__ = ["TermColumns", "TermLibrary"]

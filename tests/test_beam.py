@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.beam import best_subsets, with_exchanges
-from pysindy_evolve.elimination import default_penalty
-from pysindy_evolve.genetics import Genetics
-from pysindy_evolve.gram import gram
+from pysindy_evolve.breeding.genetics import Genetics
 from pysindy_evolve.operators import resolve
+from pysindy_evolve.sparse.beam import best_subsets, with_exchanges
+from pysindy_evolve.sparse.elimination import default_penalty
+from pysindy_evolve.sparse.gram import gram
 
 
 @pytest.fixture

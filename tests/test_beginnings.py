@@ -5,12 +5,12 @@ import pytest
 from scipy.signal import lsim
 
 import pysindy_evolve as pse
+from pysindy_evolve.hidden_states.memory import LAG, Memory, raw_inputs
 from pysindy_evolve.loop.effects.candidate import CandidateMaker
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.recall import MemoryFinding, memories_of
 from pysindy_evolve.loop.revision.beginnings import settled_beginning
-from pysindy_evolve.memory import LAG, Memory, raw_inputs
 from pysindy_evolve.terms import variable
 
 DECLARED = pse.DeclaredModel({"T": "a - b*T + c*u"}, inputs=["u"])

@@ -7,11 +7,11 @@ from loop_systems import equations_of
 from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
-from pysindy_evolve.boucwen import yielding, yielding_along
 from pysindy_evolve.equations import AlgebraicEquations, Equations
 from pysindy_evolve.export import format_equations
-from pysindy_evolve.hidden import with_memories
-from pysindy_evolve.path_states import paths_in
+from pysindy_evolve.hidden_states.boucwen import yielding, yielding_along
+from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.path_states import paths_in
 from pysindy_evolve.terms import variable
 
 DECLARED = pse.DeclaredModel({"F": "c*v + k*x + F0"}, inputs=["x", "v"], algebraic=True)

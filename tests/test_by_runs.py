@@ -7,7 +7,8 @@ import pytest
 from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden import with_memories
+from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.memory import Memory, remembered
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.fitting.past import begun
 from pysindy_evolve.loop.fitting.runs import free_run
@@ -23,7 +24,6 @@ from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.recall import MemoryFinding
 from pysindy_evolve.loop.revision.revise import prune
-from pysindy_evolve.memory import Memory, remembered
 from pysindy_evolve.simulation.pieces import simulate_pieces
 
 TANK = pse.DeclaredModel({"h": "k1*u - k2*sqrt(h)"}, inputs=["u"])

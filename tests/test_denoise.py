@@ -5,15 +5,15 @@ import pysindy as ps
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.blur import blurred_power
+from pysindy_evolve.breeding.blur import blurred_power
+from pysindy_evolve.breeding.denoise import denoise
+from pysindy_evolve.breeding.dictionary import Problem
 from pysindy_evolve.datasets.rigs import noisy
-from pysindy_evolve.denoise import denoise
-from pysindy_evolve.dictionary import Problem
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.operators import BUILTIN, resolve
-from pysindy_evolve.parsimony import material, stable
-from pysindy_evolve.regression import block_grams, total
 from pysindy_evolve.simulation import simulate
+from pysindy_evolve.sparse.parsimony import material, stable
+from pysindy_evolve.sparse.regression import block_grams, total
 from pysindy_evolve.terms import call, mul, variable
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")

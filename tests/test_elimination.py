@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pysindy_evolve.elimination import eliminate, front, gains, prune
-from pysindy_evolve.gram import gram, least_squares, rss
+from pysindy_evolve.sparse.elimination import eliminate, front, gains, prune
+from pysindy_evolve.sparse.gram import gram, least_squares, rss
 
 
 def test_elimination_keeps_the_true_terms_whatever_their_units(sparse_problem):

@@ -5,15 +5,15 @@ import pysindy as ps
 import pytest
 from scipy.integrate import solve_ivp
 
-from pysindy_evolve import regression
-from pysindy_evolve.constants import tune
+from pysindy_evolve.breeding.constants import tune
+from pysindy_evolve.breeding.dictionary import Problem, build_dictionary, price, written_out
+from pysindy_evolve.breeding.generation import Settings
 from pysindy_evolve.datasets import duffing
-from pysindy_evolve.dictionary import Problem, build_dictionary, price, written_out
 from pysindy_evolve.evolution import evolve, rate
-from pysindy_evolve.generation import Settings
 from pysindy_evolve.library import EvolvingLibrary
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.optimizer import ElasticNet
+from pysindy_evolve.sparse import regression
 from pysindy_evolve.terms import ONE, add, call, constant, div, mul, power, sub, variable
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")

@@ -15,7 +15,7 @@ from sklearn.exceptions import NotFittedError
 from pysindy_evolve import export, terms
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.operators import BUILTIN, Operator
-from pysindy_evolve.text import parse
+from pysindy_evolve.reading.text import parse
 
 FRICTION = "-1.1*v - 691.92*q - 2.37e6*q^3 - 2.93*sgn(v) - 7.63e3*q^2*sgn(v) - 1.02*zdd"
 

@@ -14,7 +14,7 @@ from pysindy_evolve.equations import Equations
 from pysindy_evolve.export.symbolic import system_of
 from pysindy_evolve.export.tree import expression_tree
 from pysindy_evolve.operators import Operator
-from pysindy_evolve.text import parse
+from pysindy_evolve.reading.text import parse
 
 LANGUAGES = ("python", "c", "matlab", "julia", "modelica")
 SIDES = [

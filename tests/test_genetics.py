@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from deap import gp
 
-from pysindy_evolve.genetics import Genetics
+from pysindy_evolve.breeding.genetics import Genetics
 from pysindy_evolve.operators import Operator, resolve
 
 SMOOTH = ("add", "sub", "mul", "div", "sin", "cos", "abs", "sgn")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pysindy_evolve import independence
-from pysindy_evolve.independence import effective_size
+from pysindy_evolve.sparse import independence
+from pysindy_evolve.sparse.independence import effective_size
 
 
 def colored(n, memory, seed=0):

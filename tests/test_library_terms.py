@@ -16,8 +16,8 @@ from sklearn.exceptions import NotFittedError
 from sklearn.linear_model import ElasticNet
 
 from pysindy_evolve import terms
-from pysindy_evolve.library_terms import columns_of, from_model
 from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.reading.library_terms import columns_of, from_model
 from pysindy_evolve.term_library import TermLibrary
 
 

@@ -6,8 +6,8 @@ import sympy
 from loop_systems import DT, equations_of, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden import MemoryEquations, with_memories
-from pysindy_evolve.memory import Memory, remembered
+from pysindy_evolve.hidden_states.hidden import MemoryEquations, with_memories
+from pysindy_evolve.hidden_states.memory import Memory, remembered
 
 T = np.arange(0.0, 20.0, 0.01)
 OSCILLATOR = {"q": "v", "v": "-40*q - 0.8*v + F"}

@@ -5,8 +5,8 @@ import pytest
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import ElasticNet as ReferenceElasticNet
 
-from pysindy_evolve import regression
 from pysindy_evolve.optimizer import ElasticNet
+from pysindy_evolve.sparse import regression
 
 
 @pytest.fixture

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pysindy_evolve.dictionary import Problem
-from pysindy_evolve.generation import Generation
-from pysindy_evolve.plateau import Plateau, likeness
+from pysindy_evolve.breeding.dictionary import Problem
+from pysindy_evolve.breeding.generation import Generation
+from pysindy_evolve.breeding.plateau import Plateau, likeness
 from pysindy_evolve.terms import Product, Variable
 
 Q, V = (Product(((Variable(i), 1),)) for i in range(2))

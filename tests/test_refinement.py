@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.boucwen import yielding_along
 from pysindy_evolve.equations import AlgebraicEquations
+from pysindy_evolve.hidden_states.boucwen import yielding_along
 from pysindy_evolve.loop.given.algebraic import as_algebraic
 from pysindy_evolve.loop.twins.twins import TwinMaker
 from pysindy_evolve.signals import as_target

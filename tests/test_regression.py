@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pysindy_evolve import parsimony, regression
-from pysindy_evolve.regression import Gram
+from pysindy_evolve.sparse import parsimony, regression
+from pysindy_evolve.sparse.regression import Gram
 
 
 @pytest.fixture

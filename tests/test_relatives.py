@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from pysindy_evolve.breeding.relatives import relatives
 from pysindy_evolve.operators import BUILTIN, resolve
-from pysindy_evolve.relatives import relatives
 from pysindy_evolve.terms import add, call, constant, div, mul, power, variable
 
 Q, V = variable(0), variable(1)

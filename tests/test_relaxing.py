@@ -10,10 +10,12 @@ from scipy.integrate import solve_ivp
 from scipy.signal import savgol_filter
 
 import pysindy_evolve as pse
-from pysindy_evolve.boucwen import yielding
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
-from pysindy_evolve.hidden import with_memories
+from pysindy_evolve.hidden_states.boucwen import yielding
+from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.path_states import sayings
+from pysindy_evolve.hidden_states.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, renumbered
 from pysindy_evolve.loop.effects.relaxation import relaxed_ways
 from pysindy_evolve.loop.evidence.offers import offer_for, relaxations_for
@@ -26,8 +28,6 @@ from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.memories_first import outdoes_memories
 from pysindy_evolve.loop.memories.probes import grid_of
 from pysindy_evolve.operators import BUILTIN
-from pysindy_evolve.path_states import sayings
-from pysindy_evolve.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.substitution import substituted
 from pysindy_evolve.terms import call, mul, variable
 

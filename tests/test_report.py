@@ -10,9 +10,9 @@ from loop_systems import equations_of, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_number
-from pysindy_evolve.hidden import with_memories
+from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.loop.report.text import interval
-from pysindy_evolve.memory import Memory
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pysindy_evolve.dictionary import Problem
+from pysindy_evolve.breeding.dictionary import Problem
 from pysindy_evolve.loop.growth.seeds import screened, small_terms
 from pysindy_evolve.operators import resolve
 

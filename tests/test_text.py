@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pysindy_evolve.operators import Operator
-from pysindy_evolve.text import parse
+from pysindy_evolve.reading.text import parse
 
 NAMES = ("q", "v", "F", "t")
 OWNER = 'DeclaredModel(equations["v"]=...)'

@@ -5,6 +5,7 @@ import pytest
 from loop_systems import measured, multisine
 
 import pysindy_evolve as pse
+from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.evidence.step import Finding
@@ -13,7 +14,6 @@ from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.recall import MemoryFinding
 from pysindy_evolve.loop.revision.outlived import without_outlived
 from pysindy_evolve.loop.revision.thinning import thinned
-from pysindy_evolve.memory import Memory
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
 

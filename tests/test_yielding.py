@@ -6,8 +6,8 @@ from loop_systems import multisine
 from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
-from pysindy_evolve.boucwen import BOUC_WEN, yielding_along
-from pysindy_evolve.hidden import with_memories
+from pysindy_evolve.hidden_states.boucwen import BOUC_WEN, yielding_along
+from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.loop.effects.hysteresis import remembered_ways
 from pysindy_evolve.loop.fitting.past import first_state
 from pysindy_evolve.loop.fitting.trial import Trial, settled

@@ -13,9 +13,9 @@ import pysindy as ps
 from ..datasets import Drive, friction_drive
 from ..export import format_equations
 from ..library import EvolvingLibrary
-from ..library_terms import from_model
 from ..loop import DeclaredModel, LoopReport, close_loop
 from ..optimizer import ElasticNet
+from ..reading.library_terms import from_model
 from ..signals import is_decided, prepare
 from .options import PROGRAM
 from .output import print_code, print_errors, progress, save, say

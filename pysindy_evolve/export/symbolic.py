@@ -8,7 +8,7 @@ from typing import Any
 
 from .. import terms
 from ..equations import Equations
-from ..library_terms import from_model
+from ..reading.library_terms import from_model
 from ..terms import ONE, Product, Sum
 
 __all__ = ["System", "constant_last", "round_to", "system_of", "to_sympy"]

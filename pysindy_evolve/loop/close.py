@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pysindy as ps
 
-from ..memory import remembered
+from ..hidden_states.memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
 from .evidence.offers import awaited

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..memory import preceded, remembered
+from ..hidden_states.memory import preceded, remembered
 from ..operators import Operator
 from ..signals import Record
 from .effects.relaxation import relaxations_of

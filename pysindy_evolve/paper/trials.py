@@ -14,8 +14,8 @@ from ..datasets import DuffingRig
 from ..equations import Equations
 from ..export import format_equations
 from ..library import EvolvingLibrary
-from ..library_terms import from_model
 from ..optimizer import ElasticNet
+from ..reading.library_terms import from_model
 from ..signals import fuse
 from ..terms import Product
 from .cases import Case

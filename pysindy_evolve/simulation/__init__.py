@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from tqdm.auto import tqdm
 
-from ..hidden import MemoryEquations
+from ..hidden_states.hidden import MemoryEquations
 from .freerun import CHUNK, Diverged, FreeRun, Limits
 from .inputs import Input, as_equations, check_input, check_start, check_time
 from .program import program_of

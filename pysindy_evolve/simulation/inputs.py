@@ -27,7 +27,7 @@ def as_equations(model: Any, owner: str) -> Equations:
             f"got {type(model).__name__}. Fit a model first; of a DeclaredModel pass "
             "close_loop(declared, record).model, where max_effects=0 fits it and adds nothing."
         )
-    from ..library_terms import from_model  # PySINDy is imported only where a model is read
+    from ..reading.library_terms import from_model  # PySINDy is imported only where a model is read
 
     return from_model(model)
 

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from ...boucwen import yielding, yielding_along
+from ...hidden_states.boucwen import yielding, yielding_along
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
 from .candidate import Candidate, CandidateMaker, Shape

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...memory import DELAY, LAG
-from ...path_states import kind_of, paths_in
-from ...relaxing import RELAXING, relaxing
+from ...hidden_states.memory import DELAY, LAG
+from ...hidden_states.path_states import kind_of, paths_in
+from ...hidden_states.relaxing import RELAXING, relaxing
 from ...signals import Record
 from ...terms import Call, Sum, variable
 from ..given.design import Design

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from ...genetics import CURVED
+from ...breeding.genetics import CURVED
 from ...terms import Call, Product, Sum, constant, mul, simplified
 from .candidate import Candidate, Shape
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...boucwen import BOUC_WEN
 from ...equations import Equations
-from ...path_states import source_of
+from ...hidden_states.boucwen import BOUC_WEN
+from ...hidden_states.path_states import source_of
 from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...equations import Equations, stack
-from ...hidden import MemoryEquations, with_memories
-from ...memory import preceded, raw_inputs
-from ...path_states import kind_of, paths_in
+from ...hidden_states.hidden import MemoryEquations, with_memories
+from ...hidden_states.memory import preceded, raw_inputs
+from ...hidden_states.path_states import kind_of, paths_in
 from ...signals import Record
 from ...terms import Call
 from ..given.design import Design

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ...equations import AlgebraicEquations, Equations
-from ...hidden import MemoryEquations, with_memories
+from ...hidden_states.hidden import MemoryEquations, with_memories
 from ...signals import Record
 from ...simulation import simulate
 from ..given.sensor import limits_of_states, missed, shown

@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...equations import stack
-from ...hidden import with_memories
-from ...path_states import kind_of, moved, path_rate, paths_in
+from ...hidden_states.hidden import with_memories
+from ...hidden_states.path_states import kind_of, moved, path_rate, paths_in
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Call, Sum, as_sum, variable

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...memory import raw_inputs
+from ...hidden_states.memory import raw_inputs
 from ...signals import Record
 from ..fitting.fit import Fit
 from ..fitting.linear import solve_gram

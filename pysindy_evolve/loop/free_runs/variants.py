@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...memory import VESSEL, Memory, preceded, remembered
+from ...hidden_states.memory import VESSEL, Memory, preceded, remembered
 from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate

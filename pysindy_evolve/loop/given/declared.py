@@ -12,12 +12,12 @@ import pysindy as ps
 from sklearn.exceptions import NotFittedError
 
 from ...equations import Equations
-from ...library_terms import check_ordinary, from_model
-from ...names import check_known
 from ...operators import Operator
+from ...reading.library_terms import check_ordinary, from_model
+from ...reading.names import check_known
+from ...reading.text import RightHandSide, parse
 from ...signals import Record
 from ...terms import Sum, variable
-from ...text import RightHandSide, parse
 from .algebraic import motions_of
 from .design import Column, Design
 

@@ -12,9 +12,9 @@ from functools import partial
 
 import numpy as np
 
-from ...dictionary import Problem
+from ...breeding.dictionary import Problem
+from ...breeding.generation import Settings
 from ...evolution import evolve
-from ...generation import Settings
 from ...operators import Operator
 from ...signals import Record
 from ...terms import Product, Sum

@@ -15,10 +15,10 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from ...dictionary import Problem, build_dictionary
-from ...genetics import CURVED
+from ...breeding.dictionary import Problem, build_dictionary
+from ...breeding.genetics import CURVED
 from ...operators import Operator
-from ...regression import gains
+from ...sparse.regression import gains
 from ...terms import Product, Sum, call, constant, mul, variable
 
 __all__ = ["functions", "screened", "small_terms"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...memory import Memory
+from ...hidden_states.memory import Memory
 from ...signals import Record
 from ..effects.candidate import Candidate, renumbered
 from ..evidence.offers import leading

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...equations import Equations
-from ...memory import DELAY, LAG, VESSEL, Memory
+from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, sub, variable

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...memory import DELAY, LAG, VESSEL, Memory
+from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, constant, mul, sub

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ...memory import Memory, remembered
+from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate, renumbered

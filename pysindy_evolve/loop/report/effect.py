@@ -10,7 +10,7 @@ import numpy as np
 
 from ...equations import Equations
 from ...export import format_expression, to_sympy
-from ...memory import Memory
+from ...hidden_states.memory import Memory
 from ...terms import Sum
 
 __all__ = ["Alternative", "Effect", "Errors", "Step"]

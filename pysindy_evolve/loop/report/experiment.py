@@ -22,8 +22,8 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal.windows import tukey
 
 from ...equations import Equations
-from ...hidden import MemoryEquations
-from ...memory import remembered
+from ...hidden_states.hidden import MemoryEquations
+from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..evidence.spectral import TAPER, spectral_rows
 from ..fitting.linear import solve_gram

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...hidden import with_memories
-from ...memory import Memory, remembered
+from ...hidden_states.hidden import with_memories
+from ...hidden_states.memory import Memory, remembered
 from ...signals import Record, choose_windows
 from ..fitting.fit import Fit, derivative_errors, fit
 from ..fitting.past import begun

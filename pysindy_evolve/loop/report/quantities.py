@@ -9,7 +9,7 @@ import numpy as np
 import sympy
 
 from ...equations import Equations
-from ...hidden import with_memories
+from ...hidden_states.hidden import with_memories
 from ...signals import Record
 from ..evidence.step import Finding
 from ..fitting.runs import free_run

@@ -13,8 +13,8 @@ import numpy as np
 import pysindy as ps
 
 from ...equations import Equations
-from ...hidden import MemoryEquations
-from ...memory import Memory, remembered
+from ...hidden_states.hidden import MemoryEquations
+from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import Sum
 from ..evidence.rejected import Rejected

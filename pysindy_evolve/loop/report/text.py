@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...export import format_equations, format_expression, format_number
-from ...path_states import sayings
+from ...hidden_states.path_states import sayings
 from .advice import sentences, title
 from .remains import remains
 

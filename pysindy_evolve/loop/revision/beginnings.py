@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...hidden import with_memories
-from ...memory import raw_inputs, remembered
+from ...hidden_states.hidden import with_memories
+from ...hidden_states.memory import raw_inputs, remembered
 from ...signals import Record
 from ..evidence.scoring import quick_fit
 from ..evidence.step import Finding

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...memory import remembered
+from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..evidence.scoring import MARGIN
 from ..evidence.step import Finding

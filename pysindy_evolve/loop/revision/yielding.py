@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...path_states import kind_of
+from ...hidden_states.path_states import kind_of
 from ...signals import Record
 from ...terms import Call
 from ..effects.relaxation import relaxations_of, within_reach

@@ -10,13 +10,13 @@ from functools import partial
 
 import numpy as np
 
-from . import parsimony, regression
+from ..sparse import parsimony, regression
+from ..sparse.gram import Gram, residual
+from ..sparse.selection import select
+from ..terms import Product
 from .blur import blurred_power
 from .constants import tune
 from .dictionary import Problem, price
-from .gram import Gram, residual
-from .selection import select
-from .terms import Product
 
 __all__ = ["refit"]
 

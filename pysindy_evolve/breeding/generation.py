@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .terms import Product
+from ..terms import Product
 
 __all__ = ["Evolution", "Generation", "Settings"]
 

@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from .gram import Gram, block_grams, gram
-from .operators import BUILTIN
-from .terms import Atom, Cache, Call, Product, Sum, Variable
+from ..operators import BUILTIN
+from ..sparse.gram import Gram, block_grams, gram
+from ..terms import Atom, Cache, Call, Product, Sum, Variable
 
 __all__ = ["Dictionary", "Problem", "build_dictionary", "price"]
 

@@ -12,8 +12,8 @@ from collections.abc import Callable, Hashable, Sequence
 import numpy as np
 from scipy.optimize import least_squares
 
+from ..terms import Product
 from .dictionary import Dictionary
-from .terms import Product
 
 __all__ = ["tune", "tune_constants"]
 

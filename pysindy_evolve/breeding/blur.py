@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..terms import Cache, Product
 from .dictionary import Problem
-from .terms import Cache, Product
 
 __all__ = ["blurred_power"]
 

@@ -19,9 +19,9 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import KDTree
 
+from ..sparse.parsimony import PERFECT
+from ..terms import Product
 from .dictionary import Problem
-from .parsimony import PERFECT
-from .terms import Product
 
 __all__ = ["Plateau", "likeness"]
 

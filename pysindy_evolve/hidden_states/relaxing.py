@@ -25,8 +25,8 @@ import numpy as np
 import sympy
 from scipy.signal import lfilter
 
-from .operators import Operator
-from .terms import Call, Sum, call, constant, sub
+from ..operators import Operator
+from ..terms import Call, Sum, call, constant, sub
 
 __all__ = ["RELAXING", "Relaxation", "relaxing", "relaxing_along"]
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from deap import gp
 
-from .operators import BUILTIN, Operator
-from .terms import Atom, Call, Product, Sum, Variable, call, constant, simplified, variable
+from ..operators import BUILTIN, Operator
+from ..terms import Atom, Call, Product, Sum, Variable, call, constant, simplified, variable
 
 __all__ = ["Genetics"]
 

@@ -15,8 +15,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from .operators import Operator
-from .signals.states import Smoothed, smooth_states
+from ..operators import Operator
+from ..signals.states import Smoothed, smooth_states
 
 __all__ = ["Rows", "denoise"]
 

@@ -20,12 +20,12 @@ from typing import Protocol, TypeGuard
 
 import numpy as np
 
+from ..equations import Equations
+from ..operators import Operator
+from ..substitution import substituted
+from ..terms import Call, Sum, add, constant, mul
 from .boucwen import BOUC_WEN, Hysteresis
-from .equations import Equations
-from .operators import Operator
 from .relaxing import RELAXING, Relaxation
-from .substitution import substituted
-from .terms import Call, Sum, add, constant, mul
 
 __all__ = ["PathKind", "kind_of", "moved", "path_rate", "paths_in", "sayings", "source_of"]
 

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from . import terms
+from .. import terms
+from ..operators import BUILTIN, Operator
+from ..terms import Sum
 from .grammar import MAX_EXPONENT, MAX_SIZE, Source, as_text, chain
 from .names import advise_function, advise_parameter, check_known
-from .operators import BUILTIN, Operator
-from .terms import Sum
 
 __all__ = ["FUNCTIONS", "RightHandSide", "parse", "real_power"]
 

@@ -29,11 +29,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from .operators import BUILTIN
-from .terms import Sum, add, call, constant, mul, power, sub
+from ..operators import BUILTIN
+from ..terms import Sum, add, call, constant, mul, power, sub
 
 if TYPE_CHECKING:
-    from .signals import Record
+    from ..signals import Record
 
 __all__ = ["DELAY", "LAG", "VESSEL", "Memory", "acting", "balance", "preceded", "rate"]
 __all__ += ["raw_inputs", "remembered"]

@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 import sympy
 
-from .operators import BUILTIN, Operator
-from .terms import Call, Sum, add, call, constant, mul, sub
+from ..operators import BUILTIN, Operator
+from ..terms import Call, Sum, add, call, constant, mul, sub
 
 __all__ = ["BOUC_WEN", "Hysteresis", "yielding", "yielding_along"]
 

@@ -18,11 +18,11 @@ from pysindy.feature_library.base import BaseFeatureLibrary
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.validation import check_is_fitted
 
-from . import checks, terms
-from .equations import Equations
-from .operators import BUILTIN, Operator
-from .substitution import substituted
-from .terms import Sum
+from .. import checks, terms
+from ..equations import Equations
+from ..operators import BUILTIN, Operator
+from ..substitution import substituted
+from ..terms import Sum
 from .tracing import trace
 
 __all__ = ["check_ordinary", "columns_of", "from_model"]

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import sympy
 
-from .equations import Equations, stack
+from ..equations import Equations, stack
+from ..substitution import substituted
+from ..terms import Call, Sum, variable
 from .memory import Memory, balance, rate
 from .memory import acting as acting_of
 from .path_states import kind_of, moved, path_rate, paths_in, source_of
-from .substitution import substituted
-from .terms import Call, Sum, variable
 
 __all__ = ["MemoryEquations", "with_memories"]
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import combinations_with_replacement
 
-from .operators import Operator
-from .terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul
+from ..operators import Operator
+from ..terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul
 
 __all__ = ["relatives"]
 

@@ -14,9 +14,9 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from . import terms
-from .operators import BUILTIN
-from .terms import Sum
+from .. import terms
+from ..operators import BUILTIN
+from ..terms import Sum
 from .text import real_power
 
 __all__ = ["trace"]

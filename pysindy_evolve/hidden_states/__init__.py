@@ -1,0 +1,1 @@
+"""What remembers inputs and states: delays, lags, vessels, hysteresis, relaxation."""

@@ -1,0 +1,1 @@
+"""What others wrote, as terms: text, sympy, functions of arrays, fitted PySINDy models."""

@@ -1,0 +1,1 @@
+"""Sparse regression on Gram matrices: what is proposed, pruned and chosen."""
