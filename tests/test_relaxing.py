@@ -356,8 +356,33 @@ def test_polarization_of_a_battery_is_a_hidden_state_that_follows_the_current(po
     assert (effect.name, str(effect.term)) == ("hidden state", "i - i_relax")
     assert effect.coefficients[0] == pytest.approx(polarization, rel=0.02)
     assert numbers_in(report) == pytest.approx(35.0, rel=0.02)
+    ((low, high),) = effect.number_intervals
+    assert low < 35.0 < high < 1.1 * low
     assert report.after.simulation_error[0] < 3.0
     assert "i_relax' = " in str(report)
+    assert f"relaxation time {numbers_in(report):.4g} (95 %: " in str(report)
+
+
+@pytest.mark.slow
+def test_free_swing_of_one_frequency_leaves_stiffness_and_time_uncertain():
+    """A spring, a damper and a relaxation at one frequency are two numbers."""
+
+    def rate(_, x):
+        return [x[1], -20.0 * x[0] - 12.0 * (x[0] - x[2]) - 0.1 * x[1], (x[0] - x[2]) / 0.3]
+
+    t, records = np.arange(0.0, 12.0, DT), []
+    for k in range(3):
+        start = [1.0 + 0.3 * k, 0.0, 1.0 + 0.3 * k]
+        q = solve_ivp(rate, (0.0, t[-1]), start, t_eval=t, max_step=DT, rtol=1e-7).y[0]
+        noise = 0.003 * q.std() * np.random.default_rng(k).standard_normal(len(t))
+        records.append(pse.prepare(t, q + noise))
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})
+    report = pse.close_loop(declared, records, random_state=0)
+    (effect,) = report.effects
+    assert str(effect.term) == "q - q_relax"
+    low, high = effect.confidence_intervals[0]
+    assert high - low > 0.3 * abs(effect.coefficients[0])
+    assert report.after.simulation_error[0] < 5.0  # though it began beyond what the record shows
 
 
 @pytest.mark.slow

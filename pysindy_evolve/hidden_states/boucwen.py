@@ -20,6 +20,7 @@ Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8, on what its numbers mean.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -149,10 +150,11 @@ class Hysteresis:
         """Return zero: it fades over a way, however long that takes."""
         return 0.0
 
-    def said(self, path: Call) -> str:
+    def said(self, path: Call, sure: Sequence[str]) -> str:
         """Return length and rate of unloading in words."""
         length, unloading = self.numbers(path)
-        return f"builds up over a length of {length:.4g}, unloads {unloading:.3g} times as fast"
+        begun = f"builds up over a length of {length:.4g}{sure[0]}"
+        return f"{begun}, unloads {unloading:.3g} times as fast{sure[1]}"
 
     def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
         """Return w on rows of a record, from its value on the first one; by default zero."""

@@ -66,8 +66,8 @@ class PathKind(Protocol):
         """Return the time after which it does not matter where the hidden state began, if known."""
         ...
 
-    def said(self, path: Call) -> str:
-        """Return what its numbers say to somebody who reads the report."""
+    def said(self, path: Call, sure: Sequence[str]) -> str:
+        """Return what its numbers say to somebody who reads the report, and how sure each is."""
         ...
 
     def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
@@ -79,6 +79,7 @@ class PathKind(Protocol):
         ...
 
 
+UNSAID = ("", "")  # nothing after any number
 KINDS: dict[Operator, PathKind] = {BOUC_WEN: Hysteresis(), RELAXING: Relaxation()}
 
 
@@ -101,12 +102,19 @@ def paths_in(equations: Equations) -> tuple[Call, ...]:
     return tuple(found)
 
 
-def sayings(expressions: Sequence[Sum], names: Sequence[str]) -> list[str]:
-    """Return what the numbers of the paths in expressions say, with the names of variables."""
+def sayings(
+    expressions: Sequence[Sum], names: Sequence[str], sure: Sequence[str] = ()
+) -> list[str]:
+    """Return what the numbers of the paths in expressions say, with the names of variables.
+
+    `sure` is said after each number.
+    """
     products = (product for expression in expressions for _, product in expression.parts)
     paths = dict.fromkeys(a for product in products for a, _ in product.factors if _is_path(a))
-    heads = ((f"{source_of(p).name(names)}_{kind_of(p).suffix}", kind_of(p).said(p)) for p in paths)
-    return [f"{name}: {said}" for name, said in heads]
+    return [
+        f"{source_of(path).name(names)}_{kind.suffix}: {kind.said(path, sure or UNSAID)}"
+        for path, kind in ((path, kind_of(path)) for path in paths)
+    ]
 
 
 def _is_path(atom: object) -> TypeGuard[Call]:

@@ -19,6 +19,7 @@ Lakes, Viscoelastic Materials (2009), ISBN 978-0-521-88568-3, chapter 2.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -128,9 +129,9 @@ class Relaxation:
         """Return some relaxation times."""
         return FADED * self.numbers(path)[0]
 
-    def said(self, path: Call) -> str:
+    def said(self, path: Call, sure: Sequence[str]) -> str:
         """Return the relaxation time in words."""
-        return f"relaxation time {self.numbers(path)[0]:.4g}"
+        return f"relaxation time {self.numbers(path)[0]:.4g}{sure[0]}"
 
     def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
         """Return h on rows of a record, from its value on the first one; by default in balance."""

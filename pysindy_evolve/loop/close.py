@@ -22,7 +22,8 @@ from .given.records import alike, check_records, split_records, widened
 from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
 from .memories.recall import memories_of
-from .report.report import LoopReport, make_report
+from .report.making import make_report
+from .report.report import LoopReport
 from .revision.revise import contested
 from .revision.slopes import told_by_slopes
 from .search import Search

@@ -111,6 +111,8 @@ class Effect:
         memory, in units of t, or the limit of a state or of its sensor.
     of_sensor : bool
         Whether it is in what is read of the state, and not in its equation.
+    number_intervals : ndarray of shape (n_numbers, 2)
+        95 %, of the length or time over which it remembers a state.
     """
 
     name: str
@@ -129,6 +131,7 @@ class Effect:
     by_runs: bool = False
     quantities: tuple[str, ...] = ()
     of_sensor: bool = False
+    number_intervals: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
 
     @property
     def place(self) -> str:

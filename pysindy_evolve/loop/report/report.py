@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -14,38 +13,23 @@ import pysindy as ps
 
 from ...equations import Equations
 from ...hidden_states.hidden import MemoryEquations
-from ...hidden_states.memory import Memory, remembered
+from ...hidden_states.memory import remembered
 from ...signals import Record
-from ...terms import Sum
 from ..evidence.rejected import Rejected
-from ..evidence.rivals import Rival
-from ..evidence.scoring import columns_of
-from ..evidence.step import Finding
-from ..fitting.fit import Fit, derivative_fit_errors, refit
 from ..fitting.past import rates_on
 from ..fitting.runs import free_run
-from ..free_runs.by_runs import with_findings
-from ..free_runs.clipped import SensorFinding
-from ..free_runs.halts import LimitFinding
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.sensor import heard
-from ..memories.recall import MemoryFinding, memories_of
-from .effect import Alternative, Effect, Errors, Step
+from .effect import Effect, Errors, Step
 from .experiment import Plan, plan
-from .judge import judge
 from .model import as_sindy
 from .quantities import (
     as_read,
-    with_intervals,
-    with_limit,
-    with_memory,
-    with_sensor,
-    with_share_of_runs,
 )
 from .text import as_markdown, as_text
 
-__all__ = ["Effect", "Errors", "LoopReport", "Step", "make_report"]
+__all__ = ["Effect", "Errors", "LoopReport", "Step"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,132 +171,3 @@ def _residual(equations: Equations, record: Record) -> np.ndarray:
     if isinstance(equations, MemoryEquations):
         record, equations = remembered(record, equations.memories), equations.inner
     return heard(record, record.x_dot - rates_on(equations, record))
-
-
-def make_report(
-    declared: Design,
-    findings: Sequence[Finding],
-    train: Sequence[Record],
-    test: Sequence[Record],
-    verdict: str,
-    finished: bool,
-    rules: Rules,
-    rng: np.random.Generator,
-) -> LoopReport:
-    """Fit each stage on all training rows and judge it on held-out records."""
-    design = declared
-    fitted, errors = judge(declared, train, test, rules, rng)
-    errors = replace(errors, parameters=_parameters(declared, fitted.coef))
-    before, effects, steps, by_runs = errors, [], [], False
-    memories: tuple[Memory, ...] = ()
-    for _, group in groupby(findings, key=lambda finding: finding.step):
-        found = list(group)
-        design = with_findings(design, found)
-        last = found[-1] is findings[-1]
-        memories += memories_of(found)
-        by_runs = by_runs or any(finding.by_runs for finding in found)
-        earlier = errors
-        fitted, errors = judge(
-            design, train, test, rules, rng, memories, final=last, by_runs=by_runs
-        )
-        errors = replace(errors, parameters=_parameters(declared, fitted.coef))
-        for finding in found:
-            effects.append(_effect(design, finding, train, test, memories))
-            if finding.by_runs:
-                effects[-1] = with_share_of_runs(effects[-1], finding, earlier, errors)
-            steps.append(Step(finding.candidate.name, effects[-1].state, errors))
-    place = len(declared.columns)
-    for k, finding in enumerate(findings):
-        own = slice(place, place + len(finding.columns))
-        place = own.stop
-        effects[k] = replace(
-            effects[k], coefficients=fitted.coef[own], confidence_intervals=fitted.intervals[own]
-        )
-        if isinstance(finding, MemoryFinding):
-            effects[k] = with_memory(effects[k], finding, design, fitted.coef, train, rng)
-        elif isinstance(finding, LimitFinding):
-            effects[k] = with_limit(effects[k], finding, train)
-        elif isinstance(finding, SensorFinding):
-            effects[k] = with_sensor(effects[k], finding, errors.model, test)
-        else:
-            acted = [remembered(record, memories) for record in train]
-            effects[k] = _with_rivals(effects[k], finding, design, acted, fitted)
-    if by_runs and memories:
-        effects = with_intervals(effects, findings, design, fitted.coef, train, rng)
-    records = tuple(train), tuple(test)
-    report = LoopReport(verdict, effects, before, errors, steps, *records, finished)
-    return replace(report, rules=rules, design=design)
-
-
-def _with_rivals(
-    effect: Effect, finding: Finding, design: Design, acted: Sequence[Record], fitted: Fit
-) -> Effect:
-    """Return an effect whose alternatives have the coefficients that they would have."""
-    rivals = tuple(
-        replace(shown, coefficients=_in_its_place(design, finding, rival, acted, fitted))
-        for shown, rival in zip(effect.rivals, finding.rivals, strict=True)
-    )
-    return replace(effect, rivals=rivals)
-
-
-def _parameters(declared: Design, coef: np.ndarray) -> dict[str, float]:
-    """Return the declared parameters, which are the first columns of every later design, too."""
-    return {column.name: float(c) for column, c in zip(declared.columns, coef, strict=False)}
-
-
-def _effect(
-    design: Design,
-    finding: Finding,
-    train: Sequence[Record],
-    test: Sequence[Record],
-    memories: Sequence[Memory],
-) -> Effect:
-    """Return an effect with its evidence; its coefficients are those of the final model."""
-    others = [memory for memory in memories if memory not in memories_of([finding])]
-    state, terms = finding.candidate.state, finding.candidate.terms
-    symbols = design.equations(np.zeros(len(design.columns))).symbols
-    poorer = design.dropping(finding.columns)
-    without, with_it = (
-        derivative_fit_errors(d, *([remembered(r, m) for r in rs] for rs in (train, test)))[state]
-        for d, m in ((poorer, others), (design, memories))
-    )
-    unknown = np.full(len(terms), np.nan)
-    return Effect(
-        name=finding.candidate.name,
-        state=design.states[state],
-        term=_total(terms, symbols),
-        coefficients=unknown,
-        confidence_intervals=np.column_stack([unknown, unknown]),
-        explained=float(1.0 - (with_it / max(without, 1e-300)) ** 2),
-        p_value=finding.p_value,
-        alternatives=_other_names(finding),
-        rivals=tuple(_alternative(rival, design) for rival in finding.rivals),
-        expressions=terms,
-        twin_scores=finding.twin_scores,
-        score=finding.score,
-    )
-
-
-def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:
-    return sum((term.to_sympy(symbols) for term in terms[1:]), terms[0].to_sympy(symbols))
-
-
-def _other_names(finding: Finding) -> tuple[str, ...]:
-    return tuple(r.name for r in finding.rivals if r.name != finding.candidate.name)
-
-
-def _alternative(rival: Rival, design: Design) -> Alternative:
-    symbols = design.equations(np.zeros(len(design.columns))).symbols
-    candidate = rival.candidate
-    term = _total(candidate.terms, symbols)
-    state = design.states[candidate.state]
-    return Alternative(candidate.name, state, term, rival.p_value, candidate.terms)
-
-
-def _in_its_place(
-    design: Design, finding: Finding, rival: Rival, records: Sequence[Record], fitted: Fit
-) -> np.ndarray:
-    """Return the coefficients of a rival in the place of what was found."""
-    columns = columns_of(rival.candidate, design)
-    other = design.dropping(finding.columns).adding(columns)
-    return refit(other, records, fitted.criterion)[-len(columns) :]

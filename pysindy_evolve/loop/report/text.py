@@ -15,7 +15,8 @@ from .advice import sentences, title
 from .remains import remains
 
 if TYPE_CHECKING:
-    from .report import Alternative, Effect, Errors, LoopReport
+    from .effect import Alternative, Effect, Errors
+    from .report import LoopReport
 
 __all__ = ["VERDICTS", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
 
@@ -133,7 +134,8 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines.append(f"{value:.4g} times {shown}   {interval(low, high)}")
         if low < 0.0 < high:
             lines.append("the interval holds zero: by itself, this record is not sure of its sign")
-    lines += sayings(effect.expressions, [str(symbol) for symbol in symbols])
+    sure = [" " + interval(low, high) for low, high in effect.number_intervals]
+    lines += sayings(effect.expressions, [str(symbol) for symbol in symbols], sure)
     of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
     lines.append(
         f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; "
