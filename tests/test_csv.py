@@ -41,9 +41,14 @@ def test_another_delimiter_can_be_named(write):
 
 
 def test_numbers_may_have_decimal_commas(write):
-    table = read_csv(write("t;q\n0,5;-1,25e-3\n1;2.5\n"), delimiter=";", decimal=",")
+    table = read_csv(write("t;q\n0,5;-1,25e-3\n1;2\n"), delimiter=";", decimal=",")
     np.testing.assert_array_equal(table["t"], [0.5, 1.0])
-    np.testing.assert_array_equal(table["q"], [-1.25e-3, 2.5])
+    np.testing.assert_array_equal(table["q"], [-1.25e-3, 2.0])
+
+
+def test_points_between_thousands_are_refused(write):
+    with pytest.raises(ValueError, match=r"'1\.000' in column 'q', line 2"):
+        read_csv(write("t;q\n0,5;1.000\n"), delimiter=";", decimal=",")
 
 
 @pytest.mark.parametrize("options", [{"decimal": ","}, {"decimal": ";"}, {"decimal": ""}])

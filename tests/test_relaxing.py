@@ -205,13 +205,45 @@ def test_first_rows_of_each_record_carry_no_weight_until_what_remembers_is_settl
     record, _ = exact
     records = [record[:1200], record[1200:]]
     whole = segments(records, (1,), 8)
-    late = whole.after(400)
+    late = whole.after([400, 400])
     first = [k for k, (_, row) in enumerate(whole.places) if row == 0]
     assert len(first) == 2
     assert np.all(late.weight[first, :200] == 0.0)
     again = late.of([replace(r, x_dot=2.0 * r.x_dot) for r in records])
     assert np.array_equal(again.weight, late.weight)
-    assert np.array_equal(late.after(400).weight, late.weight)
+    assert np.array_equal(late.after([400, 400]).weight, late.weight)
+
+
+def test_relaxations_are_not_sought_over_gaps():
+    record = measured(n=3000)
+    design = design_of(DECLARED, [record])
+    whole, few = (segments([record], (1,), max_rows=rows) for rows in (None, 500))
+    assert not whole.has_gaps
+    assert offer_for(design, whole, [record]).relaxes
+    assert few.has_gaps
+    assert not offer_for(design, few, [record]).relaxes
+
+
+def test_hidden_state_begins_where_it_should_in_any_unit(exact):
+    record, h = exact
+    small = replace(record, x=1e-6 * record.x, x_dot=1e-6 * record.x_dot, u=1e-6 * record.u)
+    equations = with_memories(design_of(TRUE, [small]).equations(NUMBERS), ())
+    assert first_state(equations, small)[2] == pytest.approx(1e-6 * h[0], abs=5e-9)
+
+
+def test_rates_of_a_model_without_inputs_need_no_hidden_states():
+    full = with_memories(relaxed([[0, 1, 0], [-30, -0.5, -20]]), ())
+    run = pse.simulate(full, [1.0, 0.0], T, tolerance=1e-9)
+    along = full.evaluate(run[:, :2], None, T)
+    assert along == pytest.approx(full.evaluate(run, None, T)[:, :2], abs=0.02)
+
+
+def test_model_without_free_parameters_may_lack_a_hidden_state():
+    numbers = pse.DeclaredModel({"q": "v", "v": "-20*q - 0.3*v + F"}, inputs=["F"])
+    report = pse.close_loop(numbers, measured(), operators=(), random_state=0, n_twins=59)
+    (effect,) = report.effects
+    assert str(effect.term) == "q - q_relax"
+    assert -effect.coefficients[0] == pytest.approx(STIFFNESS, rel=0.03)
 
 
 def test_relaxation_times_begin_where_the_filter_ends_and_are_tuned_no_further():

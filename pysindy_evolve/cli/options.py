@@ -240,7 +240,7 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         "--delimiter", default=",", metavar="SIGN", help="character between the fields (,)"
     )
     columns.add_argument(
-        "--decimal", default=".", choices=".,", help="sign before the decimals (.)"
+        "--decimal", default=".", choices=(".", ","), help="sign before the decimals (.)"
     )
     result = parser.add_argument_group("result")
     result.add_argument("--latex", action="store_true", help="print the equations as LaTeX, too")

@@ -96,9 +96,9 @@ class MemoryEquations(Equations):
         -------
         ndarray of the shape of x
         """
-        if x.shape[1] == len(self.states) or u is None or t is None:
+        if x.shape[1] == len(self.states) or t is None or (u is None and self.memories):
             return super().evaluate(x, u, t)
-        return self.inner.evaluate(x, self.acts(t, u), t)
+        return self.inner.evaluate(x, None if u is None else self.acts(t, u), t)
 
     def acts(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return the inputs as they act on the measured states, shape (n_samples, n_inputs)."""

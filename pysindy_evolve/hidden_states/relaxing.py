@@ -33,7 +33,7 @@ __all__ = ["RELAXING", "Relaxation", "relaxing", "relaxing_along"]
 
 SUFFIX = "relax"  # what the name of the hidden state ends in, after that of the measured one
 FADED = 4.0  # relaxation times, after which 2 % are left of how it began
-EVEN = 1e-6  # of a step, that others of a uniform record may differ from it
+EVEN = 0.01  # of a step, that others of a uniform record may differ from it
 
 
 def relaxing_along(

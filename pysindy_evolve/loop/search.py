@@ -116,9 +116,12 @@ class Search:
             else:  # growing takes long, and may be ended
                 self.findings = [*before, *found]
                 self._wait(self.findings)
+                if not self._check(before):
+                    continue
                 grown = self.garden.better(design, found)
                 found = [*before, *(_numbered(grown, before) or found)]
-            if len(found) <= len(before):  # nothing is left of it where records begin otherwise
+            if len(found) <= len(before):  # a memory goes where records begin otherwise
+                self.findings = found
                 break
             found = exchange(self.declared, found, self.part)
             self.findings = with_numbers(self.declared, found, self.part)
@@ -126,25 +129,29 @@ class Search:
         kept = prune(self.declared, self.findings, self.part)
         self.findings = merged(self.declared, kept, self.part)
 
-    def _check(self, before: list[Finding]) -> None:
-        """Take back a relaxation that runs do not need, and what came with it."""
+    def _check(self, before: list[Finding]) -> bool:
+        """Take back a relaxation that runs do not need, and what came with it; tell if it stays."""
         known = relaxations_of(with_findings(self.declared, before))
         if len(relaxations_of(self.design)) > len(known):
             needed = needed_by_runs(self.declared, self.findings, self.records)
             if len(needed) < len(self.findings):
                 self.findings, self.relaxing = before, False
                 self._look_through(before)
+                return False
+        return True
 
     def _begin(self, findings: list[Finding]) -> list[Finding]:
         """Look through the records as memories make them, begun where their first rows say."""
-        begun = settled_beginning(self.declared, findings, self.plain, self.wide, self.whole)
+        part = awaited(with_findings(self.declared, findings), self.whole, self.wide)
+        begun = settled_beginning(self.declared, findings, self.plain, self.wide, part)
         self.plain, self.wide = begun.plain, begun.wide
         self._look_through(begun.findings)
         return list(begun.findings)
 
     def _settle(self) -> None:
         if memories_of(self.findings):
-            self.findings = resettled(self.findings, self.design, self.wide, self.whole)
+            part = awaited(self.design, self.whole, self.wide)
+            self.findings = resettled(self.findings, self.design, self.wide, part)
             self._look_through(self.findings)
 
     def _watch_runs(self) -> None:

@@ -114,7 +114,7 @@ def _check_fields(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
             raise ValueError(
                 f"read_csv(path=...) must have a name for each field; got a file whose line {line} "
                 f"has {len(row)} fields, the header {len(header)}. A decimal comma? Export with "
-                "points."
+                "points, or semicolons between the fields."
             )
 
 
@@ -134,7 +134,8 @@ def _value(row: list[str], place: int, name: str, line: int, decimal: str) -> fl
     """Return one finite number."""
     text = row[place].strip() if place < len(row) else ""
     try:
-        value = np.nan if "_" in text else float(text.replace(decimal, "."))
+        mixed = "_" in text or (decimal != "." and "." in text)
+        value = np.nan if mixed else float(text.replace(decimal, "."))
     except ValueError:
         value = np.nan
     if not np.isfinite(value):

@@ -26,7 +26,7 @@ __all__ = ["relaxations_of", "relaxed_ways", "within_reach"]
 # late or lagging input, can be told from the measured state itself.
 SHORTEST = 0.5  # relaxation time, in periods of the highest frequency that a filter left
 SAMPLES = 2.0  # the same, in samples
-LONGEST = 0.25  # of the record
+LONGEST = 0.125  # of the record
 CLEAR = 1.25  # times the shortest one, that a relaxation time must be
 RATIO = 2.5  # between places of the grid, from each of which it is tuned
 PLAINER = (*SIMPLER, "viscous damping", DELAY, LAG)
@@ -81,7 +81,7 @@ def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
 
 def _span(record: Record) -> tuple[float, float]:
     """Return the shortest and the longest relaxation time that a record can tell."""
-    made, shortest = record.preparation, SAMPLES * record.dt
+    made, shortest = record.preparation or record.motion, SAMPLES * record.dt
     if made is not None and made.cutoff:
         shortest = max(shortest, SHORTEST / made.cutoff)
     return shortest, LONGEST * len(record) * record.dt

@@ -75,11 +75,13 @@ def offer_for(
     if part.tracks:
         return Offer(part)
     yields = [] if design.algebraic else _hystereses_for(design, records)
-    relaxes, late = relaxations_for(design, records) if relaxing else [], _late(part, records)
+    relaxes, late = [], _late(part, records)
+    if relaxing and not part.has_gaps:  # over which a slow state would have to be guessed
+        relaxes = relaxations_for(design, records)
     if leading(relaxes, (), design, late):  # mostly none is worth it, and all else takes longer
         others = [*propose(design, quick_fit(design, late), records), *yields]
-        ahead = leading(relaxes, others, design, late)
-        if any(design.algebraic or _opposes(way, design, late) for way in ahead):
+        relaxes = [w for w in relaxes if design.algebraic or _opposes(w, design, late)]
+        if leading(relaxes, others, design, late):
             return Offer(late, tuple(relaxes), relaxes=True)
     if yields:
         others = propose(design, quick_fit(design, part), records)
@@ -140,4 +142,4 @@ def awaited(design: Design, part: Segments, records: Sequence[Record]) -> Segmen
 
 
 def _late(part: Segments, records: Sequence[Record]) -> Segments:
-    return part.after(int(SETTLING * min(len(record) for record in records)))
+    return part.after([int(SETTLING * len(record)) for record in records])

@@ -178,7 +178,8 @@ def _remembered(
         error = head.x_dot[:n] - rates[:, : record.n_states]
         return float(np.sum((error / scale) ** 2))
 
-    return float(minimize_scalar(miss, bounds=span, method="bounded").x)
+    options = {"xatol": 1e-5 * (span[1] - span[0])}
+    return float(minimize_scalar(miss, bounds=span, method="bounded", options=options).x)
 
 
 def _along(path: Call, rows: np.ndarray, start: float) -> np.ndarray:

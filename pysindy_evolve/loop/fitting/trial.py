@@ -117,7 +117,8 @@ class Trial:
         n_stretches, n_rows, n_columns = rows.shape
         n_states = len(self.scale)
         of_states = rows.reshape(n_stretches, n_rows // n_states, n_states, n_columns)
-        return of_states[:, :, : self.n_seen].reshape(n_stretches, -1, n_columns)
+        n_left = n_rows // n_states * self.n_seen
+        return of_states[:, :, : self.n_seen].reshape(n_stretches, n_left, n_columns)
 
     def sensitivities(self, keep: int) -> tuple[np.ndarray, np.ndarray]:
         """Return what the runs owe to their starts and to the coefficients, as in `respond`."""

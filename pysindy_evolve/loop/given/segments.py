@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.fft import dct, prev_fast_len
@@ -42,7 +43,7 @@ class Segments:
     tracks: tuple[Record, ...] = ()  # the records, where their trajectories bear witness
     limits: np.ndarray | None = None  # of the sensors of the states, (2, n_states)
     seen: np.ndarray | None = None  # where the states are measurements, (n_segments, n, n_states)
-    settling: int = 0  # rows at the beginning of each record in which little counts
+    settling: tuple[int, ...] = ()  # rows at the beginning of each record in which little counts
 
     @property
     def n_states(self) -> int:
@@ -65,19 +66,27 @@ class Segments:
         """Return the pieces with the whole records that they were cut from."""
         return replace(self, tracks=tuple(records))
 
-    def after(self, rows: int) -> Segments:
+    def after(self, rows: Sequence[int]) -> Segments:
         """Return the pieces with little weight on the first rows of each record.
 
         What remembers a state does not know yet where it began.
         """
         if self.settling:
             return self
-        return replace(self, weight=self._late(self.weight, rows), settling=rows)
+        return replace(self, weight=self._late(self.weight, rows), settling=tuple(rows))
 
-    def _late(self, weight: np.ndarray, rows: int) -> np.ndarray:
+    def _late(self, weight: np.ndarray, rows: Sequence[int]) -> np.ndarray:
         """Return weights, (n_segments, n, n_states), that rise in the second half of some rows."""
         place = np.add.outer([row for _, row in self.places], np.arange(weight.shape[1]))
-        return np.asarray(weight * np.clip(2.0 * place / max(rows, 1) - 1.0, 0.0, 1.0)[..., None])
+        wait = np.array([max(rows[record], 1) for record, _ in self.places])[:, None]
+        return np.asarray(weight * np.clip(2.0 * place / wait - 1.0, 0.0, 1.0)[..., None])
+
+    @property
+    def has_gaps(self) -> bool:
+        """Whether notably many rows were left out between the pieces."""
+        length = self.z.shape[1]
+        steps = [b[1] - a[1] for a, b in pairwise(self.places) if a[0] == b[0]]
+        return max(steps, default=length) > (1.0 + 2.0 * LOST) * length
 
     def every_other(self, start: int) -> Segments:
         """Return every second piece, beginning with the one numbered `start`."""

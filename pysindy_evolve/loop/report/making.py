@@ -24,7 +24,7 @@ from ..given.rules import Rules
 from ..memories.recall import MemoryFinding, memories_of
 from .effect import Alternative, Effect, Step
 from .judge import judge
-from .numbers import remembers, with_numbers
+from .numbers import remembers, with_number_intervals
 from .quantities import (
     with_intervals,
     with_limit,
@@ -85,7 +85,7 @@ def make_report(
         else:
             acted = [remembered(record, memories) for record in train]
             if remembers(finding.candidate, design):
-                effects[k] = with_numbers(
+                effects[k] = with_number_intervals(
                     effects[k],
                     finding.candidate,
                     own.start,

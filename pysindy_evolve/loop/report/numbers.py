@@ -1,8 +1,9 @@
 """How sure the numbers are of what remembers a state, and what that leaves of its coefficient.
 
 What a small change of a number does to the rates is one more column of the model; the interval of
-that column's coefficient is how far the number could be off. A spring and a relaxation time that a
-record cannot tell apart both have wide intervals then.
+that column's coefficient is how far the number could be off. Where a record cannot tell a time of
+relaxation from how strongly it acts, both intervals are wide. Other coefficients are given these
+numbers.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from ..fitting.fit import derivative_intervals
 from ..given.design import Design, in_state
 from .effect import Effect
 
-__all__ = ["remembers", "with_numbers"]
+__all__ = ["remembers", "with_number_intervals"]
 
 STEP = 0.02  # of a number, to see what it changes
 
@@ -31,7 +32,7 @@ def remembers(candidate: Candidate, design: Design) -> bool:
     return candidate.shape is not None and candidate.terms in [(as_sum(path),) for path in paths]
 
 
-def with_numbers(
+def with_number_intervals(
     effect: Effect,
     candidate: Candidate,
     place: int,

@@ -48,6 +48,7 @@ def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) 
     Returns
     -------
     list of Finding
+        The same ones of an algebraic target.
     """
     kept = list(findings)
     if not paths_of(with_findings(declared, kept)):
@@ -125,11 +126,18 @@ def needed_by_runs(
         rest = [f for f in kept if f is not finding]
         few, many = (with_findings(declared, those) for those in (rest, kept))
         new = set(relaxations_of(many)) - set(relaxations_of(few))
+        sound = all(within_reach(path, longest) for path in new)
         if new and not (
-            all(within_reach(path, longest) for path in new) and _better_runs(few, many, records)
+            sound and _opposes(finding, many, records) and _better_runs(few, many, records)
         ):
             kept = rest
     return kept
+
+
+def _opposes(finding: Finding, design: Design, records: Sequence[Record]) -> bool:
+    """Tell whether an effect of an equation of motion takes energy: its coefficient is negative."""
+    coef = refit(design, records, "derivative")[design.columns.index(finding.columns[0])]
+    return design.algebraic or bool(coef < 0.0)
 
 
 def _better_runs(few: Design, many: Design, records: Sequence[Record]) -> bool:
