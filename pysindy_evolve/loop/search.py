@@ -114,10 +114,9 @@ class Search:
             if memories_of(found):
                 found = self._begin([*before, *found])
             else:  # growing takes long, and may be ended
-                self.findings = [*before, *found]
-                self._wait(self.findings)
-                if not self._check(before):
-                    continue
+                both = [*before, *found]
+                self.findings = before if self._relaxes(both, before) else both
+                self._wait(both)
                 grown = self.garden.better(design, found)
                 found = [*before, *(_numbered(grown, before) or found)]
             if len(found) <= len(before):  # a memory goes where records begin otherwise
@@ -129,16 +128,19 @@ class Search:
         kept = prune(self.declared, self.findings, self.part)
         self.findings = merged(self.declared, kept, self.part)
 
-    def _check(self, before: list[Finding]) -> bool:
-        """Take back a relaxation that runs do not need, and what came with it; tell if it stays."""
-        known = relaxations_of(with_findings(self.declared, before))
-        if len(relaxations_of(self.design)) > len(known):
+    def _relaxes(self, findings: list[Finding], before: list[Finding]) -> bool:
+        """Tell whether a relaxation came in, which needs more proof than other effects."""
+        sides = (with_findings(self.declared, those) for those in (findings, before))
+        now, known = (len(relaxations_of(side)) for side in sides)
+        return now > known
+
+    def _check(self, before: list[Finding]) -> None:
+        """Take back a relaxation that runs do not need, and what came with it."""
+        if self._relaxes(self.findings, before):
             needed = needed_by_runs(self.declared, self.findings, self.records)
             if len(needed) < len(self.findings):
                 self.findings, self.relaxing = before, False
                 self._look_through(before)
-                return False
-        return True
 
     def _begin(self, findings: list[Finding]) -> list[Finding]:
         """Look through the records as memories make them, begun where their first rows say."""
