@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
@@ -22,9 +22,9 @@ from ..free_runs.halts import LimitFinding
 from ..given.design import Design
 from ..given.rules import Rules
 from ..memories.recall import MemoryFinding, memories_of
-from .effect import Alternative, Effect, Step
+from .effect import Alternative, Effect, Errors, Step
 from .judge import judge
-from .numbers import remembers, with_number_intervals
+from .numbers import with_number_intervals
 from .quantities import (
     with_intervals,
     with_limit,
@@ -69,37 +69,47 @@ def make_report(
             if finding.by_runs:
                 effects[-1] = with_share_of_runs(effects[-1], finding, earlier, errors)
             steps.append(Step(finding.candidate.name, effects[-1].state, errors))
+    whole = _Whole(design, fitted, errors, memories, train, test, rng)
     place = len(declared.columns)
     for k, finding in enumerate(findings):
-        own = slice(place, place + len(finding.columns))
-        place = own.stop
-        effects[k] = replace(
-            effects[k], coefficients=fitted.coef[own], confidence_intervals=fitted.intervals[own]
-        )
-        if isinstance(finding, MemoryFinding):
-            effects[k] = with_memory(effects[k], finding, design, fitted.coef, train, rng)
-        elif isinstance(finding, LimitFinding):
-            effects[k] = with_limit(effects[k], finding, train)
-        elif isinstance(finding, SensorFinding):
-            effects[k] = with_sensor(effects[k], finding, errors.model, test)
-        else:
-            acted = [remembered(record, memories) for record in train]
-            if remembers(finding.candidate, design):
-                effects[k] = with_number_intervals(
-                    effects[k],
-                    finding.candidate,
-                    own.start,
-                    design,
-                    fitted.coef,
-                    acted,
-                    rng.spawn(1)[0],
-                )
-            effects[k] = _with_rivals(effects[k], finding, design, acted, fitted)
+        effects[k] = whole.numbered(effects[k], finding, place)
+        place += len(finding.columns)
     if by_runs and memories:
         effects = with_intervals(effects, findings, design, fitted.coef, train, rng)
     records = tuple(train), tuple(test)
     report = LoopReport(verdict, effects, before, errors, steps, *records, finished)
     return replace(report, rules=rules, design=design)
+
+
+@dataclass(frozen=True, eq=False)
+class _Whole:
+    """The corrected model, which gives each effect its numbers."""
+
+    design: Design
+    fitted: Fit
+    errors: Errors
+    memories: tuple[Memory, ...]
+    train: Sequence[Record]
+    test: Sequence[Record]
+    rng: np.random.Generator
+
+    def numbered(self, effect: Effect, finding: Finding, place: int) -> Effect:
+        """Return an effect, whose columns begin at a place, with its numbers and intervals."""
+        design, coef = self.design, self.fitted.coef
+        own = slice(place, place + len(finding.columns))
+        effect = replace(
+            effect, coefficients=coef[own], confidence_intervals=self.fitted.intervals[own]
+        )
+        if isinstance(finding, MemoryFinding):
+            return with_memory(effect, finding, design, coef, self.train, self.rng)
+        if isinstance(finding, LimitFinding):
+            return with_limit(effect, finding, self.train)
+        if isinstance(finding, SensorFinding):
+            return with_sensor(effect, finding, self.errors.model, self.test)
+        acted = [remembered(record, self.memories) for record in self.train]
+        child = self.rng.spawn(1)[0]
+        effect = with_number_intervals(effect, finding.candidate, place, design, coef, acted, child)
+        return _with_rivals(effect, finding, design, acted, self.fitted)
 
 
 def _with_rivals(

@@ -21,15 +21,9 @@ from ..fitting.fit import derivative_intervals
 from ..given.design import Design, in_state
 from .effect import Effect
 
-__all__ = ["remembers", "with_number_intervals"]
+__all__ = ["with_number_intervals"]
 
 STEP = 0.02  # of a number, to see what it changes
-
-
-def remembers(candidate: Candidate, design: Design) -> bool:
-    """Tell whether an effect is what remembers a state, its numbers tuned."""
-    paths = paths_in(design.equations(np.ones(len(design.columns))))
-    return candidate.shape is not None and candidate.terms in [(as_sum(path),) for path in paths]
 
 
 def with_number_intervals(
@@ -48,7 +42,7 @@ def with_number_intervals(
     effect : Effect
         With the interval that its coefficient has if the numbers are right.
     candidate : Candidate
-        What remembers, of one term.
+        The effect; one that remembers no state, or whose numbers are fixed, stays as it is.
     place : int
         Its column in the design.
     design : Design
@@ -65,7 +59,7 @@ def with_number_intervals(
     Effect
     """
     shape = candidate.shape
-    if shape is None:
+    if shape is None or not _remembers(candidate, design):
         return effect
     values = np.array(shape.values)
     changes = [
@@ -93,3 +87,9 @@ def _slopes(shape: Shape) -> list[Sum]:
         change = sub(replace(shape, values=further).terms[0], shape.terms[0])
         found.append(mul(constant(1.0 / (STEP * value)), change))
     return found
+
+
+def _remembers(candidate: Candidate, design: Design) -> bool:
+    """Tell whether an effect is one of the paths of a design, see path_states.py."""
+    paths = paths_in(design.equations(np.ones(len(design.columns))))
+    return candidate.terms in [(as_sum(path),) for path in paths]
