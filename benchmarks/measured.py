@@ -169,7 +169,8 @@ def sphere(name: str) -> Callable[..., float]:
     return drag
 
 
-LIGHT = ("Whiffle Ball 1", "Whiffle Ball 2", "Yellow Whiffle Ball", "Orange Whiffle Ball")
+WHIFFLES = ("Whiffle Ball 1", "Whiffle Ball 2", "Yellow Whiffle Ball", "Orange Whiffle Ball")
+LIGHT = (*WHIFFLES, "Tennis Ball")
 HEAVY = ("Golf Ball", "Bowling Ball")
 FALL = {"h": "v", "v": "-9.81"}
 

@@ -13,7 +13,7 @@ from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
-from pysindy_evolve.loop.revision.revise import contested
+from pysindy_evolve.loop.revision.contest import contested
 from pysindy_evolve.terms import variable
 
 N_SEGMENTS, N_ROWS, N_COLUMNS = 16, 60, 8

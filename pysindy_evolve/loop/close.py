@@ -24,7 +24,7 @@ from .growth.grow import OPERATORS
 from .memories.recall import memories_of
 from .report.making import make_report
 from .report.report import LoopReport
-from .revision.revise import contested
+from .revision.contest import contested
 from .revision.slopes import told_by_slopes
 from .search import Search
 

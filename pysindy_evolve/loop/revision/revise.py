@@ -1,4 +1,4 @@
-"""Look again at what was found: exchange effects, drop them, name what could replace them."""
+"""Look again at what was found: exchange effects, merge them, drop them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
-from ..evidence.rivals import Rival, rivals_of
 from ..evidence.scoring import MARGIN, columns_of, score
 from ..evidence.step import Finding
 from ..given.design import Design
@@ -18,11 +17,7 @@ from ..given.segments import Segments, ranges
 from ..memories.recall import MemoryFinding
 from .parents import without_parents
 
-__all__ = ["contested", "exchange", "merged", "prune"]
-
-# Share of the significance at which a rival is refuted. One that stays costs another measurement,
-# a cause that is lost a wrong machine: at 5 % for what is named, the cause is kept with 99 %.
-REFUTED = 0.2
+__all__ = ["exchange", "merged", "prune"]
 
 
 def exchange(
@@ -136,49 +131,3 @@ def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Fin
         if not scores or scores[0].value < MARGIN:
             findings = rest
     return without_parents(declared, findings, part)
-
-
-def contested(
-    declared: Design,
-    findings: list[Finding],
-    part: Segments,
-    significance: float,
-    rng: np.random.Generator,
-) -> list[Finding]:
-    """Note with each effect those that could stand in its place beside all the others.
-
-    One that a later effect needs has no rivals: both would have to go.
-    """
-    judged = []
-    for finding in findings:
-        rest = [f for f in findings if f is not finding]
-        needed = {parent for f in rest for parent in f.candidate.parents}
-        design = declared.adding(column for f in rest for column in f.columns)
-        free = bool(finding.columns) and not needed & set(finding.candidate.terms)
-        if free:
-            found = rivals_of(finding.candidate, design, part, REFUTED * significance, rng)
-            finding = replace(finding, rivals=found)
-            if part.tracks:
-                finding = _lasting(finding, design, significance)
-        judged.append(finding)
-    return judged
-
-
-def _lasting(finding: Finding, design: Design, significance: float) -> Finding:
-    """Put an effect of the states in the place of one of the time, if the record allows it.
-
-    On a short trajectory most things change with the time. What depends on nothing else says
-    nothing about the next record, so it is named only where it has to be.
-    """
-    time = len(design.states) + len(design.inputs)
-
-    def lasts(candidate: Candidate) -> bool:
-        return not any(time in term.variables for term in candidate.terms)
-
-    able = [r for r in finding.rivals if r.p_value > significance and lasts(r.candidate)]
-    if lasts(finding.candidate) or not able:
-        return finding
-    likeliest = max(able, key=lambda rival: rival.p_value)
-    rivals = (Rival(finding.candidate, 1.0), *(r for r in finding.rivals if r is not likeliest))
-    columns = columns_of(likeliest.candidate, design)
-    return replace(finding, candidate=likeliest.candidate, columns=columns, rivals=rivals)

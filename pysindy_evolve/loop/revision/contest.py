@@ -1,0 +1,71 @@
+"""What else could stand in the place of each effect, and which of these is named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects.candidate import OFFSET, Candidate
+from ..evidence.rivals import Rival, rivals_of
+from ..evidence.scoring import columns_of
+from ..evidence.step import Finding
+from ..given.design import Design
+from ..given.segments import Segments
+
+__all__ = ["contested", "plainest"]
+
+# Share of the significance at which a rival is refuted. One that stays costs another measurement,
+# a cause that is lost a wrong machine: at 5 % for what is named, the cause is kept with 99 %.
+REFUTED = 0.2
+
+
+def contested(
+    declared: Design,
+    findings: list[Finding],
+    part: Segments,
+    significance: float,
+    rng: np.random.Generator,
+) -> list[Finding]:
+    """Note with each effect those that could stand in its place beside all the others.
+
+    One that a later effect needs has no rivals: both would have to go.
+    """
+    judged = []
+    for finding in findings:
+        rest = [f for f in findings if f is not finding]
+        needed = {parent for f in rest for parent in f.candidate.parents}
+        design = declared.adding(column for f in rest for column in f.columns)
+        free = bool(finding.columns) and not needed & set(finding.candidate.terms)
+        if free:
+            found = rivals_of(finding.candidate, design, part, REFUTED * significance, rng)
+            finding = replace(finding, rivals=found)
+            if part.tracks:
+                finding = plainest(finding, design, significance)
+        judged.append(finding)
+    return judged
+
+
+def plainest(finding: Finding, design: Design, significance: float) -> Finding:
+    """Put the plainest effect that the record allows in the place of one.
+
+    On a short trajectory most things change with each other and with the time. What depends on the
+    time says nothing about the next record, and what depends on several states is bent by how they
+    happened to move together, so either is named only where it has to be. A constant takes no
+    place: it absorbs a part of whatever there is.
+    """
+    time = len(design.states) + len(design.inputs)
+
+    def burden(candidate: Candidate) -> tuple[bool, int]:
+        variables = frozenset().union(*(term.variables for term in candidate.terms))
+        return time in variables, len(variables)
+
+    likely = [r for r in finding.rivals if r.p_value > significance]
+    bending = [r for r in likely if OFFSET not in r.candidate.terms]
+    able = [r for r in bending if burden(r.candidate) < burden(finding.candidate)]
+    if not able:
+        return finding
+    best = min(able, key=lambda rival: (burden(rival.candidate), -rival.p_value))
+    rivals = (Rival(finding.candidate, 1.0), *(r for r in finding.rivals if r is not best))
+    columns = columns_of(best.candidate, design)
+    return replace(finding, candidate=best.candidate, columns=columns, rivals=rivals)

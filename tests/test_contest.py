@@ -1,0 +1,61 @@
+"""Which of the effects that a short record allows is named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
+from pysindy_evolve.loop.evidence.rivals import Rival
+from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.evidence.step import Finding
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.revision.contest import plainest
+from pysindy_evolve.terms import mul, power, variable
+
+H, V, T = variable(0), variable(1), variable(2)
+COUPLING = Candidate("coupling", 1, (mul(H, V),))
+DAMPING = Candidate("viscous damping", 1, (V,))
+CUBIC = Candidate("nonlinear damping", 1, (power(V, 3),))
+CONSTANT = Candidate("constant offset", 1, (OFFSET,))
+DRIFT = Candidate("drift", 1, (T,))
+
+
+@pytest.fixture(scope="module")
+def design():
+    t = np.arange(40) / 15.0
+    record = pse.prepare(t, 47.0 - 4.9 * t**2)
+    return design_of(pse.DeclaredModel({"h": "v", "v": "-9.81"}), [record])
+
+
+def found(candidate, design, *rivals):
+    own = Finding(candidate, columns_of(candidate, design), 1.0, 0.01, np.zeros(39))
+    return replace(own, rivals=tuple(Rival(one, p_value) for one, p_value in rivals))
+
+
+def test_what_depends_on_one_state_is_named_before_what_depends_on_two(design):
+    named = plainest(found(COUPLING, design, (DAMPING, 0.2), (CUBIC, 0.1)), design, 0.05)
+    assert named.candidate == DAMPING
+    assert named.columns == columns_of(DAMPING, design)
+    assert [rival.name for rival in named.rivals] == ["coupling", "nonlinear damping"]
+
+
+def test_what_depends_on_states_is_named_before_what_depends_on_the_time(design):
+    named = plainest(found(DRIFT, design, (COUPLING, 0.6), (CUBIC, 0.1)), design, 0.05)
+    assert named.candidate == CUBIC
+
+
+def test_a_plainer_effect_that_is_less_likely_than_the_significance_is_not_named(design):
+    kept = found(COUPLING, design, (DAMPING, 0.04), (DRIFT, 0.5))
+    assert plainest(kept, design, 0.05) is kept
+
+
+def test_of_effects_as_plain_as_each_other_the_one_that_was_found_is_named(design):
+    kept = found(CUBIC, design, (DAMPING, 0.9))
+    assert plainest(kept, design, 0.05) is kept
+
+
+def test_a_constant_takes_no_place(design):
+    kept = found(COUPLING, design, (CONSTANT, 0.9))
+    assert plainest(kept, design, 0.05) is kept
