@@ -6,6 +6,7 @@ from loop_systems import equations_of
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_equations
+from pysindy_evolve.loop.given.records import alike
 from pysindy_evolve.signals import as_target
 
 DECLARED = pse.DeclaredModel({"F": "c*v + k*x + F0"}, inputs=["x", "v"], algebraic=True)
@@ -100,3 +101,23 @@ def test_motion_without_a_force_is_no_target():
     t = np.arange(0.0, 20.0, 0.01)
     with pytest.raises(ValueError, match=r"must be a record with inputs"):
         as_target(pse.prepare(t, np.sin(t)))
+
+
+def test_table_of_a_force_speaks_of_no_derivative_and_no_run():
+    report = close(measured_force(lambda x, v: 0.0 * x))
+    head = str(report).split("(NRMSE)\n")[1].splitlines()[0]
+    assert head.split("  ")[-1].strip() == "F"
+    assert "F, averaged" in head
+    assert "dF/dt" not in str(report)
+
+
+def test_forces_decimated_each_in_its_own_way_are_brought_to_one_step():
+    t = np.arange(0.0, 30.0, 0.01)
+    records = [
+        as_target(pse.prepare(t, np.sin(t), np.cos(t), order=1, cutoff=4.0, decimate=k))
+        for k in (3, 2, 2)
+    ]
+    train, test = alike(records[:2], records[2:])
+    assert {round(record.dt, 9) for record in (*train, *test)} == {0.02}
+    middle = slice(100, -100)
+    assert train[0].u[middle, 0] == pytest.approx(np.sin(train[0].t[middle]), abs=1e-3)

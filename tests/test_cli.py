@@ -372,3 +372,17 @@ def test_the_module_runs_as_a_program():
         check=True,
     )
     assert done.stdout.startswith("pysindy-evolve ")
+
+
+@pytest.mark.parametrize(
+    ("option", "name"), [("--inputs", "Force"), ("--position", "x"), ("--time", "time")]
+)
+def test_a_misspelled_column_is_named_before_the_model_is_blamed(capsys, oscillator, option, name):
+    columns = {"--inputs": "F", "--position": "q", "--time": "t"} | {option: name}
+    pairs = [word for pair in columns.items() for word in pair]
+    sides = ("--equation", "q = v", "--equation", "v = -k*q - c*v + b*F")
+    code, _, err = run(capsys, "loop", oscillator, *pairs, *sides)
+    assert code == 2
+    assert f"{option} must name columns" in err
+    assert f"got {name!r}" in err
+    assert "'q', 'v', 'F', 'acc'" in err

@@ -183,10 +183,10 @@ def test_record_of_the_user_with_its_own_derivatives():
 
 
 def test_order_of_the_inputs_only_orders_the_columns():
-    record = FRICTION.record()
-    idle = np.cos(0.9 * record.t)
-    first = replace(record, u=np.column_stack([record.u, idle]), preparation=None)
-    last = replace(record, u=np.column_stack([idle, record.u]), preparation=None)
+    made = FRICTION.record().preparation
+    idle = np.cos(0.9 * made.t)
+    first = pse.prepare(made.t, made.y, np.column_stack([made.u, idle]))
+    last = pse.prepare(made.t, made.y, np.column_stack([idle, made.u]))
     sides = {"q": "v", "v": "-k*q - c*v + b*F + g*z"}
     one = close_by_name(pse.DeclaredModel(sides, inputs=["F", "z"]), first)
     two = close_by_name(pse.DeclaredModel(sides, inputs=["z", "F"]), last)
@@ -362,3 +362,31 @@ def test_a_reaction_that_saturates_is_grown_with_its_constant():
     assert np.all(report.after.simulation_error < 1.0)
     assert np.all(report.before.simulation_error > 10.0)
     assert len(report.effects) <= 3
+
+
+def test_a_spring_that_softens_as_it_warms_up_is_found():
+    softening = oscillator("drift", "+ 0.25*q*t")
+    report = pse.close_loop(softening.model, softening.record(), operators=(), random_state=0)
+    (effect,) = report.effects
+    assert (effect.name, str(effect.term)) == ("drift", "q*t")
+    assert effect.coefficients == pytest.approx([0.25], rel=0.03)
+
+
+def test_a_term_without_a_value_on_held_out_data_costs_no_report():
+    t = np.arange(0.0, 400.0, 0.5)
+    truth = equations_of({"h": "0.5*u - 0.3*sqrt(abs(h))"}, ("u",))
+
+    def drained(low, seed):
+        rng = np.random.default_rng(seed)
+        u = np.repeat(rng.uniform(low, low + 0.4, 20), 40)
+        h = pse.simulate(truth, [1.0], t, u)
+        return pse.prepare(t, h + 2e-3 * rng.standard_normal(h.shape), u, order=1)
+
+    train, test = drained(0.6, 1), drained(-0.01, 2)
+    assert test.x.min() < 0.0
+    model = pse.DeclaredModel({"h": "a*u - b*h"}, inputs=["u"])
+    report = pse.close_loop(model, train, test=test, random_state=0)
+    assert str(report.effects[0].term) == "sqrt(h)"
+    assert report.after.undefined > 0.0
+    assert "of the held-out rows the model has no value" in " ".join(str(report).split())
+    assert np.isfinite(report.after.derivative_error).all()

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from loop_systems import equations_of
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
@@ -54,6 +55,17 @@ def test_a_plainer_effect_that_is_less_likely_than_the_significance_is_not_named
 def test_of_effects_as_plain_as_each_other_the_one_that_was_found_is_named(design):
     kept = found(CUBIC, design, (DAMPING, 0.9))
     assert plainest(kept, design, 0.05) is kept
+
+
+def test_of_a_constant_and_what_cannot_be_told_from_it_the_constant_is_named():
+    t = np.arange(0.0, 200.0, 0.1)
+    heated = equations_of({"T": "0.4*u - 0.2*(T - 20) + 0.5"}, ("u",))
+    u = np.repeat(np.random.default_rng(0).uniform(0.0, 3.0, 40), 50)
+    x = pse.simulate(heated, [22.0], t, u) + 1e-3 * np.random.default_rng(1).normal(size=(2000, 1))
+    record = pse.prepare(t, x, u, order=1)
+    model = pse.DeclaredModel({"T": "b*u - a*(T - 20)"}, inputs=["u"])
+    report = pse.close_loop(model, record, operators=(), random_state=0)
+    assert report.effects[0].name == "constant offset"
 
 
 def test_a_constant_takes_no_place(design):

@@ -59,8 +59,10 @@ def test_candidates_evaluate_to_columns_that_vary_or_are_the_offset(equations):
     z = points(design)
     for candidate in proposed(design):
         for term in candidate.terms:
-            values = term.evaluate(z)
-            assert values.shape == (len(z),)
+            declared = [parent.evaluate(z) for parent in candidate.parents]
+            rows = z[np.isfinite(np.sum(declared, axis=0) + np.zeros(len(z)))]  # sqrt(h) is not
+            values = term.evaluate(rows)
+            assert values.shape == (len(rows),)
             assert np.all(np.isfinite(values))
             assert np.ptp(values) > 0.0 or term == OFFSET
 
@@ -121,10 +123,22 @@ def test_an_effect_that_stands_in_one_equation_is_proposed_for_the_other():
     assert {c.state for c in proposed(design) if c.name == "Coulomb friction"} >= {3}
 
 
-def test_each_part_of_a_parameter_stands_by_itself():
-    present = standing(design_of({"q": "v", "v": "-k*(q + 2) + F"}))
-    assert (1, OFFSET) in present
-    assert len([state for state, _ in present if state == 1]) == 4  # q + 2, q, 1, F
+def test_what_shares_a_parameter_does_not_stand_by_itself():
+    present = standing(design_of({"q": "v", "v": "-k*(q + 2) + F + 9.81"}))
+    assert (1, OFFSET) in present  # which the 9.81 is
+    assert len([state for state, _ in present if state == 1]) == 4  # q + 2, F + 9.81, F, 1
+
+
+def test_a_spring_to_the_ground_may_be_missing_beside_one_between_two_masses():
+    design = design_of({"a": "va", "va": "-k*(a - b)", "b": "vb", "vb": "k*(a - b)"})
+    found = {(c.name, c.state) for c in proposed(design)}
+    assert {("linear stiffness", 1), ("linear stiffness", 3)} <= found
+
+
+def test_what_a_term_is_worth_may_drift_and_a_constant_may():
+    design = design_of({"q": "v", "v": "-k*q - c*v + b*F + o"})
+    terms = [c.terms[0].name(("q", "v", "F", "t")) for c in proposed(design) if c.name == "drift"]
+    assert sorted(terms) == ["F t", "q t", "t", "v t"]
 
 
 def test_velocities_of_two_masses_may_rub_and_their_positions_couple():

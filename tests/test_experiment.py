@@ -1,11 +1,14 @@
 """What to measure next: the proposed motion is one in which an effect and its rival come apart."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from loop_systems import equations_of, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.given.kinematics import positions
+from pysindy_evolve.loop.report.experiment import Plan
 from pysindy_evolve.loop.report.motions import Motion, Motions
 
 DRAG = oscillator("quadratic drag", "- 0.3*v*abs(v)")
@@ -94,3 +97,11 @@ def test_a_population_swings_about_its_mean_and_never_below_nothing():
     assert motions.of(Motion(2.0, 1.0)) is None
     assert motions.of(Motion(0.5, 1.0))[0, :, 0] == pytest.approx(p.mean() + 0.5 * (p - p.mean()))
     assert {motion.frequency for motion in motions} == {1.0}
+
+
+def test_what_noise_alone_would_tell_apart_needs_another_cause_first(slow, cubic):
+    clear = replace(cubic, now=28.4)
+    said = " ".join(str(Plan((clear,))).split())
+    assert "by 28.4 standard errors" in said
+    assert "look first for what else is missing" in said
+    assert "Repeat the motion" not in said

@@ -135,3 +135,15 @@ def test_intervals_cover_the_truth_in_about_95_percent():
         covered.append((low <= TRUE[:3]) & (high >= TRUE[:3]))
     share = np.mean(covered, axis=0)
     assert np.all(share > 0.85), share  # 60 draws at 95 % fall below this once in a thousand
+
+
+def test_rows_in_which_the_model_has_no_value_are_not_judged():
+    t = np.arange(0.0, 4.0, 0.01)
+    h = (1.0 - 0.3 * t) * np.abs(1.0 - 0.3 * t)  # as sqrt(h) falls, and then below zero
+    record = pse.Record(t=t, x=h, x_dot=-0.6 * np.sqrt(np.abs(h)))
+    draining = pse.DeclaredModel({"h": "-a*sqrt(h)"}).design()
+    assert derivative_errors(draining, np.array([0.6]), [record], Windows(1)) == pytest.approx(
+        [0.0], abs=1e-9
+    )
+    below = pse.Record(t=t[350:], x=h[350:], x_dot=record.x_dot[350:])
+    assert derivative_errors(draining, np.array([0.6]), [below], Windows(1)) == [np.inf]

@@ -8,6 +8,8 @@ from loop_systems import DT, equations_of, multisine
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.hidden import MemoryEquations, with_memories
 from pysindy_evolve.hidden_states.memory import Memory, remembered
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.memories.reach import settled
 
 T = np.arange(0.0, 20.0, 0.01)
 OSCILLATOR = {"q": "v", "v": "-40*q - 0.8*v + F"}
@@ -142,3 +144,35 @@ def test_delay_and_friction_are_found_together():
 def test_no_memory_is_named_where_the_input_acts_at_once(seed):
     noise = (2e-3, 2e-2)[seed % 2]
     assert close(record_with(None, noise=noise, seed=seed)).verdict == "complete"
+
+
+def test_a_delay_is_found_from_where_a_vessel_was_the_best_of_the_grid():
+    rng = np.random.default_rng(3)
+    t = np.arange(0.0, 1500.0)
+    steps = np.repeat(rng.uniform(0.0, 10.0, 30), 50)
+    truth = equations_of({"T": "0.06*F - 0.02*(T - 15)"}, ("F",))
+    late = Memory("input delay", 0, (7.0,)).response(t, steps)
+    x = pse.simulate(truth, [15.0], t, late)
+    record = pse.prepare(t, x + 0.005 * x.std() * rng.standard_normal(x.shape), steps, order=1)
+    model = pse.DeclaredModel({"T": "b*F - a*(T - 15)"}, inputs=["F"])
+    design, part = model.design(), segments([record])
+    short = Memory("hidden state", 0, (0.4,))  # far shorter than the delay is, in its own units
+    tuned, _ = settled(short, design, [record], part, 0.01, rng)
+    assert tuned.kind == "input delay"
+    assert tuned.values == pytest.approx((7.0,), rel=0.02)
+
+
+def test_a_delay_of_half_a_sample_is_said_to_be_that_of_an_input_that_is_held():
+    held = Memory("input delay", 0, (0.5 * DT,))
+    report = close(record_with(held))
+    assert [effect.name for effect in report.effects] == ["input delay"]
+    assert "The input delay of F is half a sampling time" in " ".join(str(report).split())
+
+
+def test_memories_that_cannot_be_told_apart_get_a_proposal_too():
+    report = close(record_with(Memory("actuator lag", 0, (0.006,)), noise=0.01))
+    (effect,) = report.effects
+    assert effect.alternatives
+    plan = " ".join(str(report.suggest_experiment(units={"t": "s"})).split())
+    assert plan.startswith(f"1. {effect.name} or {effect.alternatives[0]}")
+    assert "Record steps of it, sampled in much less than the 0.00" in plan

@@ -212,3 +212,31 @@ def test_residual_of_a_delayed_input_is_taken_at_the_earlier_time(report):
     held_out = replace(report, before=before, after=after, test=(record,), effects=[])
     assert np.abs(held_out.residual_before[0]).max() > 0.2
     assert held_out.residual_after[0][10:] == pytest.approx(0.0, abs=1e-5)
+
+
+def test_twins_that_show_an_effect_as_good_agree_with_the_p_value(complete):
+    best = complete.rejected
+    tried = replace(best, p_value=0.035, twin_scores=np.zeros(199), level=0.05 / 3)
+    said = " ".join(str(replace(complete, rejected=tried)).split())
+    assert "6 of 199 twins show an effect as good (p = 0.035; as there are several looks" in said
+    assert "each asks for 0.017)" in said
+
+
+def test_a_free_run_that_misses_the_record_is_mentioned(complete):
+    missing = replace(complete.after, simulation_error=np.array([46.0, 55.0]))
+    said = " ".join(str(replace(complete, after=missing)).split())
+    assert "still misses the record by 55 %" in said
+    assert "still misses" not in str(complete)
+
+
+def test_an_effect_that_removes_nothing_by_itself_does_not_remove_less_than_nothing(report):
+    idle = replace(report.effects[0], explained=-0.04)
+    said = str(replace(report, effects=(idle, *report.effects[1:])))
+    assert "by itself removes nothing of the held-out residual variance" in said
+
+
+def test_a_declared_term_that_an_effect_holds_too_is_mentioned(report):
+    gap = oscillator("dead zone", "+ 40*0.5*(abs(q + 0.2) - abs(q - 0.2))")
+    found = pse.close_loop(gap.model, gap.record(), operators=(), random_state=0)
+    assert "The equations add to these what the effects below hold" in str(found)
+    assert "The equations add to these" not in str(report)

@@ -19,7 +19,7 @@ from ..reading.library_terms import from_model
 from ..signals import is_decided, prepare
 from .options import PROGRAM
 from .output import print_code, print_errors, progress, save, say
-from .records import derived_names, order_of, read_all, read_split
+from .records import check_names, derived_names, order_of, read_all, read_split
 
 __all__ = ["demo", "fit", "loop"]
 
@@ -104,6 +104,7 @@ def loop(given: Namespace) -> bool:
             f"--equation must be given once for each state; got {len(given.equation)} of them for "
             f"{', '.join(sides)}. Join the terms of a state in one equation."
         )
+    check_names(given)
     declared = DeclaredModel(sides, inputs=given.inputs, known=dict(given.known))
     given.order = order_of(declared, given.position)
     train, test = read_all(given, given.files, sides), read_all(given, given.test, sides)

@@ -12,14 +12,31 @@ import numpy as np
 from ..loop import DeclaredModel
 from ..loop.given.records import split_records
 from ..signals import Record, prepare, read_csv
+from ..signals.files import column_names
 
-__all__ = ["derived_names", "order_of", "read_all", "read_split"]
+__all__ = ["check_names", "derived_names", "order_of", "read_all", "read_split"]
 
 
 def derived_names(positions: Sequence[str], order: int) -> tuple[str, ...]:
     """Name positions and their derivatives: q, q_dot, q_ddot, q_d3."""
     endings = ["", "_dot", "_ddot", *(f"_d{k}" for k in range(3, order))][:order]
     return tuple(name + ending for name in positions for ending in endings)
+
+
+def check_names(given: Namespace) -> None:
+    """Raise where an option names a column that the first file does not have.
+
+    A misspelled input would else be taken for a free parameter of the model, and the model be
+    blamed for it.
+    """
+    held = column_names(given.files[0], given.delimiter)
+    options = {"--time": [given.time], "--position": given.position, "--inputs": given.inputs}
+    for option, names in options.items():
+        for name in (one for one in names or () if one not in held):
+            raise ValueError(
+                f"{option} must name columns of {str(given.files[0])!r}; got {name!r}. "
+                f"The file holds {', '.join(map(repr, held))}."
+            )
 
 
 def order_of(declared: DeclaredModel, positions: Sequence[str]) -> int:

@@ -80,6 +80,13 @@ def read_csv(
     }
 
 
+def column_names(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
+    """Return the names in the first line of a CSV file."""
+    header, rows = _read(Path(fspath(path)), delimiter)
+    _check_fields(header, rows)
+    return header
+
+
 def _read(path: Path, delimiter: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Return the names and the rows, each with its line in the file; empty lines are skipped."""
     try:
@@ -142,7 +149,7 @@ def _value(row: list[str], place: int, name: str, line: int, decimal: str) -> fl
         got = repr(text) if text else "nothing"
         is_comma = re.fullmatch(r"[-+]?\d*,\d+([eE][-+]?\d+)?", text) is not None
         advice = (
-            'Decimal commas: export with points, or give decimal=",".'
+            'Decimal commas: export with points, or give decimal="," (--decimal ,).'
             if is_comma
             else "Correct or drop this row."
         )

@@ -157,7 +157,8 @@ def eliminate(
         if inverted.diagonal()[alive].min() < HEALTHY / gram.n:  # downdating has lost its digits
             inverted, coef = _inverted_again(part, alive)
         rise = _rise(coef, inverted, gram.n)
-        worth = n_effective * np.log1p(rise / error) - price
+        with np.errstate(over="ignore"):  # of one without which nothing is left of a fit
+            worth = n_effective * np.log1p(rise / error) - price
         worth[~alive] = np.inf
         worst = int(worth.argmin())
         error = max(error + float(rise[worst]), floor)

@@ -9,7 +9,7 @@ import numpy as np
 from ...terms import Sum
 from ..given.design import Design
 from .candidate import OFFSET, Candidate
-from .vocabulary import of_equation
+from .vocabulary import bare, of_equation
 
 __all__ = ["candidates", "standing"]
 
@@ -50,7 +50,7 @@ def candidates(
         _freed(candidate, design, free)
         for state in design.open_states
         for candidate in of_equation(design, state, scales, apart, middle)
-        if not all((state, _bare(term)) in present for term in candidate.terms)
+        if not all((state, bare(term)) in present for term in candidate.terms)
         # A dead zone lies about zero, and a position that never is there knows nothing of it.
         and not (candidate.name == "dead zone" and candidate.terms[0].variables & free)
     ]
@@ -71,17 +71,14 @@ def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
 
 
 def standing(design: Design) -> set[tuple[int, Sum]]:
-    """Return equation and expression, without its coefficient, of all that stands in a design."""
+    """Return equation and expression, without its coefficient, of all that stands in a design.
+
+    What shares a coefficient with others, as q does in k (q - p), does not stand by itself: a
+    spring to the ground may be missing beside it.
+    """
     found = set()
     for state in range(len(design.states)):
-        for part in (design.fixed[state], *(c.parts[state] for c in design.columns)):
-            if part.parts:
-                found.add((state, _bare(part)))
-            found |= {(state, Sum(((1.0, term),))) for _, term in part.parts}
+        found |= {(state, Sum(((1.0, term),))) for _, term in design.fixed[state].parts}
+        parts = (design.fixed[state], *(column.parts[state] for column in design.columns))
+        found |= {(state, bare(part)) for part in parts if part.parts}
     return found
-
-
-def _bare(expression: Sum) -> Sum:
-    """Return an expression with its last coefficient made one."""
-    leading = expression.parts[-1][0]
-    return Sum(tuple((c / leading, term) for c, term in expression.parts))

@@ -18,7 +18,7 @@ from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape
 from .hysteresis import remembering, rounded, yields
 
-__all__ = ["VOCABULARY", "of_equation"]
+__all__ = ["VOCABULARY", "bare", "of_equation"]
 
 VOCABULARY = (
     "Coulomb friction",
@@ -101,7 +101,7 @@ def of_equation(
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
-    yield effect("drift", variable(n_states + n_inputs), parents=(OFFSET,))
+    yield from _drifts(effect, design, variable(n_states + n_inputs))
 
 
 def _of_target(
@@ -185,6 +185,24 @@ def _between(
             width = share * float(apart[position, other])
             shape = Shape((width,), (partial(_beyond, stretch),))
             yield effect("dead zone", shape=shape)
+
+
+def _drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:
+    """Go through what changes with the time: the constant, or what another term is worth.
+
+    A spring softens as it warms up, and a tank grows lighter as it runs out.
+    """
+    yield effect("drift", t, parents=(OFFSET,))
+    for column in design.columns:
+        term = bare(column.parts[effect.state]) if column.parts[effect.state].parts else OFFSET
+        if term != OFFSET and not term.variables & t.variables:
+            yield effect("drift", mul(t, term), parents=(term,))
+
+
+def bare(expression: Sum) -> Sum:
+    """Return an expression with its last coefficient made one."""
+    leading = expression.parts[-1][0]
+    return Sum(tuple((c / leading, term) for c, term in expression.parts))
 
 
 def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:

@@ -27,6 +27,8 @@ class Rejected:
         Best score found in each twin.
     variables : tuple of str
         Names of states, inputs and time.
+    level : float
+        Largest p-value that would have counted in that look.
     """
 
     tried: Score
@@ -34,6 +36,7 @@ class Rejected:
     p_value: float = np.nan
     twin_scores: np.ndarray = field(default_factory=lambda: np.empty(0))
     variables: tuple[str, ...] = ()
+    level: float = np.nan
 
     def __repr__(self) -> str:
         tried = ", ".join(

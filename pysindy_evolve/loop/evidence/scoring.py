@@ -141,7 +141,7 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
 def plainest(scores: Sequence[Score]) -> Score:
     """Return the smallest of the groups that do as well as the first, to one percent.
 
-    Of equally small ones, powers come before sines, as in the vocabulary.
+    Of equally small ones a constant comes first, and powers before sines, as in the vocabulary.
     """
     equal = [
         s
@@ -149,8 +149,10 @@ def plainest(scores: Sequence[Score]) -> Score:
         if s.value >= 0.99 * scores[0].value and len(s.group) == len(scores[0].group)
     ]
 
-    def plainness(score: Score) -> tuple[int, int]:
+    def plainness(score: Score) -> tuple[int, int, int]:
         size = sum(candidate.size for candidate in score.group)
-        return size, sum(VOCABULARY.index(candidate.name) for candidate in score.group)
+        n_variables = sum(len(term.variables) for one in score.group for term in one.terms)
+        order = sum(VOCABULARY.index(candidate.name) for candidate in score.group)
+        return size, n_variables, order
 
     return min(equal, key=plainness)

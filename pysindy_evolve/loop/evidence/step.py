@@ -136,7 +136,7 @@ def find(
     twins = twin_values(maker, part, statistic, observed, rules, rng)
     p_value = p_value_of(observed, twins)
     if p_value > rules.level or not worthy:
-        rejected.append(Rejected(best, shares.of(best), p_value, twins, names))
+        rejected.append(Rejected(best, shares.of(best), p_value, twins, names, rules.level))
         return []
     group = []
     for candidate in best.group:

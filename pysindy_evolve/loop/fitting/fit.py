@@ -221,21 +221,24 @@ def derivative_errors(
 
     Both sides are averaged over the windows of the fit, so that it is the error of the model
     and not of the differentiation; rows at rest, where the sign of the velocity is a coin toss,
-    are left out.
+    are left out, and so are those in which the model has no value, such as a root of what is
+    negative there; infinite if there are no others.
     """
     equations = design.equations(coef)
-    squares, samples, weights = [], [], []
+    squares, samples, weights, known = [], [], [], np.zeros(len(design.states), dtype=bool)
     for record in records:
         wide = windows if record.n_samples >= windows.width else Windows(1)
-        weight = moving(record, design.velocities)
         error = record.x_dot - rates_on(equations, record)
+        valued = np.isfinite(error)
+        known |= valued.any(axis=0)
+        weight, error = moving(record, design.velocities) * valued, np.where(valued, error, 0.0)
         squares.append(project(error * weight, wide) ** 2)
         samples.append(project(record.x_dot, wide))
         weights.append(project(weight, wide) ** 2)
     spread = np.concatenate(samples).std(axis=0)
     rows = np.maximum(np.concatenate(weights).sum(axis=0), 1e-300)
     rms = np.sqrt(np.concatenate(squares).sum(axis=0) / rows)
-    return 100.0 * rms / np.where(spread > 0.0, spread, 1.0)
+    return np.where(known, 100.0 * rms / np.where(spread > 0.0, spread, 1.0), np.inf)
 
 
 def derivative_fit_errors(

@@ -234,10 +234,11 @@ def jacobian(equations: Equations, z: np.ndarray, scale: np.ndarray) -> np.ndarr
     result = np.empty((len(flat), n_states, n_states))
     for j in range(n_states):
         step = 1e-6 * scale[j]
-        forward = (_moved(equations, flat, j, 2 * step) - _moved(equations, flat, j, step)) / step
-        backward = (
-            _moved(equations, flat, j, -step) - _moved(equations, flat, j, -2 * step)
-        ) / step
+        ahead, behind = (
+            [_moved(equations, flat, j, far * side * step) for far in (1, 2)] for side in (1, -1)
+        )
+        with np.errstate(invalid="ignore"):  # of a run that leaves the record
+            forward, backward = (ahead[1] - ahead[0]) / step, (behind[0] - behind[1]) / step
         result[:, :, j] = np.where(np.abs(forward) < np.abs(backward), forward, backward)
     return result.reshape(*z.shape[:-1], n_states, n_states)
 
@@ -253,4 +254,5 @@ def _rates(equations: Equations, flat: np.ndarray) -> np.ndarray:
     columns = [term.evaluate(flat, cache) for term in equations.terms]
     if not columns:
         return np.zeros((len(flat), len(equations.states)))
-    return np.column_stack(columns) @ equations.coef.T
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run that leaves the record
+        return np.asarray(np.column_stack(columns) @ equations.coef.T)

@@ -127,7 +127,7 @@ def _best(
     found = _memory_or_term(drift, wide, first, rules, rng)
     if found is None or found[0].p_value <= rules.level_of_runs:
         return found
-    rejected.append(_as_rejected(found[0], drift))
+    rejected.append(_as_rejected(found[0], drift, rules.level_of_runs))
     return None
 
 
@@ -222,12 +222,13 @@ def _plainest(
     return variants[k], passing[k][1], passing[k][2]
 
 
-def _as_rejected(finding: Finding, drift: Drift) -> Rejected:
+def _as_rejected(finding: Finding, drift: Drift, level: float) -> Rejected:
     design = drift.model.design
     left = np.full(1, np.exp(-finding.score))
     tried = Score((finding.candidate,), (), np.ones(1), left, finding.score)
     names = (*design.states, *design.inputs, "t")
-    return Rejected(tried, float(1.0 - left[0]), finding.p_value, finding.twin_scores, names)
+    share, twins = float(1.0 - left[0]), finding.twin_scores
+    return Rejected(tried, share, finding.p_value, twins, names, level)
 
 
 def _terms(drift: Drift) -> list[Variant]:

@@ -112,7 +112,8 @@ def drift_of(
         part = segments(records, model.design.velocities, n, MAX_ROWS)
         (trial,) = settled([model.trial(coef, part.state_scale, records, part)])
         rows = trial.rows(most_growth)
-        missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
+        with np.errstate(over="ignore"):  # of runs that leave the record
+            missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
         if rows is not None and np.all(missed < FAITHFUL * part.state_scale):
             misses = rows.freed(rows.of(trial.miss))
             trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))

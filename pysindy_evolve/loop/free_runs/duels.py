@@ -30,7 +30,7 @@ from ..evidence.trace import EVOLVED
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, settled
 from ..given.rules import Rules
-from ..given.segments import Segments, ranges
+from ..given.segments import Segments, have_values, ranges
 from .drift import Drift, drift_of
 from .inner import Contender, sharpened
 from .variants import Model
@@ -97,7 +97,9 @@ def _winner(
     drift = drift_of(*_fitted(model, own, records), records, STRETCHES, STEADY)
     if drift is None:
         return finding
-    rivals = _closest(model, own, grown, part)
+    acted = model.acted(records)
+    able = [one for one in grown if have_values(one.terms, acted)]
+    rivals = _closest(model, own, able, part)
     begun = [_begun(model, rival, drift, records) for rival in rivals]
     fitted = map(Contender, rivals, settled(begun))
     tuned = sharpened([Contender(own, drift.trial), *fitted], model, drift, records)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...signals import Record, prepare
+from ...signals import Preparation, Record, as_target, prepare
 from .design import Design
 from .segments import variables_of
 
@@ -167,23 +167,28 @@ def alike(train: list[Record], test: list[Record]) -> tuple[list[Record], list[R
     steps = np.array([record.dt for record in (*train, *test)])
     if np.ptp(steps) <= 0.01 * steps[0]:
         return train, test
-    made = train[0].preparation
-    if made is None or any(r.preparation is None for r in (*train, *test)):
+    made = _made(train[0])
+    if made is None or any(_made(r) is None for r in (*train, *test)):
         raise ValueError(
             "close_loop(train=..., test=...) must have one sampling time in all records; "
             f"got {steps.min():g} to {steps.max():g}. Make all of them with prepare(t, y, u), or "
             "interpolate them."
         )
-    cutoffs = [r.preparation.cutoff for r in train if r.preparation and r.preparation.cutoff]
+    cutoffs = [one.cutoff for one in map(_made, train) if one is not None and one.cutoff]
     cutoff = float(np.exp(np.mean(np.log(cutoffs)))) if len(cutoffs) == len(train) else None
     step = float(np.quantile(steps[: len(train)], 0.5, method="lower"))  # one of them
     _check_raw_steps(made.dt, [*train, *test], step)
     return [_prepared(r, cutoff, step) for r in train], [_prepared(r, cutoff, step) for r in test]
 
 
+def _made(record: Record) -> Preparation | None:
+    """Return how a record was made from raw data, or the motion that explains its target."""
+    return record.preparation if record.motion is None else record.motion
+
+
 def _check_raw_steps(own: float, records: Sequence[Record], step: float) -> None:
     """Raise where a record was sampled more slowly than the training records are to be."""
-    longest = max(r.preparation.dt for r in records if r.preparation is not None)
+    longest = max(one.dt for one in map(_made, records) if one is not None)
     if longest <= 1.01 * step:
         return
     factor = round(longest / own)
@@ -198,7 +203,7 @@ def _check_raw_steps(own: float, records: Sequence[Record], step: float) -> None
 
 def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
     """Prepare a record again from its raw data, over the same span of time."""
-    made = record.preparation
+    made = _made(record)
     if made is None:  # excluded by the caller
         return record
     decimation = round(step / made.dt)
@@ -209,6 +214,7 @@ def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
         )
     settings = made.settings | {"cutoff": cutoff, "decimate": decimation}
     again = prepare(made.t, made.y, made.u, **settings)
+    again = again if record.motion is None else as_target(again)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
     return again[int(inside[0]) : int(inside[-1]) + 1]
 

@@ -11,10 +11,11 @@ from scipy.fft import dct, prev_fast_len
 
 from ...equations import stack
 from ...signals import Record, Windows, choose_windows
+from ...terms import Sum
 from .sensor import limits_of_states, missed
 from .sticking import moving
 
-__all__ = ["Segments", "places_of", "ranges", "scale_of", "segments", "variables_of"]
+__all__ = ["Segments", "have_values", "places_of", "ranges", "scale_of", "segments", "variables_of"]
 
 N_SEGMENTS = 16
 N_FOLDS = 8
@@ -182,6 +183,12 @@ def places_of(
         length = fast if length - fast <= LOST * length else length
     places = ((i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step))
     return tuple(places), length
+
+
+def have_values(expressions: Sequence[Sum], records: Sequence[Record]) -> bool:
+    """Tell whether expressions have a finite value on every row of records."""
+    rows = [variables_of(record) for record in records]
+    return all(np.isfinite(one.evaluate(z)).all() for one in expressions for z in rows)
 
 
 def variables_of(record: Record) -> np.ndarray:

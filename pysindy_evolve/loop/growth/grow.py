@@ -29,7 +29,7 @@ from ..fitting.fit import derivative_intervals
 from ..fitting.residual import forces
 from ..given.design import Design
 from ..given.rules import Rules
-from ..given.segments import Segments, ranges
+from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
 from .seeds import screened, small_terms
 
@@ -213,6 +213,7 @@ class Garden:
         known = standing(design)
         grown = grow(design, self.seen, self.operators, self.rng)
         new = [c for c in grown if (c.state, c.terms[0]) not in known]
+        new = [c for c in new if have_values(c.terms, self.records)]
         self.grown += new
         return new
 

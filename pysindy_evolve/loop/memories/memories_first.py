@@ -16,7 +16,7 @@ from ..evidence.scoring import score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 from .probes import Probes
-from .reach import exchanged, reach_of
+from .reach import best_of_kinds, reach_of
 
 __all__ = ["outdoes_memories"]
 
@@ -47,13 +47,14 @@ def outdoes_memories(
     -------
     bool
     """
-    gains = [exchange.gain for exchange in exchanged(memories, design, records, part)]
-    best: dict[tuple[str, int], tuple[float, Memory]] = {}
-    for gain, memory in zip(gains, memories, strict=True):
-        key = memory.kind, memory.column
-        if gain > best.get(key, (0.0, memory))[0]:
-            best[key] = gain, memory
-    rivals = tuple(reach_of(memory, design, records, part) for _, memory in best.values())
+    first = [
+        memory
+        for column in sorted({memory.column for memory in memories})
+        for memory in best_of_kinds(
+            [m for m in memories if m.column == column], design, records, part
+        ).values()
+    ]
+    rivals = tuple(reach_of(memory, design, records, part) for memory in first)
     top = score(design, part, ways, pairs=False)[0].group[0]
     probes = Probes(design, rivals)
     wide = probes.widened(design)

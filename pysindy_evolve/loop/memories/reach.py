@@ -20,7 +20,7 @@ from ..given.design import Column, Design
 from ..given.segments import Segments
 from .probes import RATIO, Exchange, Probes, exchanges, grid_of
 
-__all__ = ["exchanged", "memory_interval", "reach_of", "settled"]
+__all__ = ["best_of_kinds", "exchanged", "memory_interval", "reach_of", "settled"]
 
 STEP = 0.02  # of a delay or time constant, to see what it changes
 
@@ -56,15 +56,28 @@ def settled(
     rivals : tuple of (str, float)
         Kinds that could stand in its place, with their p-values.
     """
-    tried = {m.kind for m in grid_of(design, records, part, present) if m.column == memory.column}
-    kinds = [kind for kind in (DELAY, LAG, VESSEL) if kind in tried]
-    best = [reach_of(replace(memory, kind=kind), design, records, part) for kind in kinds]
+    grid = [m for m in grid_of(design, records, part, present) if m.column == memory.column]
+    first = best_of_kinds(grid, design, records, part)
+    kinds = [kind for kind in (DELAY, LAG, VESSEL) if kind in first]
+    best = [reach_of(first[kind], design, records, part) for kind in kinds]
     compared = exchanged(best, design, records, part)
     top = max(exchange.gain for exchange in compared)
     chosen = next(k for k, e in enumerate(compared) if e.gain >= top - max(MARGIN, 0.01 * top))
     others = [m for m in best if m is not best[chosen]]
     rivals = [(m.kind, _chance_of(m, best[chosen], design, records, part, rng)) for m in others]
     return best[chosen], tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
+
+
+def best_of_kinds(
+    memories: Sequence[Memory], design: Design, records: Sequence[Record], part: Segments
+) -> dict[str, Memory]:
+    """Return the best memory of each kind: the numbers of two kinds do not compare.
+
+    By how long a vessel delays its input depends on how full it is.
+    """
+    gains = [exchange.gain for exchange in exchanged(memories, design, records, part)]
+    ordered = sorted(zip(gains, memories, strict=True), key=lambda pair: pair[0])
+    return {memory.kind: memory for _, memory in ordered}  # of each kind the last
 
 
 def exchanged(

@@ -10,23 +10,43 @@ from ...export import format_expression
 from .units import with_unit
 
 if TYPE_CHECKING:
+    from .effect import Effect
     from .experiment import Experiment, Plan
 
-__all__ = ["as_sentences", "sentences"]
+__all__ = ["ENOUGH", "as_sentences", "paragraphs"]
+
+ENOUGH = 5.0  # standard errors: a test at 5 % among many candidates then misses one in twenty
 
 
 def as_sentences(plan: Plan, units: Mapping[str, str] | None = None) -> str:
     """Return a plan as text, a paragraph for each experiment."""
-    if not plan.experiments:
+    said = paragraphs(plan, units)
+    if not said:
         return "Nothing to tell apart: no effect has an alternative."
-    paragraphs = [
-        fill(" ".join((f"{i}.", title(one), *sentences(one, units))), 96, subsequent_indent="   ")
-        for i, one in enumerate(plan.experiments, 1)
-    ]
-    return "\n\n".join(paragraphs)
+    return "\n\n".join(
+        fill(f"{i}. {question} {answer}", 96, subsequent_indent="   ")
+        for i, (question, answer) in enumerate(said, 1)
+    )
 
 
-def title(one: Experiment) -> str:
+def paragraphs(plan: Plan, units: Mapping[str, str] | None = None) -> list[tuple[str, str]]:
+    """Return what is to be told apart, and how, for each experiment."""
+    said = [(_title(one), " ".join(_sentences(one, units))) for one in plan.experiments]
+    return said + [_in_time(effect, units) for effect in plan.in_time]
+
+
+def _in_time(effect: Effect, units: Mapping[str, str] | None) -> tuple[str, str]:
+    """Return what tells memories of an input apart, which only differ in how they follow it."""
+    rivals = " or ".join(effect.alternatives)
+    lasts = with_unit(float(effect.coefficients[0]), "t", units)
+    return (
+        f"{effect.name} or {rivals}, in the equation of {effect.state}?",
+        "They differ in how they follow a sudden change of the input. Record steps of it, sampled "
+        f"in much less than the {lasts} by which it is late.",
+    )
+
+
+def _title(one: Experiment) -> str:
     """Return what is to be told apart."""
     effect, rival = one.effect, one.alternative
     forms = [format_expression(e.term) for e in (effect, rival)]
@@ -34,8 +54,14 @@ def title(one: Experiment) -> str:
     return f"{effect.name} {forms[0]} or {rival.name} {forms[1]}, in the equation of {where}?"
 
 
-def sentences(one: Experiment, units: Mapping[str, str] | None = None) -> list[str]:
+def _sentences(one: Experiment, units: Mapping[str, str] | None = None) -> list[str]:
     """Return what to do, and what to expect of it."""
+    if one.now >= ENOUGH:
+        return [
+            f"Against noise alone this record would tell them apart, by {one.now:.1f} standard "
+            "errors where five are enough. But it holds more than noise that neither of them "
+            "explains: look first for what else is missing."
+        ]
     said = [f"This record tells them apart by {one.now:.1f} standard errors; five are enough."]
     said.append(f"{_what_to_do(one)}{_reached(one, units)}.")
     if one.n_records == 1:

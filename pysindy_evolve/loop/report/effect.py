@@ -30,12 +30,16 @@ class Errors:
         The model that the errors belong to.
     parameters : mapping of str to float
         Fitted values of the free parameters that were declared.
+    undefined : float
+        Share of the held-out rows in which the model has no value, such as a root of what is
+        negative there; the derivative is not judged on these.
     """
 
     derivative_error: np.ndarray
     simulation_error: np.ndarray
     model: Equations
     parameters: Mapping[str, float] = field(default_factory=dict)
+    undefined: float = 0.0
 
     @property
     def equations(self) -> list[Any]:

@@ -30,6 +30,7 @@ from ..fitting.linear import solve_gram
 from ..fitting.residual import forces
 from ..given.design import Design, in_state
 from ..given.segments import Segments, segments
+from .advice import ENOUGH, as_sentences
 from .effect import Alternative, Effect
 from .motions import Motion, Motions
 from .units import check_units
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Experiment", "Plan", "plan"]
 
-ENOUGH = 5.0  # standard errors: a test at 5 % among many candidates then misses one in twenty
 MAX_ROWS = 8000
 SMOOTHING = 4.0  # of the noise spectrum, in frequencies of a segment
 
@@ -91,14 +91,15 @@ class Plan:
         In the order of the effects.
     units : mapping of str to str, optional
         Units of the variables.
+    in_time : tuple of Effect
+        Memories of an input that have alternatives; these differ in time, not over the states.
     """
 
     experiments: tuple[Experiment, ...]
     units: Mapping[str, str] | None = None
+    in_time: tuple[Effect, ...] = ()
 
     def __str__(self) -> str:
-        from .advice import as_sentences
-
         return as_sentences(self, self.units)
 
 
@@ -123,13 +124,12 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
     part = segments(records, report.design.velocities, max_rows=MAX_ROWS)
     judge = _Judge(equations, part)
     experiments = []
-    for effect in report.effects:
-        if effect.memory is not None:  # memories differ in time, not over the states
-            continue
+    in_time = tuple(one for one in report.effects if one.memory is not None and one.alternatives)
+    for effect in (one for one in report.effects if one.memory is None):
         for rival in effect.rivals:
             other = _exchanged(report.design, effect, rival)
             experiments.append(_best(judge, other, effect, rival))
-    return Plan(tuple(experiments), units)
+    return Plan(tuple(experiments), units, in_time)
 
 
 def _acting(report: LoopReport) -> tuple[Equations, Sequence[Record]]:

@@ -13,9 +13,9 @@ import numpy as np
 
 from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
-from .advice import sentences, title
+from .advice import paragraphs
 from .remains import remains
-from .text import VERDICTS, free_parameters, table_cells
+from .text import VERDICTS, added_up, free_parameters, table_cells
 from .units import check_units
 
 if TYPE_CHECKING:
@@ -62,14 +62,14 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         verdict=VERDICTS[report.verdict].partition(": "),
         before=equations_mathml(report.before.model),
         after=equations_mathml(report.after.model),
-        parameters=[free_parameters(errors) for errors in (report.before, report.after)],
+        parameters=[
+            free_parameters(report.before),
+            " ".join([free_parameters(report.after), *added_up(report)]),
+        ],
         head=head,
         rows=rows,
         effects=[_effect(effect, report.equations.inner_symbols) for effect in report.effects],
-        experiments=[
-            (title(one), " ".join(sentences(one, units)))
-            for one in report.suggest_experiment(units).experiments
-        ],
+        experiments=paragraphs(report.suggest_experiment(units), units),
         remains=remains(report),
         last_look=_rejected_picture(report),
         pictures=_pictures(report, units),

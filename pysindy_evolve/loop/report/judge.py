@@ -10,7 +10,7 @@ from ...hidden_states.hidden import with_memories
 from ...hidden_states.memory import Memory, remembered
 from ...signals import Record, choose_windows
 from ..fitting.fit import Fit, derivative_errors, fit
-from ..fitting.past import begun
+from ..fitting.past import begun, rates_on
 from ..fitting.runs import simulation_errors
 from ..fitting.shooting import shot
 from ..free_runs.tuning import fit_by_runs
@@ -52,4 +52,6 @@ def judge(
     windows = choose_windows(list(train))
     derivative = derivative_errors(design, fitted.coef, test, windows)
     simulation = simulation_errors(equations, test)
-    return fitted, Errors(derivative, simulation, whole)
+    valued = [np.isfinite(rates_on(equations, record)).all(axis=1) for record in test]
+    undefined = 1.0 - float(np.mean(np.concatenate(valued)))
+    return fitted, Errors(derivative, simulation, whole, undefined=undefined)

@@ -11,14 +11,15 @@ import numpy as np
 
 from ...export import format_equations, format_expression, format_number
 from ...hidden_states.path_states import sayings
-from .advice import sentences, title
+from .advice import paragraphs
 from .remains import remains
 
 if TYPE_CHECKING:
     from .effect import Alternative, Effect, Errors
     from .report import LoopReport
 
-__all__ = ["VERDICTS", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
+__all__ = ["VERDICTS", "added_up", "as_markdown", "as_text", "free_parameters", "interval"]
+__all__ += ["table_cells"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -34,7 +35,7 @@ def as_text(report: LoopReport) -> str:
         "Declared model, fitted\n" + indent(_model(report.before), "    "),
     ]
     if report.effects:
-        said = "\n".join([_model(report.after), *readings(report)])
+        said = "\n".join([_model(report.after), *added_up(report), *readings(report)])
         parts.append("Corrected model\n" + indent(said, "    "))
     parts.append(_table(report))
     symbols = report.equations.inner_symbols
@@ -48,6 +49,20 @@ def _model(errors: Errors) -> str:
     said = free_parameters(errors)
     lines = [format_equations(errors.model), fill(said, 92, subsequent_indent="  ")]
     return "\n".join(line for line in lines if line)
+
+
+def added_up(report: LoopReport) -> list[str]:
+    """Say it where an effect holds terms of the declared model, which the equations add up."""
+    model = report.before.model
+    declared = {(model.states[k], model.terms[j]) for k, j in np.argwhere(model.coef != 0.0)}
+    brought = {
+        (effect.state, product)
+        for effect in report.effects
+        for expression in (() if effect.quantities else effect.expressions)
+        for _, product in expression.parts
+    }
+    said = "The equations add to these what the effects below hold of the same terms."
+    return [said] if report.after.parameters and declared & brought else []
 
 
 def readings(report: LoopReport) -> list[str]:
@@ -88,7 +103,10 @@ def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str
         added = list(group)
         stages.append(("+ " + ", ".join(step.name for step in added), added[0].errors))
     rated = [i for i in range(len(states)) if _is_rated(report, i)]
-    head = [f"d{states[i]}/dt" for i in rated] + [f"{state} free run" for state in states]
+    if report.before.model.n_algebraic:  # nothing is differentiated, and nothing runs
+        head = [f"{states[i]}, averaged" for i in rated] + list(states)
+    else:
+        head = [f"d{states[i]}/dt" for i in rated] + [f"{state} free run" for state in states]
     rows = []
     for name, errors in stages:
         values = [errors.derivative_error[i] for i in rated] + list(errors.simulation_error)
@@ -137,10 +155,11 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     sure = [" " + interval(low, high) for low, high in effect.number_intervals]
     lines += sayings(effect.expressions, [str(symbol) for symbol in symbols], sure)
     of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
-    lines.append(
-        f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; "
-        f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
-    )
+    chance = f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
+    if round(100 * effect.explained) > 0:
+        lines.append(f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; {chance}")
+    else:
+        lines.append(f"by itself removes nothing of the held-out {of_what}; {chance}")
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
         said = f"this data cannot tell it from: {rivals}"
@@ -172,7 +191,7 @@ def as_markdown(report: LoopReport) -> str:
         f"Declared model, fitted:\n\n{_code(_model(report.before))}",
     ]
     if report.effects:
-        said = "\n".join([_model(report.after), *readings(report)])
+        said = "\n".join([_model(report.after), *added_up(report), *readings(report)])
         parts.append(f"Corrected model:\n\n{_code(said)}")
     head, rows = table_cells(report)
     lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
@@ -183,8 +202,8 @@ def as_markdown(report: LoopReport) -> str:
         name = f"### {effect.name} in {effect.place}"
         parts.append("\n".join([name, "", *(f"- {_shielded(fact)}" for fact in facts)]))
     parts.append("\n\n".join(["### What remains", *map(_shielded, remains(report))]))
-    if plan := report.suggest_experiment().experiments:
-        advice = [f"- **{title(one)}** {' '.join(sentences(one))}" for one in plan]
+    if plan := paragraphs(report.suggest_experiment()):
+        advice = [f"- **{question}** {answer}" for question, answer in plan]
         parts.append("\n".join(["### What to measure next", "", *map(_shielded, advice)]))
     return "\n\n".join(parts) + "\n"
 
