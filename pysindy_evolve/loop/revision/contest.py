@@ -13,7 +13,7 @@ from ..evidence.step import Finding
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["contested", "plainest"]
+__all__ = ["contested", "plainer"]
 
 # Share of the significance at which a rival is refuted. One that stays costs another measurement,
 # a cause that is lost a wrong machine: at 5 % for what is named, the cause is kept with 99 %.
@@ -41,12 +41,12 @@ def contested(
             found = rivals_of(finding.candidate, design, part, REFUTED * significance, rng)
             finding = replace(finding, rivals=found)
             if part.tracks:
-                finding = plainest(finding, design, significance)
+                finding = plainer(finding, design, significance)
         judged.append(finding)
     return judged
 
 
-def plainest(finding: Finding, design: Design, significance: float) -> Finding:
+def plainer(finding: Finding, design: Design, significance: float) -> Finding:
     """Put the plainest effect that the record allows in the place of one.
 
     On a short trajectory most things change with each other and with the time. What depends on the
