@@ -10,22 +10,27 @@ import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.memory import Memory, remembered
 from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.fitting.past import begun
 from pysindy_evolve.loop.fitting.runs import free_run
-from pysindy_evolve.loop.free_runs.by_runs import find_by_runs
+from pysindy_evolve.loop.free_runs.by_runs import find_by_runs, is_trace
 from pysindy_evolve.loop.free_runs.drift import drift_of
-from pysindy_evolve.loop.free_runs.halts import LimitFinding
+from pysindy_evolve.loop.free_runs.halts import LimitFinding, drift_from
 from pysindy_evolve.loop.free_runs.limits import limited, limits_of
 from pysindy_evolve.loop.free_runs.tuning import tuned
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.records import widened
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.recall import MemoryFinding
 from pysindy_evolve.loop.revision.revise import prune
 from pysindy_evolve.simulation.pieces import simulate_pieces
+from pysindy_evolve.terms import power, variable
 
+RULES = Rules(0.05, 99, 0.05, 3)
 TANK = pse.DeclaredModel({"h": "k1*u - k2*sqrt(h)"}, inputs=["u"])
 DT = 5.0
 FINE = 20  # steps in each sample of the truth
@@ -271,3 +276,25 @@ def test_a_lag_shorter_than_a_sample_has_no_past_to_find():
     design = design_of(TANK, [record])
     short = with_memories(design.equations([0.02, 0.024]), [Memory("hidden state", 0, (0.1 * DT,))])
     assert begun(short, record) is record
+
+
+@pytest.mark.parametrize(
+    ("known", "score", "trace"), [(True, 0.1, True), (True, 2.0, False), (False, 0.1, False)]
+)
+def test_a_term_is_a_trace_of_what_the_declared_runs_miss_unless_it_halves_the_rest(
+    known, score, trace
+):
+    softened = {"q": "v", "v": "-40*q - 0.8*v - 60*q^3 + F"}
+    record = measured(softened)
+    design = design_of(
+        pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"]), [record]
+    )
+    cubic = in_state("cubic stiffness", power(variable(0), 3), 1, 2)
+    model = Model(design.adding([cubic]) if known else design)
+    tiny = Candidate("nonlinear damping", 1, (power(variable(1), 3),))
+    finding = Finding(tiny, columns_of(tiny, design), score, 0.003, np.zeros(9), by_runs=True)
+    drift, rejected = drift_from(model, [record]), []
+    assert is_trace(finding, design, drift, RULES, rejected) == trace
+    assert len(rejected) == trace
+    if trace:
+        assert rejected[0].share < RULES.min_share

@@ -240,3 +240,11 @@ def test_a_declared_term_that_an_effect_holds_too_is_mentioned(report):
     found = pse.close_loop(gap.model, gap.record(), operators=(), random_state=0)
     assert "The equations add to these what the effects below hold" in str(found)
     assert "The equations add to these" not in str(report)
+
+
+def test_a_parameter_that_turns_its_sign_is_mentioned(report):
+    turned = dict(report.after.parameters) | {"c": -0.3}
+    said = " ".join(str(replace(report, after=replace(report.after, parameters=turned))).split())
+    was = format_number(report.before.parameters["c"])
+    assert f"turns its sign: c from {was} to -0.3. If the machine does not" in said
+    assert "turns its sign" not in str(report)

@@ -19,6 +19,8 @@ from ..evidence.rejected import Rejected
 from ..evidence.scoring import MARGIN, columns_of, score
 from ..evidence.step import Finding
 from ..evidence.trace import Score
+from ..fitting.fit import refit
+from ..fitting.trial import settled
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import ranges, segments, variables_of
@@ -30,7 +32,7 @@ from .limits import limited, off_limits
 from .tuning import tuned
 from .variants import Model, Pasts, Variant, memories_beside
 
-__all__ = ["find_by_runs", "model_of", "with_findings"]
+__all__ = ["find_by_runs", "is_trace", "model_of", "with_findings"]
 
 
 N_SIGNS = 999  # draws, which cost next to nothing
@@ -90,8 +92,10 @@ def find_by_runs(
             pasts=pasts,
         )
         drift = drift_from(model, records)
-        step = None if drift is None else _best(drift, wide, not new, rules, rng, rejected)
-        if step is None:
+        if drift is None:
+            break
+        step = _best(drift, wide, not new, rules, rng, rejected)
+        if step is None or is_trace(step[0], declared, drift, rules, rejected):
             break
         new, pasts = _retuned([*new, step[0]], step[1]), step[1].pasts
     whole = replace(model_of(declared, [*before, *new]), pasts=pasts)
@@ -220,6 +224,28 @@ def _plainest(
     near = gains >= gains.max() - max(MARGIN, 0.01 * gains.max())
     k = min(np.flatnonzero(near).tolist(), key=lambda k: variants[k].plainness)
     return variants[k], passing[k][1], passing[k][2]
+
+
+def is_trace(
+    finding: Finding, declared: Design, drift: Drift, rules: Rules, rejected: list[Rejected]
+) -> bool:
+    """Tell whether a term is too little of what the runs of the declared model miss.
+
+    As in the look at names, one that halves the error is no trace, and a memory makes no equation
+    longer. A trace is appended to `rejected`.
+    """
+    if isinstance(finding, MemoryFinding) or finding.score >= HALVED:
+        return False
+    model = Model(declared)
+    coef = refit(declared, drift.records, "derivative")
+    (first,) = settled([model.trial(coef, drift.trial.scale, drift.records, drift.part)])
+    if not np.isfinite(first.error) or first.error <= drift.trial.error:
+        return False
+    share = float(-np.expm1(-finding.score) * drift.trial.error / first.error)
+    if share >= rules.min_share:
+        return False
+    rejected.append(replace(_as_rejected(finding, drift, rules.level_of_runs), share=share))
+    return True
 
 
 def _as_rejected(finding: Finding, drift: Drift, level: float) -> Rejected:

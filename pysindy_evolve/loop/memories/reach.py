@@ -13,7 +13,7 @@ from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, constant, mul, sub
 from ..evidence.encompassing import chance
-from ..evidence.scoring import MARGIN
+from ..evidence.scoring import LEAD, MARGIN
 from ..evidence.spectral import spectral_grams
 from ..fitting.fit import derivative_intervals
 from ..given.design import Column, Design
@@ -61,11 +61,21 @@ def settled(
     kinds = [kind for kind in (DELAY, LAG, VESSEL) if kind in first]
     best = [reach_of(first[kind], design, records, part) for kind in kinds]
     compared = exchanged(best, design, records, part)
-    top = max(exchange.gain for exchange in compared)
-    chosen = next(k for k, e in enumerate(compared) if e.gain >= top - max(MARGIN, 0.01 * top))
-    others = [m for m in best if m is not best[chosen]]
-    rivals = [(m.kind, _chance_of(m, best[chosen], design, records, part, rng)) for m in others]
-    return best[chosen], tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
+    chosen = best[_plainest(kinds, [exchange.gain for exchange in compared])]
+    others = [m for m in best if m is not chosen]
+    rivals = [(m.kind, _chance_of(m, chosen, design, records, part, rng)) for m in others]
+    return chosen, tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
+
+
+def _plainest(kinds: Sequence[str], gains: Sequence[float]) -> int:
+    """Return the place of the plainest kind that does as well as the best.
+
+    A vessel, whose outflow is a root of its level, says more than a delay or a lag does, and must
+    lead both by what a state of its own is worth.
+    """
+    linear = max((g for k, g in zip(kinds, gains, strict=True) if k != VESSEL), default=-np.inf)
+    top = max(gains) if max(gains) > linear + LEAD else linear
+    return next(k for k, gain in enumerate(gains) if gain >= top - max(MARGIN, 0.01 * top))
 
 
 def best_of_kinds(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...export import format_expression
+from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ __all__ = ["remains"]
 
 RUNAWAY = 100.0  # percent of the standard deviation
 HELD = 0.1  # sampling times by which a delay may differ from half of one
+TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
 NOTABLE = 20.0  # the same: more than a small error of a parameter leaves in most machines
 
 
@@ -31,6 +32,7 @@ def remains(report: LoopReport) -> list[str]:
             "predicts the residual better than it does in twins: something is there that depends "
             "on what was measured. A delay, a memory or a variable that was not measured may be it."
         )
+    said += _turned(report)
     if report.after.undefined > 0.0:
         said.append(
             f"In {100 * report.after.undefined:.2g} % of the held-out rows the model has no value, "
@@ -52,6 +54,22 @@ def remains(report: LoopReport) -> list[str]:
     if not report.finished:
         said.append(_unfinished(report))
     return said
+
+
+def _turned(report: LoopReport) -> list[str]:
+    """Say which declared parameters have another sign with the effects than without them."""
+    before, after = report.before.parameters, report.after.parameters
+    turned = [
+        f"{name} from {format_number(before[name])} to {format_number(value)}"
+        for name, value in after.items()
+        if before[name] * value < 0.0 and abs(value) > TURNED * abs(before[name])
+    ]
+    if not turned:
+        return []
+    return [
+        f"With the effects a parameter turns its sign: {', '.join(turned)}. If the machine does "
+        "not allow that, an effect holds a part of it, or stands for another one."
+    ]
 
 
 def _is_held(effect: Effect, report: LoopReport) -> bool:
