@@ -1,0 +1,81 @@
+"""What to keep in mind of a report: held inputs, turned signs, runs that miss the record."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...export import format_expression, format_number
+from ...hidden_states.memory import DELAY
+
+if TYPE_CHECKING:
+    from .report import LoopReport
+
+__all__ = ["cautions"]
+
+HELD = 0.1  # sampling times by which a delay may differ from half of one
+TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
+NOTABLE = 20.0  # percent of the standard deviation: more than a small error of a parameter leaves
+RUNAWAY = 100.0  # the same
+
+
+def cautions(report: LoopReport) -> list[str]:
+    """Return what is to be kept in mind, in sentences."""
+    return [*_held(report), *_turned(report), *_undefined(report), *_missed(report)]
+
+
+def _held(report: LoopReport) -> list[str]:
+    """Name the delays that are the half sample by which an input lags that is held in between."""
+    first = report.train[0]
+    step = first.dt if first.preparation is None else first.preparation.dt
+    delays = (one for one in report.effects if one.memory is not None and one.name == DELAY)
+    return [
+        f"The input delay of {format_expression(one.term).partition('(')[0]} is half a sampling "
+        "time: so late acts an input that is held from one sample to the next (zero-order hold), "
+        "and no part of the machine need be slow."
+        for one in delays
+        if abs(one.coefficients[0] - 0.5 * step) < HELD * step
+    ]
+
+
+def _turned(report: LoopReport) -> list[str]:
+    """Name the declared parameters that have another sign with the effects than without them."""
+    before, after = report.before.parameters, report.after.parameters
+    turned = [
+        f"{name} from {format_number(before[name])} to {format_number(value)}"
+        for name, value in after.items()
+        if before[name] * value < 0.0 and abs(value) > TURNED * abs(before[name])
+    ]
+    if not turned:
+        return []
+    return [
+        f"With the effects a parameter turns its sign: {', '.join(turned)}. If the machine does "
+        "not allow that, an effect holds a part of it, or stands for another one."
+    ]
+
+
+def _undefined(report: LoopReport) -> list[str]:
+    if report.after.undefined == 0.0:
+        return []
+    return [
+        f"In {100 * report.after.undefined:.2g} % of the held-out rows the model has no value, "
+        "such as a root of what is negative there: it was not measured for training, or noise "
+        "moved it across. The derivative is not judged on these rows."
+    ]
+
+
+def _missed(report: LoopReport) -> list[str]:
+    missed = np.max(report.after.simulation_error)
+    if not missed < RUNAWAY:
+        return [
+            "The free run leaves the record by more than the record varies. Such a run amplifies "
+            "the smallest difference, or something is still missing: judge by the derivative."
+        ]
+    if missed < NOTABLE or report.verdict == "untraced":
+        return []
+    return [
+        f"The free run still misses the record by {missed:.2g} %. To each effect that was tried, "
+        "what remains looks like a random force. If no such force acts on the machine, something "
+        "is missing that is not among these effects, or not clear in this record."
+    ]
