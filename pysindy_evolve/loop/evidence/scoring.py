@@ -24,7 +24,6 @@ from .spectral import spectral_grams
 from .trace import Score, rank, ranked
 
 __all__ = [
-    "LEAD",
     "MARGIN",
     "PRICE",
     "Proposer",

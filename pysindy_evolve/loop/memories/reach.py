@@ -13,7 +13,7 @@ from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, constant, mul, sub
 from ..evidence.encompassing import chance
-from ..evidence.scoring import LEAD, MARGIN
+from ..evidence.scoring import MARGIN
 from ..evidence.spectral import spectral_grams
 from ..fitting.fit import derivative_intervals
 from ..given.design import Column, Design
@@ -52,7 +52,8 @@ def settled(
     Returns
     -------
     memory : Memory
-        Of the plainest kind that does as well as the best.
+        Of the plainest kind that does as well as the best; a vessel only if a delay or a lag gains
+        nothing beside it.
     rivals : tuple of (str, float)
         Kinds that could stand in its place, with their p-values.
     """
@@ -60,22 +61,23 @@ def settled(
     first = best_of_kinds(grid, design, records, part)
     kinds = [kind for kind in (DELAY, LAG, VESSEL) if kind in first]
     best = [reach_of(first[kind], design, records, part) for kind in kinds]
-    compared = exchanged(best, design, records, part)
-    chosen = best[_plainest(kinds, [exchange.gain for exchange in compared])]
+    gains = [exchange.gain for exchange in exchanged(best, design, records, part)]
+    chosen = _plainest(best, gains)
+    linear = [pair for pair in zip(best, gains, strict=True) if pair[0].kind != VESSEL]
+    if chosen.kind == VESSEL and linear:
+        # Its outflow is a root of its level, which says more than a delay or a lag does.
+        other = _plainest(*zip(*linear, strict=True))
+        stands = _chance_of(chosen, other, design, records, part, rng) > level
+        chosen = chosen if stands else other
     others = [m for m in best if m is not chosen]
     rivals = [(m.kind, _chance_of(m, chosen, design, records, part, rng)) for m in others]
     return chosen, tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
 
 
-def _plainest(kinds: Sequence[str], gains: Sequence[float]) -> int:
-    """Return the place of the plainest kind that does as well as the best.
-
-    A vessel, whose outflow is a root of its level, says more than a delay or a lag does, and must
-    lead both by what a state of its own is worth.
-    """
-    linear = max((g for k, g in zip(kinds, gains, strict=True) if k != VESSEL), default=-np.inf)
-    top = max(gains) if max(gains) > linear + LEAD else linear
-    return next(k for k, gain in enumerate(gains) if gain >= top - max(MARGIN, 0.01 * top))
+def _plainest(memories: Sequence[Memory], gains: Sequence[float]) -> Memory:
+    """Return the first, and so the plainest, that does as well as the best."""
+    enough = max(gains) - max(MARGIN, 0.01 * max(gains))
+    return next(m for m, gain in zip(memories, gains, strict=True) if gain >= enough)
 
 
 def best_of_kinds(
