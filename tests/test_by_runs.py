@@ -14,7 +14,7 @@ from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.fitting.past import begun
 from pysindy_evolve.loop.fitting.runs import free_run
-from pysindy_evolve.loop.free_runs.by_runs import find_by_runs, is_trace
+from pysindy_evolve.loop.free_runs.by_runs import find_by_runs, matters, share_of_miss
 from pysindy_evolve.loop.free_runs.drift import drift_of
 from pysindy_evolve.loop.free_runs.halts import LimitFinding, drift_from
 from pysindy_evolve.loop.free_runs.limits import limited, limits_of
@@ -278,23 +278,19 @@ def test_a_lag_shorter_than_a_sample_has_no_past_to_find():
     assert begun(short, record) is record
 
 
-@pytest.mark.parametrize(
-    ("known", "score", "trace"), [(True, 0.1, True), (True, 2.0, False), (False, 0.1, False)]
-)
-def test_a_term_is_a_trace_of_what_the_declared_runs_miss_unless_it_halves_the_rest(
-    known, score, trace
-):
-    softened = {"q": "v", "v": "-40*q - 0.8*v - 60*q^3 + F"}
-    record = measured(softened)
-    design = design_of(
-        pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"]), [record]
-    )
+@pytest.mark.parametrize("score", [0.1, 2.0])
+@pytest.mark.parametrize("known", [True, False])
+def test_a_term_must_matter_to_the_declared_model_or_halve_what_is_left(known, score):
+    record = measured({"q": "v", "v": "-40*q - 0.8*v - 60*q^3 + F"})
+    model = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    design = design_of(model, [record])
     cubic = in_state("cubic stiffness", power(variable(0), 3), 1, 2)
-    model = Model(design.adding([cubic]) if known else design)
+    drift = drift_from(Model(design.adding([cubic]) if known else design), [record])
     tiny = Candidate("nonlinear damping", 1, (power(variable(1), 3),))
     finding = Finding(tiny, columns_of(tiny, design), score, 0.003, np.zeros(9), by_runs=True)
-    drift, rejected = drift_from(model, [record]), []
-    assert is_trace(finding, design, drift, RULES, rejected) == trace
-    assert len(rejected) == trace
-    if trace:
-        assert rejected[0].share < RULES.min_share
+    share, removed = share_of_miss(finding, design, drift), 1.0 - np.exp(-score)
+    if known:
+        assert share < RULES.min_share
+    else:
+        assert share == pytest.approx(removed, rel=1e-3)
+    assert matters(finding, share, RULES) == (score > 1.0 or not known)

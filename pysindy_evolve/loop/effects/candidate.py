@@ -7,10 +7,16 @@ from dataclasses import dataclass, field, replace
 
 from ...terms import ONE, Sum
 
-__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "renumbered"]
+__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "renumbered"]
 
 OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
 REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
+
+
+def bare(expression: Sum) -> Sum:
+    """Return an expression with its last coefficient made one."""
+    leading = expression.parts[-1][0]
+    return Sum(tuple((c / leading, term) for c, term in expression.parts))
 
 
 @dataclass(frozen=True)

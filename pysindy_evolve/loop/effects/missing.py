@@ -8,8 +8,8 @@ import numpy as np
 
 from ...terms import Sum
 from ..given.design import Design
-from .candidate import OFFSET, Candidate
-from .vocabulary import bare, of_equation
+from .candidate import OFFSET, Candidate, bare
+from .vocabulary import of_equation
 
 __all__ = ["candidates", "standing"]
 

@@ -15,10 +15,10 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .candidate import OFFSET, Candidate, CandidateMaker, Shape
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .hysteresis import remembering, rounded, yields
 
-__all__ = ["VOCABULARY", "bare", "of_equation"]
+__all__ = ["VOCABULARY", "of_equation"]
 
 VOCABULARY = (
     "Coulomb friction",
@@ -193,16 +193,9 @@ def _drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidat
     A spring softens as it warms up, and a tank grows lighter as it runs out.
     """
     yield effect("drift", t, parents=(OFFSET,))
-    for column in design.columns:
-        term = bare(column.parts[effect.state]) if column.parts[effect.state].parts else OFFSET
-        if term != OFFSET and not term.variables & t.variables:
-            yield effect("drift", mul(t, term), parents=(term,))
-
-
-def bare(expression: Sum) -> Sum:
-    """Return an expression with its last coefficient made one."""
-    leading = expression.parts[-1][0]
-    return Sum(tuple((c / leading, term) for c, term in expression.parts))
+    for part in (column.parts[effect.state] for column in design.columns):
+        if part.variables and not part.variables & t.variables:
+            yield effect("drift", mul(t, bare(part)), parents=(bare(part),))
 
 
 def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:

@@ -32,7 +32,7 @@ from .limits import limited, off_limits
 from .tuning import tuned
 from .variants import Model, Pasts, Variant, memories_beside
 
-__all__ = ["find_by_runs", "is_trace", "model_of", "with_findings"]
+__all__ = ["find_by_runs", "matters", "model_of", "share_of_miss", "with_findings"]
 
 
 N_SIGNS = 999  # draws, which cost next to nothing
@@ -94,8 +94,8 @@ def find_by_runs(
         drift = drift_from(model, records)
         if drift is None:
             break
-        step = _best(drift, wide, not new, rules, rng, rejected)
-        if step is None or is_trace(step[0], declared, drift, rules, rejected):
+        step = _best(declared, drift, wide, not new, rules, rng, rejected)
+        if step is None:
             break
         new, pasts = _retuned([*new, step[0]], step[1]), step[1].pasts
     whole = replace(model_of(declared, [*before, *new]), pasts=pasts)
@@ -120,6 +120,7 @@ def _retuned(new: list[Finding], model: Model) -> list[Finding]:
 
 
 def _best(
+    declared: Design,
     drift: Drift,
     wide: Sequence[Record],
     first: bool,
@@ -129,10 +130,18 @@ def _best(
 ) -> tuple[Finding, Model] | None:
     """Return the best effect that passes, and the model with it."""
     found = _memory_or_term(drift, wide, first, rules, rng)
-    if found is None or found[0].p_value <= rules.level_of_runs:
+    if found is None:
+        return None
+    finding, share = found[0], share_of_miss(found[0], declared, drift)
+    if finding.p_value <= rules.level_of_runs and matters(finding, share, rules):
         return found
-    rejected.append(_as_rejected(found[0], drift, rules.level_of_runs))
+    rejected.append(_as_rejected(finding, share, drift, rules.level_of_runs))
     return None
+
+
+def matters(finding: Finding, share: float, rules: Rules) -> bool:
+    """Tell whether a finding is more than a trace, or halves the squares that are left."""
+    return finding.score >= HALVED or share >= rules.min_share
 
 
 def _memory_or_term(
@@ -226,35 +235,29 @@ def _plainest(
     return variants[k], passing[k][1], passing[k][2]
 
 
-def is_trace(
-    finding: Finding, declared: Design, drift: Drift, rules: Rules, rejected: list[Rejected]
-) -> bool:
-    """Tell whether a term is too little of what the runs of the declared model miss.
+def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
+    """Return what share of the squares that the declared model's runs miss a finding removes.
 
-    As in the look at names, one that halves the error is no trace, and a memory makes no equation
-    longer. A trace is appended to `rejected`.
+    As in the look at names, a memory is held against what the present model leaves: it makes no
+    equation longer.
     """
-    if isinstance(finding, MemoryFinding) or finding.score >= HALVED:
-        return False
-    model = Model(declared)
+    removed = float(-np.expm1(-finding.score))
+    if isinstance(finding, MemoryFinding) or not declared.columns:
+        return removed
     coef = refit(declared, drift.records, "derivative")
-    (first,) = settled([model.trial(coef, drift.trial.scale, drift.records, drift.part)])
-    if not np.isfinite(first.error) or first.error <= drift.trial.error:
-        return False
-    share = float(-np.expm1(-finding.score) * drift.trial.error / first.error)
-    if share >= rules.min_share:
-        return False
-    rejected.append(replace(_as_rejected(finding, drift, rules.level_of_runs), share=share))
-    return True
+    trial = Model(declared).trial(coef, drift.trial.scale, drift.records, drift.part)
+    (first,) = settled([trial])
+    if not np.isfinite(first.error):  # nothing to be compared with
+        return removed
+    return removed * min(drift.trial.error / max(first.error, 1e-300), 1.0)
 
 
-def _as_rejected(finding: Finding, drift: Drift, level: float) -> Rejected:
+def _as_rejected(finding: Finding, share: float, drift: Drift, level: float) -> Rejected:
     design = drift.model.design
     left = np.full(1, np.exp(-finding.score))
     tried = Score((finding.candidate,), (), np.ones(1), left, finding.score)
     names = (*design.states, *design.inputs, "t")
-    share, twins = float(1.0 - left[0]), finding.twin_scores
-    return Rejected(tried, share, finding.p_value, twins, names, level)
+    return Rejected(tried, share, finding.p_value, finding.twin_scores, names, level)
 
 
 def _terms(drift: Drift) -> list[Variant]:

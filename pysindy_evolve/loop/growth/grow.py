@@ -212,8 +212,8 @@ class Garden:
             return []
         known = standing(design)
         grown = grow(design, self.seen, self.operators, self.rng)
-        new = [c for c in grown if (c.state, c.terms[0]) not in known]
-        new = [c for c in new if have_values(c.terms, self.records)]
+        fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
+        new = [c for c in fresh if have_values(c.terms, self.records)]
         self.grown += new
         return new
 

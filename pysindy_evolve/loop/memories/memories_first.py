@@ -47,14 +47,8 @@ def outdoes_memories(
     -------
     bool
     """
-    first = [
-        memory
-        for column in sorted({memory.column for memory in memories})
-        for memory in best_of_kinds(
-            [m for m in memories if m.column == column], design, records, part
-        ).values()
-    ]
-    rivals = tuple(reach_of(memory, design, records, part) for memory in first)
+    first = best_of_kinds(memories, design, records, part)
+    rivals = tuple(reach_of(memory, design, records, part) for memory in first.values())
     top = score(design, part, ways, pairs=False)[0].group[0]
     probes = Probes(design, rivals)
     wide = probes.widened(design)

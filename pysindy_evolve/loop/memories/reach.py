@@ -59,8 +59,8 @@ def settled(
     """
     grid = [m for m in grid_of(design, records, part, present) if m.column == memory.column]
     first = best_of_kinds(grid, design, records, part)
-    kinds = [kind for kind in (DELAY, LAG, VESSEL) if kind in first]
-    best = [reach_of(first[kind], design, records, part) for kind in kinds]
+    places = [(kind, memory.column) for kind in (DELAY, LAG, VESSEL)]
+    best = [reach_of(first[place], design, records, part) for place in places if place in first]
     gains = [exchange.gain for exchange in exchanged(best, design, records, part)]
     chosen = _plainest(best, gains)
     linear = [pair for pair in zip(best, gains, strict=True) if pair[0].kind != VESSEL]
@@ -82,14 +82,14 @@ def _plainest(memories: Sequence[Memory], gains: Sequence[float]) -> Memory:
 
 def best_of_kinds(
     memories: Sequence[Memory], design: Design, records: Sequence[Record], part: Segments
-) -> dict[str, Memory]:
-    """Return the best memory of each kind: the numbers of two kinds do not compare.
+) -> dict[tuple[str, int], Memory]:
+    """Return the best memory of each kind and input: the numbers of two kinds do not compare.
 
     By how long a vessel delays its input depends on how full it is.
     """
     gains = [exchange.gain for exchange in exchanged(memories, design, records, part)]
     ordered = sorted(zip(gains, memories, strict=True), key=lambda pair: pair[0])
-    return {memory.kind: memory for _, memory in ordered}  # of each kind the last
+    return {(memory.kind, memory.column): memory for _, memory in ordered}  # the last of each
 
 
 def exchanged(
