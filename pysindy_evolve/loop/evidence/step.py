@@ -17,27 +17,17 @@ from ..twins.chance import p_value_of
 from ..twins.drifting import DriftingTwins
 from ..twins.testing import twin_values
 from ..twins.twins import TwinMaker
-from .offers import offer_for
 from .refinement import justified
 from .rejected import Rejected
 from .rivals import Rival
-from .scoring import (
-    Proposer,
-    columns_of,
-    plainest,
-    quick_fit,
-    score,
-    sharpened,
-    tuned,
-)
+from .scoring import Proposer, columns_of, plainest, quick_fit, score, sharpened, tuned
 from .shares import Shares, is_exact
 from .trace import Score
 
 __all__ = ["Finding", "find"]
 
-HALVED = float(
-    np.log(4.0)
-)  # score of an effect that halves the error: no trace, whatever its share
+# Score of an effect that halves the error: no trace, whatever its share.
+HALVED = float(np.log(4.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +71,7 @@ def find(
     part: Segments,
     rules: Rules,
     rng: np.random.Generator,
-    proposer: Proposer | None = None,
+    proposer: Proposer,
     rejected: list[Rejected] | None = None,
 ) -> list[Finding]:
     """Return the effect, or the pair of effects, that a design lacks; nothing if none passes.
@@ -100,8 +90,8 @@ def find(
         When an effect counts.
     rng : numpy.random.Generator
         Draws the twins.
-    proposer : callable, optional
-        Maps design, equations and records to candidates; by default the vocabulary.
+    proposer : callable
+        Maps design, equations and records to candidates.
     rejected : list of Rejected, optional
         The best that did not pass is appended to it.
 
@@ -112,9 +102,6 @@ def find(
     rejected = [] if rejected is None else rejected
     if is_exact(design, part):
         return []
-    if proposer is None:
-        offer = offer_for(design, part, records)
-        proposer, part = offer.propose, offer.part
     rules = rules.at(len(design.columns) - len(declared.columns))
     equations = quick_fit(design, part)
     proposed = proposer(design, equations, records)

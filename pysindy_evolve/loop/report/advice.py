@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -10,11 +10,12 @@ from ...export import format_expression
 from .units import with_unit
 
 if TYPE_CHECKING:
-    from .effect import Effect
+    from .effect import Alternative, Effect
     from .experiment import Experiment, Plan
 
 __all__ = ["ENOUGH", "as_sentences", "paragraphs"]
 
+MOST = 20  # records that anybody would make
 ENOUGH = 5.0  # standard errors: a test at 5 % among many candidates then misses one in twenty
 
 
@@ -30,9 +31,26 @@ def as_sentences(plan: Plan, units: Mapping[str, str] | None = None) -> str:
 
 
 def paragraphs(plan: Plan, units: Mapping[str, str] | None = None) -> list[tuple[str, str]]:
-    """Return what is to be told apart, and how, for each experiment."""
-    said = [(_title(one), " ".join(_sentences(one, units))) for one in plan.experiments]
+    """Return what is to be told apart, and how; alternatives with the same answer share one."""
+    said = [(_title(alike), " ".join(_sentences(alike, units))) for alike in _alike(plan)]
     return said + [_in_time(effect, units) for effect in plan.in_time]
+
+
+def _alike(plan: Plan) -> list[list[Experiment]]:
+    """Return groups of experiments, one each; those of an effect that need no motion share one."""
+    groups: dict[Hashable, list[Experiment]] = {}
+    for i, one in enumerate(plan.experiments):
+        kind = "known" if _is_known(one) else "hopeless" if _is_hopeless(one) else i
+        groups.setdefault((id(one.effect), kind), []).append(one)
+    return list(groups.values())
+
+
+def _is_known(one: Experiment) -> bool:
+    return one.now >= ENOUGH
+
+
+def _is_hopeless(one: Experiment) -> bool:
+    return one.n_records > MOST
 
 
 def _in_time(effect: Effect, units: Mapping[str, str] | None) -> tuple[str, str]:
@@ -46,32 +64,38 @@ def _in_time(effect: Effect, units: Mapping[str, str] | None) -> tuple[str, str]
     )
 
 
-def _title(one: Experiment) -> str:
+def _title(alike: Sequence[Experiment]) -> str:
     """Return what is to be told apart."""
-    effect, rival = one.effect, one.alternative
-    forms = [format_expression(e.term) for e in (effect, rival)]
-    where = effect.state if effect.state == rival.state else f"{effect.state} or {rival.state}"
-    return f"{effect.name} {forms[0]} or {rival.name} {forms[1]}, in the equation of {where}?"
+    causes: list[Effect | Alternative] = [alike[0].effect, *(one.alternative for one in alike)]
+    forms = " or ".join(f"{cause.name} {format_expression(cause.term)}" for cause in causes)
+    where = " or ".join(dict.fromkeys(cause.state for cause in causes))
+    return f"{forms}, in the equation of {where}?"
 
 
-def _sentences(one: Experiment, units: Mapping[str, str] | None = None) -> list[str]:
+def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = None) -> list[str]:
     """Return what to do, and what to expect of it."""
-    if one.now >= ENOUGH:
+    one = alike[0]
+    if _is_known(one):
         return [
-            f"Against noise alone this record would tell them apart, by {one.now:.1f} standard "
+            f"Against noise alone this record would tell them apart, by {_now(alike)} standard "
             "errors where five are enough. But it holds more than noise that neither of them "
             "explains: look first for what else is missing."
         ]
-    said = [f"This record tells them apart by {one.now:.1f} standard errors; five are enough."]
+    said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
+    if _is_hopeless(one):
+        return [*said, "No motion up to ten times as large or five times as fast would do."]
     said.append(f"{_what_to_do(one)}{_reached(one, units)}.")
     if one.n_records == 1:
         said.append(f"One more record as long as this one then makes it {one.then:.1f}.")
-    elif one.n_records <= 20:
-        said.append(f"It takes about {one.n_records} more records as long as this one.")
     else:
-        return [said[0], "No motion up to ten times as large or five times as fast would do."]
-    said.append(_where(one, units))
-    return said
+        said.append(f"It takes about {one.n_records} more records as long as this one.")
+    return [*said, _where(one, units)]
+
+
+def _now(alike: Sequence[Experiment]) -> str:
+    """Return by how many standard errors the record tells each of them from the effect."""
+    values = sorted({f"{one.now:.1f}" for one in alike}, key=float)
+    return values[0] if len(values) == 1 else f"{values[0]} to {values[-1]}"
 
 
 def _what_to_do(one: Experiment) -> str:
