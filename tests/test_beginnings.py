@@ -7,9 +7,9 @@ from scipy.signal import lsim
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import LAG, Memory, raw_inputs
 from pysindy_evolve.loop.effects.candidate import CandidateMaker
+from pysindy_evolve.loop.evidence.findings import MemoryFinding, memories_in
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.memories.recall import MemoryFinding, memories_of
 from pysindy_evolve.loop.revision.beginnings import settled_beginning
 from pysindy_evolve.terms import variable
 
@@ -39,7 +39,7 @@ def begun(record, time_constant=33.0):
 
 def test_lag_of_a_heater_switched_on_with_the_first_sample_is_tuned_from_rest():
     found = begun(heated(before=0.0))
-    (memory,) = memories_of(found.findings)
+    (memory,) = memories_in(found.findings)
     assert memory.values[0] == pytest.approx(TIME_CONSTANT, rel=0.03)
     for record in (*found.plain, *found.wide):
         assert raw_inputs(record)[0] == pytest.approx([0.0], abs=0.05)
@@ -49,7 +49,7 @@ def test_record_in_balance_with_its_first_input_stays_as_it_is():
     record = heated(before=1.0)
     found = begun(record, TIME_CONSTANT)
     assert found.wide == (record,)
-    assert memories_of(found.findings) == (Memory(LAG, 0, (TIME_CONSTANT,)),)
+    assert memories_in(found.findings) == (Memory(LAG, 0, (TIME_CONSTANT,)),)
 
 
 def test_heater_switched_on_with_the_first_sample_is_found_with_its_numbers():

@@ -10,22 +10,21 @@ import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.memory import Memory, remembered
 from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.evidence.findings import Finding, LimitFinding, MemoryFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.fitting.past import begun
 from pysindy_evolve.loop.fitting.runs import free_run
 from pysindy_evolve.loop.free_runs.by_runs import find_by_runs, matters, share_of_miss
 from pysindy_evolve.loop.free_runs.drift import drift_of
-from pysindy_evolve.loop.free_runs.halts import LimitFinding, drift_from
-from pysindy_evolve.loop.free_runs.limits import limited, limits_of
-from pysindy_evolve.loop.free_runs.tuning import tuned
+from pysindy_evolve.loop.free_runs.memory_tuning import tuned_memories
+from pysindy_evolve.loop.free_runs.state_limits import drift_from
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
+from pysindy_evolve.loop.given.limits import limited, limits_of
 from pysindy_evolve.loop.given.records import widened
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.memories.recall import MemoryFinding
 from pysindy_evolve.loop.revision.revise import prune
 from pysindy_evolve.simulation.pieces import simulate_pieces
 from pysindy_evolve.terms import power, variable
@@ -245,7 +244,7 @@ def test_what_came_before_a_record_is_tuned_with_the_vessel(seed):
     design = design_of(TANK, [record])
     model = Model(design, (Memory("hidden state", 0, (25.0,)),))
     drift = drift_of(Model(design), np.array([0.02, 0.024]), [record])
-    found = tuned(drift, model)
+    found = tuned_memories(drift, model)
     assert found.pasts[0][0] == pytest.approx(acted, abs=0.15)
     assert found.memories[0].values[0] == pytest.approx(40.0, rel=0.2)
 

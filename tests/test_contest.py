@@ -8,9 +8,9 @@ from loop_systems import equations_of
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
+from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import Rival
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.revision.contest import plainer
 from pysindy_evolve.terms import mul, power, variable

@@ -6,8 +6,8 @@ from loop_systems import oscillator
 
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.free_runs.duels import held_against
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of

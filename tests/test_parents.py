@@ -6,8 +6,8 @@ from loop_systems import oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
 from pysindy_evolve.loop.revision.parents import without_parents

@@ -8,9 +8,9 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.encompassing import chance, explained, left_by
+from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import rivals_of
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
 from pysindy_evolve.loop.revision.contest import contested

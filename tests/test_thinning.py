@@ -7,11 +7,10 @@ from loop_systems import measured, multisine
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.evidence.findings import Finding, MemoryFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.memories.recall import MemoryFinding
 from pysindy_evolve.loop.revision.outlived import without_outlived
 from pysindy_evolve.loop.revision.thinning import thinned
 from pysindy_evolve.operators import BUILTIN

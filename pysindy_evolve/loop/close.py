@@ -11,21 +11,21 @@ import pysindy as ps
 from ..hidden_states.memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
+from .evidence.findings import Finding, limits_in, memories_in, with_findings
 from .evidence.offers import awaited
 from .evidence.witness import witnessed
-from .free_runs.by_runs import with_findings
-from .free_runs.halts import limits_in, may_stop_itself
-from .free_runs.limits import off_limits
+from .free_runs.state_limits import may_stop_itself
 from .given.algebraic import as_algebraic
 from .given.declared import DeclaredModel, design_of
+from .given.design import Design
+from .given.limits import off_limits
 from .given.records import alike, check_records, split_records, widened
 from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
-from .memories.recall import memories_of
 from .report.making import make_report
 from .report.report import LoopReport
 from .revision.contest import contested
-from .revision.slopes import told_by_slopes
+from .revision.dead_zones import told_by_slopes
 from .search import Search
 
 __all__ = ["close_loop"]
@@ -114,39 +114,62 @@ def close_loop(
     ('traced', 'constant offset')
     """
     rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress, refine)
-    fit_on, judge_on = split_records(train, test)
-    declared_design = design_of(declared, fit_on)
-    is_cut = not test and (isinstance(train, Record) or len(train) == 1)
-    whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
-    check_records(declared_design, [*fit_on, *judge_on], whole)
-    fit_on, judge_on = alike(fit_on, judge_on)
+    design, fit_on, judge_on = _checked(declared, train, test)
     rng = generator(random_state)
-    if declared_design.algebraic:
+    if design.algebraic:
         rules = replace(rules, refine="derivative")  # nothing is simulated
-        fit_on, judge_on = ([as_algebraic(r) for r in rs] for rs in (fit_on, judge_on))
     wide = widened(fit_on)
-    if declared_design.algebraic:
+    if design.algebraic:
         wide = [replace(r, x=np.zeros_like(r.x)) for r in wide]  # a target explains nothing
-    if may_stop_itself(declared_design, fit_on, rules, rng):
-        every = fit_on, judge_on, wide
-        fit_on, judge_on, wide = ([replace(r, seen=None) for r in one] for one in every)
-    part = witnessed(declared_design, wide)
+    if may_stop_itself(design, fit_on, rules, rng):
+        fit_on, judge_on, wide = map(_believed, (fit_on, judge_on, wide))
+    part = witnessed(design, wide)
     rules = replace(rules, by_trajectory=bool(part.tracks))
     basis = resolve(operators, "close_loop") if operators and not part.tracks else ()
-    search, finished = Search(declared_design, fit_on, wide, part, rules, basis, rng), True
+    search = Search(design, fit_on, wide, part, rules, basis, rng)
+    is_whole = _run(search) and len(search.findings) < rules.max_effects
+    findings, verdict = _with_alternatives(search), search.verdict
+    report = make_report(design, findings, search.plain, judge_on, verdict, is_whole, rules, rng)
+    return replace(report, rejected=search.rejected[-1] if search.rejected else None)
+
+
+def _checked(
+    declared: DeclaredModel | ps.SINDy,
+    train: Record | Sequence[Record],
+    test: Record | Sequence[Record] | None,
+) -> tuple[Design, list[Record], list[Record]]:
+    """Return the design, and records to fit and to judge on, all of which fit each other."""
+    fit_on, judge_on = split_records(train, test)
+    design = design_of(declared, fit_on)
+    is_cut = not test and (isinstance(train, Record) or len(train) == 1)
+    whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
+    check_records(design, [*fit_on, *judge_on], whole)
+    fit_on, judge_on = alike(fit_on, judge_on)
+    if design.algebraic:
+        fit_on, judge_on = ([as_algebraic(r) for r in rs] for rs in (fit_on, judge_on))
+    return design, fit_on, judge_on
+
+
+def _believed(records: Sequence[Record]) -> list[Record]:
+    """Return records whose readings at a limit are measurements, for the state ends there."""
+    return [replace(record, seen=None) for record in records]
+
+
+def _run(search: Search) -> bool:
+    """Search, and tell whether the search came to its end; an interrupt keeps what was found."""
     try:
         search.run()
     except KeyboardInterrupt:
         if not search.findings:
             raise
-        finished = False
-    findings, verdict = search.findings, search.verdict
-    finished = finished and len(findings) < rules.max_effects
-    acted = part.of([remembered(record, memories_of(findings)) for record in search.wide])
-    acted = off_limits(acted, limits_in(findings))
-    acted = awaited(with_findings(declared_design, findings), acted, search.wide)
-    findings = contested(declared_design, findings, acted, rules.significance, rng.spawn(1)[0])
-    findings = told_by_slopes(declared_design, findings, acted)
-    seen = search.plain
-    report = make_report(declared_design, findings, seen, judge_on, verdict, finished, rules, rng)
-    return replace(report, rejected=search.rejected[-1] if search.rejected else None)
+        return False
+    return True
+
+
+def _with_alternatives(search: Search) -> list[Finding]:
+    """Return what was found, each with what could stand in its place."""
+    found, design, rules = search.findings, search.declared, search.rules
+    acted = search.whole.of([remembered(record, memories_in(found)) for record in search.wide])
+    acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)), search.wide)
+    child = search.rng.spawn(1)[0]
+    return told_by_slopes(design, contested(design, found, acted, rules.significance, child), acted)

@@ -11,23 +11,29 @@ from ..hidden_states.memory import preceded, remembered
 from ..operators import Operator
 from ..signals import Record
 from .effects.relaxation import relaxations_of
+from .evidence.findings import (
+    Finding,
+    limits_in,
+    memories_in,
+    next_step,
+    with_columns,
+    with_findings,
+)
 from .evidence.offers import awaited
 from .evidence.rejected import Rejected
-from .evidence.step import Finding
 from .evidence.structure import structure_chance
 from .evidence.trace import EVOLVED
 from .fitting.unfolding import paths_of
-from .free_runs.by_runs import find_by_runs, with_findings
-from .free_runs.clipped import clipped_sensors
+from .free_runs.by_runs import find_by_runs
 from .free_runs.duels import held_against
-from .free_runs.halts import limits_in
-from .free_runs.limits import off_limits
+from .free_runs.sensor_limits import clipped_sensors
 from .free_runs.variants import Model
 from .given.design import Design
+from .given.limits import off_limits
 from .given.rules import Rules
 from .given.segments import Segments
 from .growth.grow import Garden
-from .memories.recall import find_or_recall, memories_of, resettled
+from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
 from .revision.outlived import without_outlived
 from .revision.revise import exchange, merged, prune
@@ -60,6 +66,9 @@ class Search:
     rejected: list[Rejected] = field(default_factory=list)
     has_structure: bool = False
     relaxing: bool = True  # whether to look for relaxations
+    records: list[Record] = field(init=False)
+    part: Segments = field(init=False)
+    garden: Garden = field(init=False)
 
     @property
     def verdict(self) -> str:
@@ -73,21 +82,26 @@ class Search:
         """The model with what was found until now."""
         return with_findings(self.declared, self.findings)
 
+    @property
+    def runs_tell_more(self) -> bool:
+        """Whether there are free runs that nothing was compared with yet, as tracks are."""
+        return not self.declared.algebraic and not self.whole.tracks
+
     def run(self) -> None:
         """Find named effects until none passes, then what only free runs show, then grown terms."""
         self._look_through(self.findings)
         self._name()
         self._settle()
-        if not self.declared.algebraic and not self.whole.tracks:  # those were compared with runs
+        if self.runs_tell_more:
             self._watch_runs()
         self._grow()
-        if not self.declared.algebraic and not self.whole.tracks:
+        if self.runs_tell_more:
             self._hold()
             self._read()
 
     def _look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
-        memories, limits = memories_of(findings), limits_in(findings)
+        memories, limits = memories_in(findings), limits_in(findings)
         self.records = [remembered(record, memories) for record in self.wide]
         self.part = off_limits(self.whole.of(self.records), limits) if findings else self.whole
         self.garden = Garden(
@@ -103,15 +117,16 @@ class Search:
     def _name(self) -> None:
         while len(self.findings) < self.rules.max_effects:
             before, design = self.findings, self.design
+            memories = memories_in(before)
+            relaxing = self.relaxing and not memories
+            seen = self.records, self.part, self.rules, self.rng
             found = find_or_recall(
-                self.declared, design, self.records, self.part, self.rules, self.rng,
-                memories_of(before), self.rejected,
-                relaxing=self.relaxing and not memories_of(before),
-            )  # fmt: skip
+                self.declared, design, *seen, memories, self.rejected, relaxing=relaxing
+            )
             if not found:
                 break
             found = _numbered(found, before)
-            if memories_of(found):
+            if memories_in(found):
                 found = self._begin([*before, *found])
             else:  # growing takes long, and may be ended
                 both = [*before, *found]
@@ -151,7 +166,7 @@ class Search:
         return list(begun.findings)
 
     def _settle(self) -> None:
-        if memories_of(self.findings):
+        if memories_in(self.findings):
             part = awaited(self.design, self.whole, self.wide)
             self.findings = resettled(self.findings, self.design, self.wide, part)
             self._look_through(self.findings)
@@ -198,7 +213,7 @@ class Search:
             if not self.findings:
                 self._see_structure()
             return
-        model = Model(self.declared, memories_of(self.findings), limits_in(self.findings))
+        model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
         grown = [c for c in self.garden.grown if c.name == EVOLVED]
         kept = held_against(model, self.findings, grown, self.plain, self.part, self.rules)
         self.findings = prune(self.declared, kept, self.part)
@@ -208,18 +223,18 @@ class Search:
         kept = prune(self.declared, self.findings, self.part)
         if not paths_of(self.design):
             kept = without_outlived(self.declared, kept, self.plain, self.wide)
-        if len(memories_of(kept)) < len(memories_of(self.findings)):
+        if len(memories_in(kept)) < len(memories_in(self.findings)):
             self._look_through(kept)
         self.findings = thinned(self.declared, kept, self.part)
 
     def _read(self) -> None:
         found = self.findings
         if len(found) < self.rules.max_effects:
-            columns = (column for finding in found for column in finding.columns)
-            model = Model(self.declared.adding(columns), memories_of(found), limits_in(found))
+            whole = with_columns(self.declared, found)
+            model = Model(whole, memories_in(found), limits_in(found))
             self.findings = clipped_sensors(model, found, self.plain, self.rules, self.rng)
 
 
 def _numbered(found: Sequence[Finding], before: Sequence[Finding]) -> list[Finding]:
-    step = 1 + max((finding.step for finding in before), default=0)
+    step = next_step(before)
     return [replace(finding, step=step) for finding in found]

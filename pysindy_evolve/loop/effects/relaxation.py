@@ -9,10 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...hidden_states.memory import DELAY, LAG
-from ...hidden_states.path_states import kind_of, paths_in
+from ...hidden_states.path_states import kind_of
 from ...hidden_states.relaxing import RELAXING, relaxing
 from ...signals import Record
 from ...terms import Call, Sum, variable
@@ -98,5 +96,5 @@ def within_reach(path: Call, record: Record) -> bool:
 
 def relaxations_of(design: Design) -> tuple[Call, ...]:
     """Return the different relaxations that a design holds."""
-    paths = paths_in(design.equations(np.ones(len(design.columns))))
+    paths = design.paths
     return tuple(path for path in paths if path.operator == RELAXING)

@@ -96,7 +96,7 @@ def of_equation(
         yield from _springs(effect, variable(position), v, float(scales[position]))
     for other in range(n_states):
         if other not in (state, position):
-            yield from _couplings(effect, design, state, other)
+            yield from _couplings(effect, state, other)
             yield from _between(effect, design, state, other, apart)
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
@@ -155,9 +155,7 @@ def _springs(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[C
     yield effect("coupling", mul(q, v), parents=(OFFSET,))
 
 
-def _couplings(
-    effect: CandidateMaker, design: Design, state: int, other: int
-) -> Iterator[Candidate]:
+def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:
     own, w = variable(state), variable(other)
     yield effect("coupling", w)
     yield effect("coupling", mul(own, w), parents=(OFFSET,))

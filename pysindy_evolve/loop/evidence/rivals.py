@@ -77,7 +77,7 @@ def rivals_of(
         count as well.
     """
     known = standing(design)
-    proposed = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    proposed = candidates(design, *ranges(part.rows))
     proposed += _rounded(candidate, part)
     complete = [_with_offset(c, known) for c in proposed]
     able = [c for c in complete if all((c.state, parent) in known for parent in c.parents)]
@@ -154,7 +154,7 @@ def _rounded(candidate: Candidate, part: Segments) -> list[Candidate]:
     if len(signs) != 1:
         return []
     (inside,) = signs
-    size = float(np.std(inside.evaluate(part.z.reshape(-1, part.z.shape[-1]))))
+    size = float(np.std(inside.evaluate(part.rows)))
     return [Candidate(candidate.name, candidate.state, (_soft(term, inside, ROUNDED * size),))]
 
 

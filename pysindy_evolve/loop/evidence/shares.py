@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..effects.candidate import Candidate
-from ..fitting.linear import solve
+from ..fitting.linear import log_ratio, solve
 from ..fitting.residual import derivative_grams, jacobian, view_grams
 from ..fitting.trajectory import Trajectories
 from ..given.design import Design
@@ -81,7 +81,7 @@ def view_gain(design: Design, group: Sequence[Candidate], part: Segments) -> flo
         without, with_it = (
             fold_errors(grams, models, part.folds).sum() for models in (base, every)
         )
-        gains.append(float(np.log(max(without, 1e-300) / max(with_it, 1e-300))))
+        gains.append(log_ratio(without, with_it))
     return max(gains)
 
 

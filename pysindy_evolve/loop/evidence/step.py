@@ -3,65 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from ...signals import Record
 from ..effects.candidate import Candidate
-from ..given.design import Column, Design
+from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from ..twins.chance import p_value_of
 from ..twins.drifting import DriftingTwins
 from ..twins.testing import twin_values
 from ..twins.twins import TwinMaker
+from .findings import Finding
 from .refinement import justified
 from .rejected import Rejected
-from .rivals import Rival
 from .scoring import Proposer, columns_of, plainest, quick_fit, score, sharpened, tuned
 from .shares import Shares, is_exact
 from .trace import Score
 
-__all__ = ["Finding", "find"]
+__all__ = ["find"]
 
 # Score of an effect that halves the error: no trace, whatever its share.
-HALVED = float(np.log(4.0))
-
-
-@dataclass(frozen=True, eq=False)
-class Finding:
-    """An effect that passed, with its evidence.
-
-    Attributes
-    ----------
-    candidate : Candidate
-        Name, equation, terms.
-    columns : tuple of Column
-        Its columns in the design.
-    score : float
-        Log ratio of the errors without and with it, per effect of its group.
-    p_value : float
-        Chance that a twin shows a score as large.
-    twin_scores : ndarray
-        Best score found in each twin.
-    step : int
-        Number of the step that found it; the effects of a pair share one.
-    rivals : tuple of Rival
-        Effects that this data cannot tell from it, once all are found.
-    by_runs : bool
-        Whether free runs showed it, and not the derivative.
-    """
-
-    candidate: Candidate
-    columns: tuple[Column, ...]
-    score: float
-    p_value: float
-    twin_scores: np.ndarray
-    step: int = 0
-    rivals: tuple[Rival, ...] = ()
-    by_runs: bool = False
+ERROR_HALVED = float(np.log(4.0))
 
 
 def find(
@@ -137,7 +102,7 @@ def find(
 
 def _matters(score: Score, shares: Shares, rules: Rules) -> bool:
     """Tell whether a group is more than a trace of something."""
-    return score.value >= HALVED or shares.of(score) >= rules.min_share
+    return score.value >= ERROR_HALVED or shares.of(score) >= rules.min_share
 
 
 def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Design:

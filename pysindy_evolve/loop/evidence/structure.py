@@ -17,6 +17,7 @@ import numpy as np
 
 from ...signals import Record
 from ...terms import Cache
+from ..fitting.linear import log_ratio
 from ..given.design import Column, Design
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -127,4 +128,4 @@ def generic_gain(design: Design, columns: Sequence[Column], part: Segments) -> f
     n_fixed = len(design.columns)
     without = fold_errors(grams, np.arange(n_fixed)[None, :], part.folds).sum()
     with_all = fold_errors(grams, np.arange(n_fixed + len(columns))[None, :], part.folds).sum()
-    return float(np.log(max(without, 1e-300) / max(with_all, 1e-300)))
+    return log_ratio(without, with_all)

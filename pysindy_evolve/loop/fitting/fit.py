@@ -83,12 +83,12 @@ def fit(
     -------
     Fit
     """
-    blocks = derivative_grams(design, records)
-    by_derivative = _solve(blocks)
     if not design.columns:
-        return Fit(by_derivative, np.empty((0, 2)), "derivative")
+        return Fit(np.empty(0), np.empty((0, 2)), "derivative")
     if refine == "trajectory":
         return Fit(*Trajectories(records, design, design.columns).fit(), refine)
+    blocks = _block_grams(design, records)
+    by_derivative = _solve(blocks)
     if refine == "derivative":
         return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
     horizons = simulation_grams(design, by_derivative, records)
@@ -117,14 +117,14 @@ def _betters(
 
 def derivative_square(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:
     """Return the sum of squares that coefficients leave of the windowed derivative."""
-    return _square(derivative_grams(design, records).sum(axis=0), coef)
+    return _square(_block_grams(design, records).sum(axis=0), coef)
 
 
 def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarray:
     """Return the coefficients, shape (p,), that minimize the error named by a criterion."""
     if criterion == "trajectory":
         return Trajectories(records, design, design.columns).fit()[0]
-    by_derivative = _solve(derivative_grams(design, records))
+    by_derivative = _solve(_block_grams(design, records))
     if criterion == "derivative":
         return by_derivative
     return _over_all(simulation_grams(design, by_derivative, records))
@@ -141,7 +141,7 @@ def _normalized(grams: np.ndarray) -> np.ndarray:
     return total / max(left, ROUNDING * float(total[-1, -1]), 1e-100)
 
 
-def derivative_grams(design: Design, records: Sequence[Record]) -> np.ndarray:
+def _block_grams(design: Design, records: Sequence[Record]) -> np.ndarray:
     """Return inner products of columns and target in consecutive blocks of windowed rows.
 
     Shape (n_blocks, p + 1, p + 1), target last. Each equation is weighed by the size of its
@@ -162,7 +162,7 @@ def derivative_intervals(
     design: Design, records: Sequence[Record], rng: np.random.Generator
 ) -> np.ndarray:
     """Return the 95 % intervals of the coefficients that fit the derivative, shape (p, 2)."""
-    return _bootstrap(derivative_grams(design, records), rng)
+    return _bootstrap(_block_grams(design, records), rng)
 
 
 def simulation_grams(
@@ -245,5 +245,5 @@ def derivative_fit_errors(
     design: Design, train: Sequence[Record], test: Sequence[Record]
 ) -> np.ndarray:
     """Fit the derivative on training records; return its NRMSE on others, for each state."""
-    coef = _solve(derivative_grams(design, train))
+    coef = _solve(_block_grams(design, train))
     return derivative_errors(design, coef, test, choose_windows(list(train)))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["solve", "solve_gram"]
+__all__ = ["TINY", "log_ratio", "solve", "solve_gram"]
 
+TINY = 1e-300  # what nothing is divided by less than
 RIDGE = 1e-10  # relative; keeps a column that repeats another one from blowing up
 
 
@@ -23,7 +24,7 @@ def solve(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
     -------
     ndarray of shape (..., p)
     """
-    size = np.sqrt(np.maximum(np.diagonal(xx, axis1=-2, axis2=-1), 1e-300))
+    size = np.sqrt(np.maximum(np.diagonal(xx, axis1=-2, axis2=-1), TINY))
     scaled = xx / (size[..., :, None] * size[..., None, :]) + RIDGE * np.eye(xx.shape[-1])
     return np.linalg.solve(scaled, (xy / size)[..., None])[..., 0] / size
 
@@ -41,3 +42,8 @@ def solve_gram(gram: np.ndarray) -> np.ndarray:
     ndarray of shape (p,)
     """
     return solve(gram[:-1, :-1], gram[:-1, -1])
+
+
+def log_ratio(before: float, after: float) -> float:
+    """Return log(before / after) of two errors; finite where one of them is zero."""
+    return float(np.log(max(before, TINY) / max(after, TINY)))

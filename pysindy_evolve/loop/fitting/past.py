@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 from ...equations import Equations, stack
 from ...hidden_states.hidden import MemoryEquations, with_memories
 from ...hidden_states.memory import preceded, raw_inputs
-from ...hidden_states.path_states import kind_of, paths_in
+from ...hidden_states.path_states import kind_of
 from ...signals import Record
 from ...terms import Call
 from ..given.design import Design
@@ -20,7 +20,7 @@ from ..given.sticking import noise_of
 __all__ = ["begun", "first_state", "rates_on", "settled_rows"]
 
 LONGEST = 8  # no more than the eighth part of a record tells how it began
-HALVED = 4.0  # times the mean square that another past must leave: it halves the error
+PAST_HALVES = 4.0  # times the mean square that another past must leave: it halves the error
 FADED = 0.05  # of what a hidden state was at the beginning is left when it counts no more
 CLEAR = 3.0  # standard deviations of the noise, that the error must be in the mean of its rows
 MOST_WAIT = 0.25  # of a record, until the derivative counts
@@ -82,7 +82,7 @@ def _begun_in(
     options = {"xatol": 1e-3 * (ends[1] - ends[0])}
     found = minimize_scalar(miss, bounds=ends, method="bounded", options=options)
     given = miss(float(raw[0, column]))
-    return at(float(found.x)) if given > max(1.0, HALVED * found.fun) else record
+    return at(float(found.x)) if given > max(1.0, PAST_HALVES * found.fun) else record
 
 
 def first_state(equations: Equations, record: Record) -> np.ndarray:
@@ -151,7 +151,7 @@ def settled_rows(design: Design, record: Record) -> np.ndarray:
     ndarray of shape (n_samples, 1)
         One or zero; one on most rows, however slow what remembers is.
     """
-    paths = paths_in(design.equations(np.ones(len(design.columns))))
+    paths = design.paths
     wait = max((kind_of(path).fades(path) for path in paths), default=0.0)
     late = record.t - record.t[0] >= min(wait, MOST_WAIT * (record.t[-1] - record.t[0]))
     return np.asarray(late, dtype=float)[:, None]

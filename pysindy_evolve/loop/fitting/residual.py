@@ -89,7 +89,7 @@ def force_on(
     part: Segments, design: Design, columns: Sequence[Column], state: int, cache: Cache
 ) -> np.ndarray:
     """Evaluate columns and target in one equation, shape (n_columns + 1, n_segments, n)."""
-    shape, flat = part.z.shape[:2], part.z.reshape(-1, part.z.shape[-1])
+    shape, flat = part.z.shape[:2], part.rows
     force = np.zeros((len(columns) + 1, *shape))
     for row, column in zip(force, columns, strict=False):
         values = column.values_in(state, flat, cache)

@@ -18,6 +18,7 @@ from ...signals import Record
 from ..given.design import Design
 from ..given.segments import segments
 from .fit import Fit, refit
+from .linear import log_ratio
 from .runs import free_run
 from .trial import Trial, bettered
 from .unfolding import square_left, unfolded, with_paths
@@ -119,12 +120,8 @@ def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple
             runs = [_settled(t, own) for t, (_, _, own) in zip(trials, sides, strict=True)]
             missed = [_square_missed(run, len(few.states)) for run in runs]
             left = [square_left(d, records, r.coef) for d, r in zip((few, many), runs, strict=True)]
-            return _log_ratio(*missed), _log_ratio(*left)
+            return log_ratio(*missed), log_ratio(*left)
     return (float("inf"),) * 2 if ever else (-float("inf"),) * 2
-
-
-def _log_ratio(before: float, after: float) -> float:
-    return float(np.log(max(before, 1e-300) / max(after, 1e-300)))
 
 
 def _square_missed(trial: Trial, n_states: int) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...equations import stack
 from ...hidden_states.hidden import with_memories
-from ...hidden_states.path_states import kind_of, moved, path_rate, paths_in
+from ...hidden_states.path_states import kind_of, moved, path_rate
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Call, Sum, as_sum, variable
@@ -33,7 +33,7 @@ def paths_of(design: Design) -> tuple[Call, ...]:
     """Return what remembers states in a design; nothing if it is algebraic."""
     if design.algebraic:
         return ()
-    return paths_in(design.equations(np.ones(len(design.columns))))
+    return design.paths
 
 
 def unfolded(design: Design, *, free: bool = False) -> Design:

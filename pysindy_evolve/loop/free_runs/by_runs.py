@@ -15,34 +15,34 @@ import numpy as np
 
 from ...signals import Record
 from ..effects.missing import candidates, standing
+from ..evidence.findings import (
+    Finding,
+    MemoryFinding,
+    limits_in,
+    memories_in,
+    next_step,
+    with_columns,
+)
 from ..evidence.rejected import Rejected
 from ..evidence.scoring import MARGIN, columns_of, score
-from ..evidence.step import Finding
 from ..evidence.trace import Score
 from ..fitting.fit import refit
 from ..fitting.trial import settled
 from ..given.design import Design
+from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import ranges, segments, variables_of
 from ..memories.reach import exchanged
-from ..memories.recall import MemoryFinding, memories_of
 from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models, gains_of_terms
-from .halts import drift_from, limits_in, needed, notable, stops_of
-from .limits import limited, off_limits
-from .tuning import tuned
+from .memory_tuning import tuned_memories
+from .state_limits import drift_from, needed, notable, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
 
-__all__ = ["find_by_runs", "matters", "model_of", "share_of_miss", "with_findings"]
+__all__ = ["find_by_runs", "matters", "model_of", "share_of_miss"]
 
 
 N_SIGNS = 999  # draws, which cost next to nothing
-HALVED = float(np.log(2.0))  # of the squares that the runs miss
-
-
-def with_findings(declared: Design, findings: Sequence[Finding]) -> Design:
-    """Return a design with the columns and limits of findings."""
-    design = declared.adding(column for finding in findings for column in finding.columns)
-    return limited(design, limits_in(findings))
+SQUARES_HALVED = float(np.log(2.0))  # of the squares that the runs miss
 
 
 def find_by_runs(
@@ -88,7 +88,7 @@ def find_by_runs(
         model = replace(
             model_of(declared, [*before, *new]),
             limits=tuple(one.limit for one in stops),
-            n_known=len(memories_of(before)),
+            n_known=len(memories_in(before)),
             pasts=pasts,
         )
         drift = drift_from(model, records)
@@ -102,15 +102,14 @@ def find_by_runs(
     kept = needed(whole, stops, records, rules)
     memories = [f for f in new if isinstance(f, MemoryFinding)]
     terms = [f for f in new if f not in memories]
-    number = 1 + max((f.step for f in before), default=0)
+    number = next_step(before)
     found = [*memories, *kept, *terms]
     return [*before, *(replace(f, step=number + k) for k, f in enumerate(found))], pasts
 
 
 def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
     """Return a design with all findings, memories and limits among them."""
-    design = declared.adding(column for f in findings for column in f.columns)
-    return Model(design, memories_of(findings), limits_in(findings))
+    return Model(with_columns(declared, findings), memories_in(findings), limits_in(findings))
 
 
 def _retuned(new: list[Finding], model: Model) -> list[Finding]:
@@ -141,7 +140,7 @@ def _best(
 
 def matters(finding: Finding, share: float, rules: Rules) -> bool:
     """Tell whether a finding is more than a trace, or halves the squares that are left."""
-    return finding.score >= HALVED or share >= rules.min_share
+    return finding.score >= SQUARES_HALVED or share >= rules.min_share
 
 
 def _memory_or_term(
@@ -160,11 +159,13 @@ def _memory_or_term(
     signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(drift.part.z)))
     memories = memories_beside(drift.model, drift.records, segments(drift.records))
     terms = [v for v in _terms(drift) if not first or _is_of_motion(v, drift)]
-    if first and np.all(gains_of_terms(drift, [v.columns for v in terms], signs[:1])[0] < HALVED):
+    if first and np.all(
+        gains_of_terms(drift, [v.columns for v in terms], signs[:1])[0] < SQUARES_HALVED
+    ):
         terms = []  # nothing to hold against the twins
     by_terms, in_twins = gains_of_terms(drift, [v.columns for v in terms], signs)
     if first:
-        by_terms = np.where(by_terms >= HALVED, by_terms, -np.inf)
+        by_terms = np.where(by_terms >= SQUARES_HALVED, by_terms, -np.inf)
     plain = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
     heads = _heads([*terms, *memories], plain, notable(rules))
     heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]
@@ -228,7 +229,7 @@ def _plainest(
 ) -> tuple[Variant, float, float]:
     """Tune variants on long runs, and return the plainest of those that do as well as the best."""
     long = drift_of(drift.model, drift.trial.coef, drift.records, LONG) or drift
-    variants = [one[0].with_model(tuned(long, one[0].model)) for one in passing]
+    variants = [one[0].with_model(tuned_memories(long, one[0].model)) for one in passing]
     gains = gains_of_models(long, [variant.model for variant in variants])[0]
     near = gains >= gains.max() - max(MARGIN, 0.01 * gains.max())
     k = min(np.flatnonzero(near).tolist(), key=lambda k: variants[k].plainness)

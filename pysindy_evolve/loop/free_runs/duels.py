@@ -24,15 +24,15 @@ from tqdm.auto import tqdm
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
+from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import PRICE, columns_of, score
-from ..evidence.step import Finding
 from ..evidence.trace import EVOLVED
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, settled
 from ..given.rules import Rules
 from ..given.segments import Segments, have_values, ranges
 from .drift import Drift, drift_of
-from .inner import Contender, sharpened
+from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
 __all__ = ["held_against"]
@@ -76,10 +76,8 @@ def held_against(
     bar = tqdm(findings, desc="free runs", disable=not rules.progress, leave=False)
     for place, finding in enumerate(bar):
         rest = [f for k, f in enumerate(kept) if k != place]
-        needed = {parent for f in rest for parent in f.candidate.parents}
-        if finding.columns and not needed & set(finding.candidate.terms):
-            columns = [column for f in rest for column in f.columns]
-            without = replace(model, design=model.design.adding(columns))
+        if finding.columns and not is_needed(finding, rest):
+            without = replace(model, design=with_columns(model.design, rest))
             kept[place] = _winner(without, finding, grown, records, part, rules)
     return kept
 
@@ -102,7 +100,7 @@ def _winner(
     rivals = _closest(model, own, able, part)
     begun = [_begun(model, rival, drift, records) for rival in rivals]
     fitted = map(Contender, rivals, settled(begun))
-    tuned = sharpened([Contender(own, drift.trial), *fitted], model, drift, records)
+    tuned = tuned_by_runs([Contender(own, drift.trial), *fitted], model, drift, records)
     best, level = tuned[0], rules.significance / len(rivals)
     for other in tuned[1:]:
         price = PRICE * max(other.candidate.size - best.candidate.size, 0)
@@ -130,8 +128,7 @@ def _closest(
     model: Model, own: Candidate, grown: Sequence[Candidate], part: Segments
 ) -> list[Candidate]:
     """Return the effects of the same equation that do best in the spectral view."""
-    variables = part.z.reshape(-1, part.z.shape[-1])
-    options = [*candidates(model.design, *ranges(variables)), *grown]
+    options = [*candidates(model.design, *ranges(part.rows)), *grown]
     alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
     scores = score(model.design, part, list(alike), pairs=False)
     return [s.group[0] for s in scores[:N_RIVALS]]

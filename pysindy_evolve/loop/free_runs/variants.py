@@ -19,9 +19,9 @@ from ..effects.candidate import Candidate
 from ..effects.vocabulary import VOCABULARY
 from ..fitting.trial import Trial
 from ..given.design import Column, Design
+from ..given.limits import Limit, limited
 from ..given.segments import Segments
 from ..memories.probes import grid_of, users_of
-from .limits import Limit, limited
 
 __all__ = ["Model", "Pasts", "Variant", "memories_beside"]
 

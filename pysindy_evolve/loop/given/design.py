@@ -19,7 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...equations import AlgebraicEquations, Equations
-from ...terms import Cache, Product, Sum, Variable
+from ...hidden_states.path_states import paths_in
+from ...terms import Cache, Call, Product, Sum, Variable
 
 __all__ = ["Column", "Design", "in_state"]
 
@@ -107,6 +108,11 @@ class Design:
             if self.kinematic(other) and self.derivative_of(other) == state:
                 return other
         return None
+
+    @property
+    def paths(self) -> tuple[Call, ...]:
+        """What remembers states in any of the terms, whatever its coefficient will be."""
+        return paths_in(self.equations(np.ones(len(self.columns))))
 
     @property
     def velocities(self) -> tuple[int, ...]:

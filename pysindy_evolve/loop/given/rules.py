@@ -11,7 +11,7 @@ import numpy as np
 __all__ = ["REFINE", "Rules", "generator"]
 
 REFINE = ("auto", "derivative", "simulation")
-N_LOOKS = 3  # Bonferroni
+N_LOOKS = 3  # that may name an effect: names, free runs, grown terms (Bonferroni)
 
 
 @dataclass(frozen=True)
@@ -74,15 +74,12 @@ class Rules:
 
     @property
     def level(self) -> float:
-        """Largest p-value that counts: names, grown terms, any structure are three looks."""
+        """Largest p-value that counts; the fourth look, for any structure, names nothing."""
         return self.significance / self.n_looks
 
     @property
     def level_of_runs(self) -> float:
-        """The same for limits, and for all else that free runs show: half of one more look each.
-
-        Three looks name effects; the fourth one, for any structure, names none.
-        """
+        """The same for limits, and for all else that free runs show: half of a look each."""
         return self.level / 2.0
 
 

@@ -52,6 +52,11 @@ class Segments:
         return self.x_dot.shape[2]
 
     @property
+    def rows(self) -> np.ndarray:
+        """Variables of all pieces one below the other, shape (n_rows, n_variables)."""
+        return self.z.reshape(-1, self.z.shape[-1])
+
+    @property
     def folds(self) -> np.ndarray:
         """Fold of each piece, from 0: neighbors share one, or, of several records, a record does.
 

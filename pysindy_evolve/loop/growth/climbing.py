@@ -51,7 +51,7 @@ def climbed(
     Candidate
         The same one if nothing around it gains more than the price of its nodes.
     """
-    factors = functions(operators, part.z[..., :-1].reshape(-1, part.z.shape[-1] - 1))
+    factors = functions(operators, part.rows[:, :-1])
     best = _best(design, part, [begin])
     for _ in range(MAX_STEPS):
         if best is None:  # not to be told from what the model holds

@@ -20,10 +20,11 @@ from ...signals import Record
 from ...terms import Product, Sum
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates, standing
+from ..evidence.findings import Finding, with_columns
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.shares import view_gain
 from ..evidence.spectral import spectral_rows, spectral_weights
-from ..evidence.step import Finding, find
+from ..evidence.step import find
 from ..evidence.trace import EVOLVED
 from ..fitting.fit import derivative_intervals
 from ..fitting.residual import forces
@@ -67,7 +68,7 @@ def grow(
     list of Candidate
         One for each term, under the name of the vocabulary if one fits.
     """
-    largest, signed, *others = ranges(part.z.reshape(-1, part.z.shape[-1]))
+    largest, signed, *others = ranges(part.rows)
     known = candidates(design, largest, signed, *others)
     extra = [column for candidate in known for column in columns_of(candidate, design)]
     weights = spectral_weights(part, design, [*design.columns, *extra])
@@ -227,7 +228,7 @@ class Garden:
 
     def _are_certain(self, design: Design, found: Sequence[Finding]) -> bool:
         """Tell whether all records together know the sign of each coefficient."""
-        richer = design.adding(column for finding in found for column in finding.columns)
+        richer = with_columns(design, found)
         low, high = derivative_intervals(richer, self.records, self.rng).T
         own = slice(len(design.columns), None)
         return bool(np.all(low[own] * high[own] > 0.0))

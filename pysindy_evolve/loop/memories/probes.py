@@ -21,6 +21,7 @@ from ..effects.candidate import Candidate, renumbered
 from ..evidence.scoring import Proposer
 from ..evidence.spectral import spectral_grams
 from ..evidence.trace import fold_errors
+from ..fitting.linear import log_ratio
 from ..given.design import Column, Design
 from ..given.segments import Segments
 
@@ -290,4 +291,4 @@ def _with_target(grams: np.ndarray, place: int) -> np.ndarray:
 
 
 def _log_ratio(before: np.ndarray, after: np.ndarray) -> float:
-    return float(np.log(max(before.sum(), 1e-300) / max(after.sum(), 1e-300)))
+    return log_ratio(before.sum(), after.sum())

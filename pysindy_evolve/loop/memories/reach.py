@@ -20,12 +20,12 @@ from ..given.design import Column, Design
 from ..given.segments import Segments
 from .probes import RATIO, Exchange, Probes, exchanges, grid_of
 
-__all__ = ["best_of_kinds", "exchanged", "memory_interval", "reach_of", "settled"]
+__all__ = ["best_of_kinds", "exchanged", "memory_interval", "reach_of", "settled_memory"]
 
 STEP = 0.02  # of a delay or time constant, to see what it changes
 
 
-def settled(
+def settled_memory(
     memory: Memory,
     design: Design,
     records: Sequence[Record],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -12,31 +12,20 @@ from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate, renumbered
+from ..evidence.findings import Finding, MemoryFinding, memories_in
 from ..evidence.offers import offer_for
 from ..evidence.rejected import Rejected
 from ..evidence.rivals import Rival
 from ..evidence.scoring import MARGIN, columns_of
-from ..evidence.step import Finding, find
+from ..evidence.step import find
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .memories_first import outdoes_memories
 from .probes import MemoryCandidate, Probes, grid_of
-from .reach import exchanged, reach_of, settled
+from .reach import exchanged, reach_of, settled_memory
 
-__all__ = ["MemoryFinding", "find_or_recall", "memories_of", "resettled"]
-
-
-@dataclass(frozen=True, eq=False)
-class MemoryFinding(Finding):
-    """A memory of an input that passed. It changes the records and adds no column."""
-
-    memory: Memory = field(kw_only=True)
-
-
-def memories_of(findings: Sequence[Finding]) -> tuple[Memory, ...]:
-    """Return the memories among findings, in the order in which they are applied."""
-    return tuple(f.memory for f in findings if isinstance(f, MemoryFinding))
+__all__ = ["find_or_recall", "resettled"]
 
 
 def find_or_recall(
@@ -117,7 +106,9 @@ def _narrowed(
     if not isinstance(candidate, MemoryCandidate):
         plain = _plain(candidate, probes)
         return replace(finding, candidate=plain, columns=columns_of(plain, probes.design))
-    memory, rivals = settled(candidate.memory, probes.design, records, part, level, rng, present)
+    memory, rivals = settled_memory(
+        candidate.memory, probes.design, records, part, level, rng, present
+    )
     named = replace(_plain(candidate, probes), name=memory.kind)
     return MemoryFinding(
         named,
@@ -152,7 +143,7 @@ def resettled(
     """
     kept = list(findings)
     for finding in (f for f in findings if isinstance(f, MemoryFinding)):
-        others = memories_of([f for f in kept if f is not finding])
+        others = memories_in([f for f in kept if f is not finding])
         there = [remembered(record, others) for record in records]
         tuned = reach_of(finding.memory, design, there, part.of(there))
         (exchange,) = exchanged([tuned], design, there, part.of(there))

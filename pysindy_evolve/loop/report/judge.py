@@ -13,7 +13,7 @@ from ..fitting.fit import Fit, derivative_errors, fit
 from ..fitting.past import begun, rates_on
 from ..fitting.runs import simulation_errors
 from ..fitting.shooting import shot
-from ..free_runs.tuning import fit_by_runs
+from ..free_runs.memory_tuning import fit_by_runs
 from ..given.design import Design
 from ..given.rules import Rules
 from .bias import unbiased

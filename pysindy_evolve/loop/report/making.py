@@ -12,16 +12,19 @@ import numpy as np
 from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import Sum
+from ..evidence.findings import (
+    Finding,
+    LimitFinding,
+    MemoryFinding,
+    SensorFinding,
+    memories_in,
+    with_findings,
+)
 from ..evidence.rivals import Rival
 from ..evidence.scoring import columns_of
-from ..evidence.step import Finding
 from ..fitting.fit import Fit, derivative_fit_errors, refit
-from ..free_runs.by_runs import with_findings
-from ..free_runs.clipped import SensorFinding
-from ..free_runs.halts import LimitFinding
 from ..given.design import Design
 from ..given.rules import Rules
-from ..memories.recall import MemoryFinding, memories_of
 from .effect import Alternative, Effect, Errors, Step
 from .judge import judge
 from .numbers import with_number_intervals
@@ -57,7 +60,7 @@ def make_report(
         found = list(group)
         design = with_findings(design, found)
         last = found[-1] is findings[-1]
-        memories += memories_of(found)
+        memories += memories_in(found)
         by_runs = by_runs or any(finding.by_runs for finding in found)
         earlier = errors
         fitted, errors = judge(
@@ -136,7 +139,7 @@ def _effect(
     memories: Sequence[Memory],
 ) -> Effect:
     """Return an effect with its evidence; its coefficients are those of the final model."""
-    others = [memory for memory in memories if memory not in memories_of([finding])]
+    others = [memory for memory in memories if memory not in memories_in([finding])]
     state, terms = finding.candidate.state, finding.candidate.terms
     symbols = design.equations(np.zeros(len(design.columns))).symbols
     poorer = design.dropping(finding.columns)

@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...hidden_states.path_states import paths_in
 from ...signals import Record
 from ...terms import Sum, as_sum, constant, mul, sub
 from ..effects.candidate import Candidate, Shape
@@ -91,5 +90,4 @@ def _slopes(shape: Shape) -> list[Sum]:
 
 def _remembers(candidate: Candidate, design: Design) -> bool:
     """Tell whether an effect is one of the paths of a design, see path_states.py."""
-    paths = paths_in(design.equations(np.ones(len(design.columns))))
-    return candidate.terms in [(as_sum(path),) for path in paths]
+    return candidate.terms in [(as_sum(path),) for path in design.paths]

@@ -11,17 +11,14 @@ import sympy
 from ...equations import Equations
 from ...hidden_states.hidden import with_memories
 from ...signals import Record
-from ..evidence.step import Finding
+from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding, memories_in
 from ..fitting.runs import free_run
-from ..free_runs.clipped import SensorFinding
-from ..free_runs.halts import LimitFinding
-from ..free_runs.limits import Limit
-from ..free_runs.tuning import intervals_by_runs
+from ..free_runs.memory_tuning import intervals_by_runs
 from ..free_runs.variants import Model
 from ..given.design import Design
+from ..given.limits import Limit
 from ..given.sensor import limits_of_states, shown
 from ..memories.reach import memory_interval
-from ..memories.recall import MemoryFinding, memories_of
 from .effect import Effect, Errors
 
 __all__ = [
@@ -102,7 +99,7 @@ def with_intervals(
     rng: np.random.Generator,
 ) -> list[Effect]:
     """Return effects, the numbers of memories with intervals that free runs give."""
-    model = Model(design, memories_of(findings))
+    model = Model(design, memories_in(findings))
     intervals = iter(intervals_by_runs(model, coef, train, rng)[len(coef) :])
     found = list(effects)
     for k, finding in enumerate(findings):

@@ -14,13 +14,12 @@ import numpy as np
 from ...hidden_states.hidden import with_memories
 from ...hidden_states.memory import raw_inputs, remembered
 from ...signals import Record
+from ..evidence.findings import Finding, memories_in, with_findings
 from ..evidence.scoring import quick_fit
-from ..evidence.step import Finding
 from ..fitting.past import begun
-from ..free_runs.by_runs import with_findings
 from ..given.design import Design
 from ..given.segments import Segments
-from ..memories.recall import memories_of, resettled
+from ..memories.recall import resettled
 
 __all__ = ["Beginning", "settled_beginning"]
 
@@ -71,7 +70,7 @@ def settled_beginning(
     design, found = with_findings(declared, findings), list(findings)
     plain, wide = tuple(plain), tuple(wide)
     for _ in range(N_ROUNDS):
-        memories = memories_of(found)
+        memories = memories_in(found)
         equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
         model = with_memories(equations, memories)
         before, wide = wide, tuple(begun(model, record) for record in wide)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.candidate import OFFSET, Candidate
+from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.rivals import Rival, rivals_of
 from ..evidence.scoring import columns_of
-from ..evidence.step import Finding
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -34,10 +34,8 @@ def contested(
     judged = []
     for finding in findings:
         rest = [f for f in findings if f is not finding]
-        needed = {parent for f in rest for parent in f.candidate.parents}
-        design = declared.adding(column for f in rest for column in f.columns)
-        free = bool(finding.columns) and not needed & set(finding.candidate.terms)
-        if free:
+        design = with_columns(declared, rest)
+        if finding.columns and not is_needed(finding, rest):
             found = rivals_of(finding.candidate, design, part, REFUTED * significance, rng)
             finding = replace(finding, rivals=found)
             if part.tracks:

@@ -7,20 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ...hidden_states.memory import remembered
 from ...signals import Record
+from ..evidence.findings import Finding, LimitFinding, MemoryFinding, is_needed
 from ..evidence.scoring import MARGIN
-from ..evidence.step import Finding
 from ..fitting.fit import derivative_square, refit
+from ..fitting.linear import log_ratio
 from ..fitting.trial import settled
 from ..free_runs.by_runs import model_of
 from ..free_runs.drift import drift_of
-from ..free_runs.halts import LimitFinding
 from ..free_runs.variants import Model
 from ..given.design import Design
-from ..memories.recall import MemoryFinding
 
 __all__ = ["without_outlived"]
 
@@ -58,9 +55,8 @@ def _may_go(finding: Finding, rest: Sequence[Finding]) -> bool:
     """Tell whether later effects may explain what one was needed for, and no other builds on it."""
     hidden = isinstance(finding, MemoryFinding) or finding.by_runs
     followed = any(other.step > finding.step for other in rest)
-    built_on = {parent for f in rest for parent in f.candidate.parents}
-    is_free = not built_on & set(finding.candidate.terms)
-    return hidden and followed and is_free and not isinstance(finding, LimitFinding)
+    is_free = not (is_needed(finding, rest) or isinstance(finding, LimitFinding))
+    return hidden and followed and is_free
 
 
 def _derivative_loss(many: Model, few: Model, wide: Sequence[Record]) -> float:
@@ -70,7 +66,7 @@ def _derivative_loss(many: Model, few: Model, wide: Sequence[Record]) -> float:
         acted = [remembered(record, model.memories) for record in wide]
         coef = refit(model.whole, acted, "derivative")
         errors.append(derivative_square(model.whole, acted, coef))
-    return float(np.log(max(errors[1], 1e-300) / max(errors[0], 1e-300)))
+    return log_ratio(errors[1], errors[0])
 
 
 def _loss_of_runs(many: Model, few: Model, records: Sequence[Record]) -> float:
@@ -80,4 +76,4 @@ def _loss_of_runs(many: Model, few: Model, records: Sequence[Record]) -> float:
     if drift is None:
         return float("inf")
     (trial,) = settled([few.trial(coef[1], drift.trial.scale, records, drift.part)])
-    return float(np.log(max(trial.error, 1e-300) / max(drift.trial.error, 1e-300)))
+    return log_ratio(trial.error, drift.trial.error)

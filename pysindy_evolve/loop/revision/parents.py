@@ -12,11 +12,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..effects.candidate import Candidate
+from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, score
-from ..evidence.step import Finding
 from ..given.design import Design
 from ..given.segments import Segments
-from ..memories.recall import MemoryFinding
 
 __all__ = ["without_parents"]
 
@@ -42,9 +41,9 @@ def without_parents(declared: Design, findings: Sequence[Finding], part: Segment
     for child in findings:
         parents = _parents_of(child, findings)
         rest = [f for f in findings if f is not child and f not in parents]
-        if not parents or _needed(parents, rest):
+        if not parents or any(is_needed(f, rest) for f in parents):
             continue
-        design = declared.adding(column for f in (*rest, child) for column in f.columns)
+        design = with_columns(declared, (*rest, child))
         if _gain(parents, design, part) < MARGIN * len(parents):
             alone = replace(child, candidate=_alone(child.candidate))
             kept = [alone if f is child else f for f in findings if f not in parents]
@@ -68,11 +67,6 @@ def _parents_of(child: Finding, findings: Sequence[Finding]) -> list[Finding]:
     ]
     brought = {term for f in found for term in f.candidate.terms}
     return found if brought == wanted else []
-
-
-def _needed(parents: Sequence[Finding], rest: Sequence[Finding]) -> bool:
-    needed = {(f.candidate.state, parent) for f in rest for parent in f.candidate.parents}
-    return any((f.candidate.state, term) in needed for f in parents for term in f.candidate.terms)
 
 
 def _gain(parents: Sequence[Finding], design: Design, part: Segments) -> float:

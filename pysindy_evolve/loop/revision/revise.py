@@ -10,11 +10,10 @@ import numpy as np
 
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
+from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of, score
-from ..evidence.step import Finding
 from ..given.design import Design
 from ..given.segments import Segments, ranges
-from ..memories.recall import MemoryFinding
 from .parents import without_parents
 
 __all__ = ["exchange", "merged", "prune"]
@@ -28,16 +27,15 @@ def exchange(
     Effects that only work together may enter one after the other, and the first of them under a
     wrong name: cubic damping for drag, as long as the friction is not there yet.
     """
+    findings = list(findings)
     for place, finding in enumerate(findings if latest else findings[:-1]):
         if isinstance(finding, MemoryFinding):
             continue
         rest = [f for k, f in enumerate(findings) if k != place]
-        parents = {parent for f in rest for parent in f.candidate.parents}
-        if parents & set(finding.candidate.terms):
+        if is_needed(finding, rest):
             continue
-        design = declared.adding(column for f in rest for column in f.columns)
-        variables = part.z.reshape(-1, part.z.shape[-1])
-        others = candidates(design, *ranges(variables))
+        design = with_columns(declared, rest)
+        others = candidates(design, *ranges(part.rows))
         allowed = [c for c in others if finding.candidate.name not in c.refines]
         options = dict.fromkeys([*allowed, finding.candidate])
         scores = score(design, part, list(options), pairs=False)
@@ -72,19 +70,18 @@ def _in_place_of(
 ) -> Finding | None:
     pair = (first.candidate, second.candidate)
     rest = [f for f in findings if f is not first and f is not second]
-    needed = {parent for f in rest for parent in f.candidate.parents}
     if (
         isinstance(first, MemoryFinding)
         or isinstance(second, MemoryFinding)
         or pair[0].state != pair[1].state
-        or needed & {term for c in pair for term in c.terms}
+        or is_needed(first, rest)
+        or is_needed(second, rest)
     ):
         return None
-    design = declared.adding(column for f in rest for column in f.columns)
-    variables = part.z.reshape(-1, part.z.shape[-1])
+    design = with_columns(declared, rest)
     own = [c for c in pair if not c.whole]
     # What refines an effect has to pass a test of its own.
-    others = [c for c in candidates(design, *ranges(variables)) if not c.refines]
+    others = [c for c in candidates(design, *ranges(part.rows)) if not c.refines]
     options = [c for c in others if c not in own]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
     # In one call, for the errors are weighed by what all columns together leave.
@@ -123,10 +120,9 @@ def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Fin
         rest = [f for f in findings if f is not finding]
         if isinstance(finding, MemoryFinding) or finding.by_runs:  # the derivative is blind to it
             continue
-        needed = {parent for f in rest for parent in f.candidate.parents}
-        if needed & set(finding.candidate.terms):
+        if is_needed(finding, rest):
             continue
-        design = declared.adding(column for f in rest for column in f.columns)
+        design = with_columns(declared, rest)
         scores = score(design, part, [finding.candidate], pairs=False)
         if not scores or scores[0].value < MARGIN:
             findings = rest

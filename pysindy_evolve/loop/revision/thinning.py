@@ -13,13 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.shaping import shape_of
+from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of, tuned
 from ..evidence.spectral import spectral_grams
-from ..evidence.step import Finding
 from ..evidence.trace import EVOLVED, fold_errors
 from ..given.design import Design
 from ..given.segments import Segments
-from ..memories.recall import MemoryFinding
 
 __all__ = ["thinned"]
 
@@ -70,10 +69,9 @@ def _without(
     """Return findings without some, a grown term tuned for it; none if these are needed."""
     rest = [f for f in findings if f is not grown and f not in dropped]
     shape = shape_of(grown.candidate)
-    needed = {parent for f in (*rest, grown) for parent in f.candidate.parents}
-    if shape is None or any(needed & set(f.candidate.terms) for f in dropped):
+    if shape is None or any(is_needed(f, (*rest, grown)) for f in dropped):
         return []
-    design = declared.adding(column for f in rest for column in f.columns)
+    design = with_columns(declared, rest)
     alone = replace(grown.candidate, parents=(), shape=shape)
     there = replace(grown.candidate, terms=tuned(alone, design, part).terms)
     other = replace(grown, candidate=there, columns=columns_of(there, design))

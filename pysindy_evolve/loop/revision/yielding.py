@@ -18,12 +18,11 @@ from ...hidden_states.path_states import kind_of
 from ...signals import Record
 from ...terms import Call
 from ..effects.relaxation import relaxations_of, within_reach
+from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import LEAD, columns_of, tuned
-from ..evidence.step import Finding
 from ..fitting.fit import refit
 from ..fitting.shooting import gains_of_runs, met
 from ..fitting.unfolding import paths_of, retuned, square_left, unfolded, with_paths
-from ..free_runs.by_runs import with_findings
 from ..given.design import Design
 from ..given.segments import Segments
 from .revise import exchange

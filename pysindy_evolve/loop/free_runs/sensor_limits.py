@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...signals import Record
 from ..effects.candidate import Candidate
-from ..evidence.step import Finding
+from ..evidence.findings import Finding, SensorFinding, next_step
 from ..fitting.fit import refit
+from ..given.limits import LIMITED, limits_of
 from ..given.rules import Rules
-from .limits import LIMITED, Limit, limits_of, tested
+from .plateaus import tested
 from .variants import Model
 
-__all__ = ["SensorFinding", "clipped_sensors"]
-
-
-@dataclass(frozen=True, eq=False)
-class SensorFinding(Finding):
-    """An end of the range of a sensor. It changes no equation, but what is read of a state."""
-
-    limit: Limit = field(kw_only=True)
+__all__ = ["clipped_sensors"]
 
 
 def clipped_sensors(
@@ -56,7 +49,7 @@ def clipped_sensors(
     limits = [one for one in limits_of(records) if (one.state, one.upper) not in met]
     if not limits or all(record.seen is None for record in records):
         return list(findings)
-    acted, step = model.acted(records), 1 + max((f.step for f in findings), default=0)
+    acted, step = model.acted(records), next_step(findings)
     equations = model.whole.equations(refit(model.whole, acted, "derivative"))
     found: list[Finding] = []
     for limit, length, p_value, lengths in tested(limits, equations, acted, rules, rng.spawn(1)[0]):

@@ -13,9 +13,8 @@ import numpy as np
 
 from ...equations import Equations
 from ..effects.candidate import Candidate
+from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import quick_fit
-from ..evidence.step import Finding
-from ..free_runs.by_runs import with_findings
 from ..given.design import Design
 from ..given.segments import Segments
 

@@ -16,7 +16,7 @@ from ..given.design import Design
 from .drift import LONG, Drift, drift_of
 from .variants import Model, Pasts
 
-__all__ = ["fit_by_runs", "intervals_by_runs", "tuned"]
+__all__ = ["fit_by_runs", "intervals_by_runs", "tuned_memories"]
 
 STEP = 0.02  # of the logarithm of a number, to see what it changes
 REACH = 1.5  # of the logarithms about where they begin
@@ -26,7 +26,7 @@ DAMPINGS = (1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)  # of steps, relative to the
 N_RESAMPLES = 400
 
 
-def tuned(drift: Drift, model: Model) -> Model:
+def tuned_memories(drift: Drift, model: Model) -> Model:
     """Return a model with delays, time constants, brims and shares tuned; a share of zero stays.
 
     So is where the inputs stood before each record, which hidden states remember.

@@ -5,11 +5,11 @@ import pytest
 from loop_systems import oscillator
 
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.evidence.step import Finding
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
-from pysindy_evolve.loop.revision.slopes import told_by_slopes
+from pysindy_evolve.loop.revision.dead_zones import told_by_slopes
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,10 @@ from test_by_runs import DT as SLOW
 from test_by_runs import FINE, TANK, found_in, inflow
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.evidence.findings import LimitFinding
 from pysindy_evolve.loop.fitting.runs import simulation_errors
-from pysindy_evolve.loop.free_runs.clipped import clipped_sensors
-from pysindy_evolve.loop.free_runs.halts import LimitFinding, may_stop_itself
+from pysindy_evolve.loop.free_runs.sensor_limits import clipped_sensors
+from pysindy_evolve.loop.free_runs.state_limits import may_stop_itself
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules

@@ -22,7 +22,7 @@ from ..given.design import in_state
 from .drift import Drift
 from .variants import Model
 
-__all__ = ["Contender", "sharpened"]
+__all__ = ["Contender", "tuned_by_runs"]
 
 N_STEPS = 2
 FAR = 4.0  # times the least error: an effect that misses by more will not catch up
@@ -43,7 +43,7 @@ class Contender:
         return self.trial.error
 
 
-def sharpened(
+def tuned_by_runs(
     contenders: Sequence[Contender], model: Model, drift: Drift, records: Sequence[Record]
 ) -> list[Contender]:
     """Tune the numbers inside effects, as long as their runs come closer to the record.

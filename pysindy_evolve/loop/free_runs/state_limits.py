@@ -7,43 +7,24 @@ over training records say which of the two it is; where they do not, the reading
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...signals import Record
 from ..effects.candidate import Candidate
+from ..evidence.findings import LimitFinding
 from ..evidence.shares import is_exact
-from ..evidence.step import Finding
 from ..fitting.fit import refit
 from ..given.design import Design
+from ..given.limits import LIMITED, Limit, limits_of
 from ..given.rules import Rules
 from ..given.segments import segments
 from .drift import Drift, drift_of, gains_of_models
-from .limits import LIMITED, Limit, limits_of, tested
+from .plateaus import tested
 from .variants import Model
 
-__all__ = [
-    "LimitFinding",
-    "drift_from",
-    "limits_in",
-    "may_stop_itself",
-    "needed",
-    "notable",
-    "stops_of",
-]
-
-
-@dataclass(frozen=True, eq=False)
-class LimitFinding(Finding):
-    """A limit of a state that passed. It adds no column: its term has no free coefficient."""
-
-    limit: Limit = field(kw_only=True)
-
-
-def limits_in(findings: Sequence[Finding]) -> tuple[Limit, ...]:
-    """Return the limits among findings at which states stop."""
-    return tuple(f.limit for f in findings if isinstance(f, LimitFinding))
+__all__ = ["drift_from", "may_stop_itself", "needed", "notable", "stops_of"]
 
 
 def stops_of(

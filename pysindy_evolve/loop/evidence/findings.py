@@ -1,0 +1,113 @@
+"""What was found: effects that passed, with their evidence, and what they make of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...hidden_states.memory import Memory
+from ..effects.candidate import Candidate
+from ..given.design import Column, Design
+from ..given.limits import Limit, limited
+from .rivals import Rival
+
+__all__ = [
+    "Finding",
+    "LimitFinding",
+    "MemoryFinding",
+    "SensorFinding",
+    "is_needed",
+    "limits_in",
+    "memories_in",
+    "next_step",
+    "with_columns",
+    "with_findings",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """An effect that passed, with its evidence.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        Name, equation, terms.
+    columns : tuple of Column
+        Its columns in the design.
+    score : float
+        Log ratio of the errors without and with it, per effect of its group.
+    p_value : float
+        Chance that a twin shows a score as large.
+    twin_scores : ndarray
+        Best score found in each twin.
+    step : int
+        Number of the step that found it; the effects of a pair share one.
+    rivals : tuple of Rival
+        Effects that this data cannot tell from it, once all are found.
+    by_runs : bool
+        Whether free runs showed it, and not the derivative.
+    """
+
+    candidate: Candidate
+    columns: tuple[Column, ...]
+    score: float
+    p_value: float
+    twin_scores: np.ndarray
+    step: int = 0
+    rivals: tuple[Rival, ...] = ()
+    by_runs: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class MemoryFinding(Finding):
+    """A memory of an input that passed. It changes the records and adds no column."""
+
+    memory: Memory = field(kw_only=True)
+
+
+@dataclass(frozen=True, eq=False)
+class LimitFinding(Finding):
+    """A limit of a state that passed. It adds no column: its term has no free coefficient."""
+
+    limit: Limit = field(kw_only=True)
+
+
+@dataclass(frozen=True, eq=False)
+class SensorFinding(Finding):
+    """An end of the range of a sensor. It changes no equation, but what is read of a state."""
+
+    limit: Limit = field(kw_only=True)
+
+
+def memories_in(findings: Iterable[Finding]) -> tuple[Memory, ...]:
+    """Return the memories among findings, in the order in which they are applied."""
+    return tuple(f.memory for f in findings if isinstance(f, MemoryFinding))
+
+
+def limits_in(findings: Iterable[Finding]) -> tuple[Limit, ...]:
+    """Return the limits among findings at which states stop."""
+    return tuple(f.limit for f in findings if isinstance(f, LimitFinding))
+
+
+def with_columns(design: Design, findings: Iterable[Finding]) -> Design:
+    """Return a design with the columns of findings at its end."""
+    return design.adding(column for finding in findings for column in finding.columns)
+
+
+def with_findings(declared: Design, findings: Sequence[Finding]) -> Design:
+    """Return a design with the columns and limits of findings."""
+    return limited(with_columns(declared, findings), limits_in(findings))
+
+
+def is_needed(finding: Finding, others: Iterable[Finding]) -> bool:
+    """Tell whether others may only stand beside what a finding brings to their equation."""
+    own, state = set(finding.candidate.terms), finding.candidate.state
+    return any(own & set(f.candidate.parents) for f in others if f.candidate.state == state)
+
+
+def next_step(findings: Iterable[Finding]) -> int:
+    """Return the number of the step that comes after findings."""
+    return 1 + max((finding.step for finding in findings), default=0)
