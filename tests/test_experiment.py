@@ -117,3 +117,11 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
     assert said.count("Repeat the motion") == 1
     assert "3. quadratic drag" in said
     assert "4. " not in said
+
+
+def test_squares_of_standard_errors_add_up_over_the_record_and_those_to_come(cubic):
+    # The same motion once more: 1 becomes the root of 2, and 25 records make it five.
+    again = replace(cubic, now=1.0, then=2.0**0.5)
+    assert again.n_records == 24
+    assert replace(cubic, now=3.0, then=5.0).n_records == 1
+    assert replace(cubic, now=1.0, then=1.0).n_records > 1_000_000

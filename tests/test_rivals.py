@@ -14,6 +14,7 @@ from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
 from pysindy_evolve.loop.revision.contest import contested
+from pysindy_evolve.loop.twins.chance import draws_for, p_value_of
 from pysindy_evolve.terms import variable
 
 N_SEGMENTS, N_ROWS, N_COLUMNS = 16, 60, 8
@@ -64,7 +65,7 @@ def test_the_cause_is_refuted_no_more_often_than_the_level_says():
     for _ in range(200):
         grams = grams_of(noisy_rows(rng, (0.0, 0.4)))
         gains = left_by(grams, (0, 1)).gains
-        p_values.append(chance(grams, (0, 1), [int(np.argmax(gains))], rng))
+        p_values.append(chance(grams, (0, 1), [int(np.argmax(gains))], 0.01, rng))
     # The best of the others is offered, as a search offers it. 200 draws of 5 % stay below 9 %.
     assert np.mean(np.array(p_values) <= 0.05) < 0.09
     assert np.mean(np.array(p_values) <= 0.5) == pytest.approx(0.5, abs=0.12)
@@ -81,7 +82,7 @@ def test_nor_is_it_where_a_few_pieces_are_loud(n_segments):
         rows[..., :-1] *= loud
         grams = grams_of(rows)
         best = int(np.argmax(left_by(grams, (0, 1)).gains))
-        refuted += chance(grams, (0, 1), [best], rng) <= 0.05
+        refuted += chance(grams, (0, 1), [best], 0.05, rng) <= 0.05
     # In 2 400 draws 8 %; it was 40 % as long as gains were not in units of their scatter.
     assert refuted < 0.13 * 200
 
@@ -89,7 +90,7 @@ def test_nor_is_it_where_a_few_pieces_are_loud(n_segments):
 def test_an_effect_beside_a_wrong_rival_is_missed():
     rng = np.random.default_rng(2)
     grams = grams_of(noisy_rows(rng, (0.0, 0.4)))
-    assert chance(grams, (0, 2), [1], rng) <= 0.002
+    assert chance(grams, (0, 2), [1], 0.01, rng) <= 0.002
 
 
 def rivals_in(hidden, name, **options):
@@ -191,3 +192,20 @@ def test_an_effect_that_another_one_needs_has_no_rivals():
 
 def finding_of(candidate, design):
     return Finding(candidate, columns_of(candidate, design), 1.0, 0.025, np.zeros(39))
+
+
+@pytest.mark.parametrize("level", [0.01, 0.001, 0.0002])
+def test_so_many_values_are_drawn_that_the_smallest_chance_can_be_told(level):
+    n = draws_for(level, 99)
+    assert p_value_of(1.0, np.zeros(n)) <= level
+    assert n >= 99
+    assert draws_for(0.05, 99) == 99
+
+
+def test_a_rival_is_refuted_at_a_level_that_the_usual_draws_cannot_tell():
+    rng = np.random.default_rng(2)
+    x = rng.standard_normal((16, 200, 2))
+    target = 3.0 * x[..., 1:] + 0.1 * rng.standard_normal((16, 200, 1))
+    rows = np.concatenate([x, target], axis=-1)
+    grams = np.einsum("sni,snj->sij", rows, rows)
+    assert chance(grams, (0,), [1], 0.0002, rng) <= 0.0002

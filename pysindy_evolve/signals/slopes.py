@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
+from scipy.interpolate import CubicSpline
 from scipy.signal.windows import tukey
 
 from . import checks
@@ -84,13 +85,17 @@ def fuse(t: ArrayLike, x: ArrayLike, x_dot: ArrayLike) -> Array:
     if len(times) < FEWEST:
         got = f"{len(times)}"
         checks.refuse("fuse", "t", f"at least {FEWEST} samples long", got, "Record longer.")
-    grid, (on_grid, _) = uniform("fuse", times, states, rates)
+    grid, (even_x, even_rate) = uniform("fuse", times, states, rates)
+    even_states, even_rates = np.asarray(even_x), np.asarray(even_rate)
     dt = (grid[-1] - grid[0]) / (len(grid) - 1)
     window = tukey(len(grid), FADE)[:, None]
-    gap = window * (differentiate(states if on_grid is None else on_grid, dt) - rates)
+    gap = window * (differentiate(even_states, dt) - even_rates)
     seen = fft.rfft(gap, axis=0)
-    share = _share(states, rates, dt, np.abs(seen) ** 2 / len(grid))
-    return (rates + fft.irfft(share * seen, n=len(grid), axis=0)).reshape(np.shape(x_dot))
+    share = _share(even_states, even_rates, dt, np.abs(seen) ** 2 / len(grid))
+    fused = even_rates + fft.irfft(share * seen, n=len(grid), axis=0)
+    if even_rates is not rates:  # the samples lie between those of the grid
+        fused = CubicSpline(grid, fused)(times)
+    return fused.reshape(np.shape(x_dot))
 
 
 def _share(states: Array, rates: Array, dt: float, gap_power: Array) -> Array:

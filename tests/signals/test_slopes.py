@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from pysindy_evolve.signals import differentiate, fuse
 
@@ -30,6 +31,16 @@ def test_a_good_state_makes_a_noisy_derivative_ten_times_better(motion, size):
     t, x, x_dot = motion
     noisy = x_dot + noise(size, 0, x_dot)
     assert error(fuse(t, x, noisy), x_dot) < 0.11 * error(noisy, x_dot)
+
+
+def test_a_jittering_record_gains_as_much_as_an_even_one(motion):
+    t, x, x_dot = motion
+    shift = 0.4 * DT * np.random.default_rng(5).uniform(-1.0, 1.0, len(t))
+    shift[[0, -1]] = 0.0
+    noisy = x_dot + noise(0.5, 0, x_dot)
+    states, rates = (np.asarray(CubicSpline(t, c)(t + shift)) for c in (x, x_dot))
+    fused = fuse(t + shift, states, rates + noisy - x_dot)
+    assert error(fused, rates) < 0.11 * error(noisy, x_dot)
 
 
 def test_a_good_derivative_is_left_alone_beside_a_noisy_state(motion):

@@ -20,7 +20,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..fitting.trajectory import Trajectories
 from ..given.design import Column, Design
-from ..twins.chance import p_value_of
+from ..twins.chance import draws_for, p_value_of
 from ..twins.drifting import DriftingTwins
 from .scoring import columns_of
 
@@ -63,13 +63,14 @@ def twin_chance(
     observed = _lead(rival, design, options, records)
     maker = DriftingTwins.of(design.adding(columns_of(rival, design)), records)
     leads: list[float] = []
-    for child in rng.spawn(N_TWINS):
+    n_twins = draws_for(level, N_TWINS)
+    for child in rng.spawn(n_twins):
         leads.append(_lead(rival, design, options, maker.make(child)))
-        stands = np.sum(np.array(leads) >= observed) > level * (N_TWINS + 1)
+        stands = np.sum(np.array(leads) >= observed) > level * (n_twins + 1)
         if stands:
             break
         if len(leads) >= FEWEST and CLEAR * max(leads) < observed:
-            return 1.0 / (1 + N_TWINS)
+            return 1.0 / (1 + n_twins)
     return p_value_of(observed, leads)
 
 

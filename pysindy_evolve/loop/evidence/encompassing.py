@@ -39,7 +39,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..fitting.linear import solve
-from ..twins.chance import p_value_of
+from ..twins.chance import draws_for, p_value_of
 
 __all__ = ["Left", "chance", "explained", "left_by"]
 
@@ -108,7 +108,11 @@ def left_by(grams: np.ndarray, model: Sequence[int]) -> Left:
 
 
 def chance(
-    grams: np.ndarray, model: Sequence[int], columns: Sequence[int], rng: np.random.Generator
+    grams: np.ndarray,
+    model: Sequence[int],
+    columns: Sequence[int],
+    level: float,
+    rng: np.random.Generator,
 ) -> float:
     """Return the chance of gains as clear as those of some columns, if the model were the cause.
 
@@ -120,6 +124,8 @@ def chance(
         Columns of the rival's model.
     columns : sequence of int
         Columns of the effect; the one that gains most clearly counts.
+    level : float
+        So small a chance can be told.
     rng : numpy.random.Generator
         Draws the signs.
 
@@ -134,7 +140,7 @@ def chance(
     coef = solve(elsewhere[:, own][:, :, own], elsewhere[:, own, -1])
     explained = free[:, :-1, own] @ coef[:, :, None]
     both = replace(left, slopes=left.slopes - explained[..., 0])
-    signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(grams)))
+    signs = rng.choice([-1.0, 1.0], size=(draws_for(level, N_SIGNS), len(grams)))
     largest = both.ratios(signs).max(axis=1)
     return p_value_of(observed, largest)
 

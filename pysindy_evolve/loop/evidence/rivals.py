@@ -99,7 +99,7 @@ def rivals_of(
     for option, place, squares in zip(options, others, theirs, strict=True):
         if squares < EXPLAINED * ours:
             continue
-        p_value = chance(grams, (*base, *place), own, rng)
+        p_value = chance(grams, (*base, *place), own, level, rng)
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))

@@ -33,6 +33,7 @@ from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import ranges, segments, variables_of
 from ..memories.reach import exchanged
+from ..twins.chance import draws_for
 from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models, gains_of_terms
 from .memory_tuning import tuned_memories
 from .state_limits import drift_from, needed, notable, stops_of
@@ -156,7 +157,8 @@ def _memory_or_term(
     those that pass are tuned. The first effect may be a term only if it halves what the runs miss:
     a force that a noisy or delayed input brings with it is worth less.
     """
-    signs = rng.choice([-1.0, 1.0], size=(N_SIGNS, len(drift.part.z)))
+    n_signs = draws_for(rules.level_of_runs, N_SIGNS)
+    signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
     memories = memories_beside(drift.model, drift.records, segments(drift.records))
     terms = [v for v in _terms(drift) if not first or _is_of_motion(v, drift)]
     if first and np.all(

@@ -101,7 +101,7 @@ def _winner(
     begun = [_begun(model, rival, drift, records) for rival in rivals]
     fitted = map(Contender, rivals, settled(begun))
     tuned = tuned_by_runs([Contender(own, drift.trial), *fitted], model, drift, records)
-    best, level = tuned[0], rules.significance / len(rivals)
+    best, level = tuned[0], rules.significance / max(len(rivals), 1)
     for other in tuned[1:]:
         price = PRICE * max(other.candidate.size - best.candidate.size, 0)
         least = max(-np.log1p(-rules.min_share), price if other.candidate.name == EVOLVED else 0.0)

@@ -11,7 +11,7 @@ from ...signals import Record
 from ...signals.clipping import longest
 from ..given.limits import Limit
 from ..given.rules import Rules
-from ..twins.chance import p_value_of
+from ..twins.chance import draws_for, p_value_of
 from ..twins.paths import follow
 
 __all__ = ["plateaus", "tested"]
@@ -46,9 +46,9 @@ def tested(
     list of (Limit, int, float, ndarray of shape (n_twins,))
         With samples in a row, their chance, and the same samples in the twins.
     """
-    found = []
+    found, n_twins = [], draws_for(rules.level_of_runs, N_TWINS)
     for limit in limits:
-        length, lengths = plateaus(limit, equations, records, N_TWINS, rng)
+        length, lengths = plateaus(limit, equations, records, n_twins, rng)
         p_value = p_value_of(length, lengths)
         if p_value <= rules.level_of_runs:
             found.append((limit, length, p_value, lengths))

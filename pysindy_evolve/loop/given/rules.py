@@ -29,25 +29,11 @@ class Rules:
     n_looks: int = N_LOOKS
 
     def __post_init__(self) -> None:
-        for name in ("significance", "min_share"):
-            value = getattr(self, name)
-            if not isinstance(value, Real) or not 0.0 < float(value) < 1.0:
-                raise ValueError(
-                    f"close_loop({name}=...) must be in (0, 1); got {value!r}. "
-                    "Give a share such as 0.05."
-                )
-        for name, least in (("n_twins", 1), ("max_effects", 0)):
-            value = getattr(self, name)
-            if not isinstance(value, Integral) or value < least:
-                raise ValueError(
-                    f"close_loop({name}=...) must be an integer of at least {least}; "
-                    f"got {value!r}. Give a count."
-                )
-        if self.n_jobs is not None and (not isinstance(self.n_jobs, Integral) or self.n_jobs == 0):
-            raise ValueError(
-                f"close_loop(n_jobs=...) must be an integer other than 0, or None; "
-                f"got {self.n_jobs!r}. Give 1 for one process, -1 for as many as there are cores."
-            )
+        _check_share("significance", self.significance)
+        _check_share("min_share", self.min_share)
+        _check_count("n_twins", self.n_twins, 1)
+        _check_count("max_effects", self.max_effects, 0)
+        _check_processes(self.n_jobs)
         if self.refine not in REFINE:
             raise ValueError(
                 f"close_loop(refine=...) must be one of {', '.join(REFINE)}; got {self.refine!r}. "
@@ -81,6 +67,41 @@ class Rules:
     def level_of_runs(self) -> float:
         """The same for limits, and for all else that free runs show: half of a look each."""
         return self.level / 2.0
+
+
+def _check_share(name: str, value: Any) -> None:
+    if not isinstance(value, Real) or isinstance(value, bool):
+        raise TypeError(
+            f"close_loop({name}=...) must be a number; got {value!r}. Give a share such as 0.05."
+        )
+    if not 0.0 < float(value) < 1.0:
+        raise ValueError(
+            f"close_loop({name}=...) must be in (0, 1); got {value!r}. Give a share such as 0.05."
+        )
+
+
+def _check_count(name: str, value: Any, least: int) -> None:
+    if not isinstance(value, Integral) or isinstance(value, bool):
+        raise TypeError(f"close_loop({name}=...) must be an integer; got {value!r}. Give a count.")
+    if value < least:
+        raise ValueError(
+            f"close_loop({name}=...) must be at least {least}; got {value!r}. Give a count."
+        )
+
+
+def _check_processes(n_jobs: Any) -> None:
+    if n_jobs is None:
+        return
+    if not isinstance(n_jobs, Integral) or isinstance(n_jobs, bool):
+        raise TypeError(
+            f"close_loop(n_jobs=...) must be an integer or None; got {n_jobs!r}. "
+            "Give 1 for one process, -1 for as many as there are cores."
+        )
+    if n_jobs == 0:
+        raise ValueError(
+            "close_loop(n_jobs=...) must not be 0; got 0. "
+            "Give 1 for one process, -1 for as many as there are cores."
+        )
 
 
 def generator(random_state: Any) -> np.random.Generator:

@@ -67,10 +67,10 @@ def settled_memory(
     if chosen.kind == VESSEL and linear:
         # Its outflow is a root of its level, which says more than a delay or a lag does.
         other = _plainest(*zip(*linear, strict=True))
-        stands = _chance_of(chosen, other, design, records, part, rng) > level
+        stands = _chance_of(chosen, other, design, records, part, level, rng) > level
         chosen = chosen if stands else other
     others = [m for m in best if m is not chosen]
-    rivals = [(m.kind, _chance_of(m, chosen, design, records, part, rng)) for m in others]
+    rivals = [(m.kind, _chance_of(m, chosen, design, records, part, level, rng)) for m in others]
     return chosen, tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
 
 
@@ -125,6 +125,7 @@ def _chance_of(
     design: Design,
     records: Sequence[Record],
     part: Segments,
+    level: float,
     rng: np.random.Generator,
 ) -> float:
     """Return the chance that one memory gains as much beside another, if that were the cause."""
@@ -135,7 +136,7 @@ def _chance_of(
     columns = [*there.columns, *_swapped(wide, probes.swap(1)).columns]
     n_own = len(wide.columns)
     grams = spectral_grams(pieces, there, columns)
-    return chance(grams, range(n_own), range(n_own, 2 * n_own), rng)
+    return chance(grams, range(n_own), range(n_own, 2 * n_own), level, rng)
 
 
 def _swapped(design: Design, swap: dict[int, Sum]) -> Design:

@@ -77,8 +77,12 @@ class Experiment:
 
     @property
     def n_records(self) -> int:
-        """How many records as long as this one it takes."""
-        return max(1, int(np.ceil((ENOUGH / max(self.then, 1e-6)) ** 2)))
+        """How many more records as long as this one it takes, all in the proposed motion.
+
+        Squares of standard errors add up, over the record that is there and those that come.
+        """
+        each = max(self.then**2 - self.now**2, 1e-12)
+        return max(1, int(np.ceil((ENOUGH**2 - self.now**2) / each)))
 
 
 @dataclass(frozen=True)

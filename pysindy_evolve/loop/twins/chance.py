@@ -11,9 +11,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-__all__ = ["p_value_of"]
+__all__ = ["draws_for", "p_value_of"]
 
 
 def p_value_of(observed: float, values: np.ndarray | Sequence[float]) -> float:
     """Return (1 + number of values at least as large) / (1 + number of values)."""
     return float((1 + np.sum(np.asarray(values) >= observed)) / (1 + len(values)))
+
+
+def draws_for(level: float, usual: int) -> int:
+    """Return how many values it takes for a chance as small as a level: the usual number, or more.
+
+    The smallest chance that n values can show is 1 / (n + 1).
+    """
+    return max(usual, int(np.ceil(1.0 / level - 1e-9)) - 1)
