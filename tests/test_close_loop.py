@@ -230,7 +230,7 @@ def test_interrupt_keeps_what_was_found(monkeypatch):
     assert not report.finished
     assert report.effects
     assert report.verdict == "traced"
-    assert "did not come to its end" in str(report)
+    assert "stopped early" in str(report)
 
 
 def test_pendulum_without_its_gravity_is_given_it():
@@ -276,7 +276,7 @@ def test_interrupt_while_terms_grow_keeps_the_names(monkeypatch):
     report = pse.close_loop(FRICTION.model, FRICTION.record(), random_state=0)
     assert names(report) == ["Coulomb friction"]
     assert not report.finished
-    assert "The search did not come to its end" in str(report)
+    assert "The search stopped early" in str(report)
 
 
 def test_what_was_not_looked_for_is_not_said_to_be_absent():

@@ -113,7 +113,7 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
     said = " ".join(str(Plan((known[0], hopeless[0], cubic, *hopeless[1:], known[1]))).split())
     assert "by 7.1 to 28.4 standard errors" in said
     assert said.count("look first for what else is missing") == 1
-    assert said.count("No motion up to ten times") == 1
+    assert said.count("No motion of up to 10 times") == 1
     assert said.count("Repeat the motion") == 1
     assert "3. quadratic drag" in said
     assert "4. " not in said

@@ -47,6 +47,8 @@ class Finding:
         Number of the step that found it; the effects of a pair share one.
     rivals : tuple of Rival
         Effects that this data cannot tell from it, once all are found.
+    contested : bool
+        Whether other effects were tried in its place, once all were found.
     by_runs : bool
         Whether free runs showed it, and not the derivative.
     """
@@ -58,6 +60,7 @@ class Finding:
     twin_scores: np.ndarray
     step: int = 0
     rivals: tuple[Rival, ...] = ()
+    contested: bool = False
     by_runs: bool = False
 
 

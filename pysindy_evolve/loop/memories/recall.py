@@ -117,6 +117,7 @@ def _narrowed(
         finding.p_value,
         finding.twin_scores,
         rivals=tuple(Rival(replace(named, name=k), p) for k, p in rivals),
+        contested=True,
         memory=memory,
     )
 

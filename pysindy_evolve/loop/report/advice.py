@@ -83,7 +83,8 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
     if _is_hopeless(one):
-        return [*said, "No motion up to ten times as large or five times as fast would do."]
+        most = "No motion of up to 10 times the amplitude and 5 times the frequency"
+        return [*said, f"{most} would be enough."]
     said.append(f"{_what_to_do(one)}{_reached(one, units)}.")
     if one.n_records == 1:
         said.append(f"One more record as long as this one then makes it {one.then:.1f}.")

@@ -32,8 +32,8 @@ def _held(report: LoopReport) -> list[str]:
     delays = (one for one in report.effects if one.memory is not None and one.name == DELAY)
     return [
         f"The input delay of {format_expression(one.term).partition('(')[0]} is half a sampling "
-        "time: so late acts an input that is held from one sample to the next (zero-order hold), "
-        "and no part of the machine need be slow."
+        "time. An input that is held from one sample to the next (zero-order hold) acts late by "
+        "just that, so no part of the machine need be slow."
         for one in delays
         if abs(one.coefficients[0] - 0.5 * step) < HELD * step
     ]
@@ -50,8 +50,8 @@ def _turned(report: LoopReport) -> list[str]:
     if not turned:
         return []
     return [
-        f"With the effects a parameter turns its sign: {', '.join(turned)}. If the machine does "
-        "not allow that, an effect holds a part of it, or stands for another one."
+        f"Adding the effects reverses the sign of a parameter: {', '.join(turned)}. If the "
+        "machine does not allow that, an effect holds a part of it, or stands for another one."
     ]
 
 
@@ -60,8 +60,8 @@ def _undefined(report: LoopReport) -> list[str]:
         return []
     return [
         f"In {100 * report.after.undefined:.2g} % of the held-out rows the model has no value, "
-        "such as a root of what is negative there: it was not measured for training, or noise "
-        "moved it across. The derivative is not judged on these rows."
+        "such as the square root of a negative number: this range was not in the training data, "
+        "or noise crossed zero. The derivative is not judged on these rows."
     ]
 
 

@@ -106,6 +106,9 @@ class Effect:
         Its own score.
     rivals : tuple of Alternative
         The alternatives with their terms, and other forms of the effect itself.
+    contested : bool
+        Whether other effects were tried in its place. None are in that of a limit, of a memory
+        that only free runs show, or of an effect that another one builds on.
     memory : Memory, optional
         Of a memory of an input: its kind and its numbers.
     by_runs : bool
@@ -131,6 +134,7 @@ class Effect:
     twin_scores: np.ndarray
     score: float
     rivals: tuple[Alternative, ...] = ()
+    contested: bool = False
     memory: Memory | None = None
     by_runs: bool = False
     quantities: tuple[str, ...] = ()
@@ -141,6 +145,11 @@ class Effect:
     def place(self) -> str:
         """Where it is: in the equation of a state, or in its sensor."""
         return f"the {'sensor' if self.of_sensor else 'equation'} of {self.state}"
+
+    @property
+    def is_limit(self) -> bool:
+        """Whether it is a limit, of a state or its sensor; its score is samples in a row there."""
+        return bool(self.quantities) and self.memory is None
 
     def __repr__(self) -> str:
         intervals = zip(self.coefficients, self.confidence_intervals, strict=True)

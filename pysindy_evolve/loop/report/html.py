@@ -15,7 +15,7 @@ from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .remains import remains
-from .text import VERDICTS, added_up, free_parameters, table_cells
+from .text import VERDICTS, added_up, free_parameters, table_cells, without_rivals
 from .units import check_units
 
 if TYPE_CHECKING:
@@ -90,7 +90,8 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "of_what": "free runs' error variance" if effect.by_runs else "residual variance",
         "p": f"{effect.p_value:.2g}",
         "n_twins": len(effect.twin_scores),
-        "twins": _twins(effect.name, effect.twin_scores, effect.score),
+        "twins": _twins(effect.name, effect.twin_scores, effect.score, effect.is_limit),
+        "alone": without_rivals(effect),
         "rivals": [
             (
                 "the same in another form" if rival.name == effect.name else rival.name,
@@ -137,10 +138,15 @@ def _rejected_picture(report: LoopReport) -> str:
     return _twins("last look", best.twin_scores, best.score)
 
 
-def _twins(name: str, scores: np.ndarray, observed: float) -> str:
+def _twins(name: str, scores: np.ndarray, observed: float, is_limit: bool = False) -> str:
     from .plot import draw_scores
 
-    return _svg((4.6, 2.1), f"twins {name}", lambda f: draw_scores(f.subplots(), scores, observed))
+    what = "samples in a row at the limit" if is_limit else "score: log(error without it / with it)"
+
+    def draw(figure: Any) -> None:
+        draw_scores(figure.subplots(), scores, observed, what)
+
+    return _svg((4.6, 2.1), f"twins {name}", draw)
 
 
 def _svg(size: tuple[float, float], name: str, draw: Callable[[Any], None]) -> str:
@@ -157,7 +163,8 @@ def _svg(size: tuple[float, float], name: str, draw: Callable[[Any], None]) -> s
         draw(figure)
         out = StringIO()
         figure.savefig(out, format="svg", metadata={"Date": None}, dpi=110, transparent=True)
-    return out.getvalue().partition("<svg")[1] + out.getvalue().partition("<svg")[2]
+    page = out.getvalue()
+    return page[page.index("<svg") :]
 
 
 def _version() -> str:

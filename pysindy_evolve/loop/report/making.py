@@ -157,6 +157,7 @@ def _effect(
         explained=float(1.0 - (with_it / max(without, 1e-300)) ** 2),
         p_value=finding.p_value,
         alternatives=_other_names(finding),
+        contested=finding.contested,
         rivals=tuple(_alternative(rival, design) for rival in finding.rivals),
         expressions=terms,
         twin_scores=finding.twin_scores,

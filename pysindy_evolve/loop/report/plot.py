@@ -163,10 +163,10 @@ def _draw_planes(
     figure.colorbar(mesh, ax=used, shrink=0.9, pad=0.01).outline.set_visible(False)
 
 
-def draw_scores(axes: Any, scores: np.ndarray, observed: float) -> None:
+def draw_scores(axes: Any, scores: np.ndarray, observed: float, what: str) -> None:
     """Draw what the same search finds in twins, and what it found in the record."""
     draw_twins(axes, scores, observed, AFTER)
-    tidy(axes, "score: log(error without it / with it)", "twins", "")
+    tidy(axes, what, "twins", "")
 
 
 def _row(letters: str) -> str:

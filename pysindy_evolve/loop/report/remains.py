@@ -33,14 +33,15 @@ def remains(report: LoopReport) -> list[str]:
 def _unfinished(report: LoopReport) -> str:
     if report.rules is not None and report.rules.max_effects == 0:
         return "No effect was looked for, as max_effects is 0."
-    return "The search did not come to its end: it was interrupted or met max_effects."
+    return "The search stopped early: it was interrupted, or reached max_effects."
 
 
 def _last_look(report: LoopReport) -> str:
     best = report.rejected
     if best is None:
-        return "No other effect betters the model on parts of the record it was not fitted on."
-    said = f"The best of what did not pass is {best.name} in the equation of {_states(report)}: "
+        return "No other effect improves the model on parts of the record it was not fitted on."
+    where = f"in the equation of {_states(report)}"
+    said = f"The strongest candidate that did not pass is {best.name} {where}: "
     if not np.isnan(best.p_value):
         n_twins = len(best.twin_scores)
         better = round(best.p_value * (1 + n_twins)) - 1

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...export import format_equations, format_expression, format_number
 from ...hidden_states.path_states import sayings
+from ..effects.candidate import OFFSET
 from .advice import paragraphs
 from .remains import remains
 
@@ -19,12 +20,12 @@ if TYPE_CHECKING:
     from .report import LoopReport
 
 __all__ = ["VERDICTS", "added_up", "as_markdown", "as_text", "free_parameters", "interval"]
-__all__ += ["table_cells"]
+__all__ += ["table_cells", "without_rivals"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
-    "traced": "traced: the model lacked what is listed below.",
-    "untraced": "untraced: something is missing that no tried effect explains.",
+    "traced": "traced: the model lacked the effects below, which have been added.",
+    "untraced": "untraced: the residual has structure that none of the tried effects explains.",
 }
 
 
@@ -61,7 +62,7 @@ def added_up(report: LoopReport) -> list[str]:
         for expression in (() if effect.quantities else effect.expressions)
         for _, product in expression.parts
     }
-    said = "The equations add to these what the effects below hold of the same terms."
+    said = "Where an effect below holds one of the same terms, the equations show the sum."
     return [said] if report.after.parameters and declared & brought else []
 
 
@@ -149,9 +150,10 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
             lines.append(shown if effect.of_sensor else f"{shown}   {interval(low, high)}")
             continue
         shown = _factor(effect.expressions[k].to_sympy(symbols))
-        lines.append(f"{value:.4g} times {shown}   {interval(low, high)}")
+        times = "" if effect.expressions[k] == OFFSET else f" times {shown}"
+        lines.append(f"{value:.4g}{times}   {interval(low, high)}")
         if low < 0.0 < high:
-            lines.append("the interval holds zero: by itself, this record is not sure of its sign")
+            lines.append("the interval contains zero: this record alone does not fix its sign")
     sure = [" " + interval(low, high) for low, high in effect.number_intervals]
     lines += sayings(effect.expressions, [str(symbol) for symbol in symbols], sure)
     of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
@@ -162,9 +164,16 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines.append(f"by itself removes nothing of the held-out {of_what}; {chance}")
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
-        said = f"this data cannot tell it from: {rivals}"
+        said = f"this record cannot tell it from: {rivals}"
         lines += [said] if wide else wrap(said, 92, subsequent_indent="  ")
-    return lines
+    return [*lines, without_rivals(effect)] if not effect.rivals else lines
+
+
+def without_rivals(effect: Effect) -> str:
+    """Say why no alternative of an effect is named."""
+    if effect.contested:
+        return "this record refutes every alternative that was tried"
+    return "no other effect was tried in its place"
 
 
 def alternative(rival: Alternative, effect: Effect) -> str:
@@ -210,6 +219,11 @@ def as_markdown(report: LoopReport) -> str:
 
 def _twins(effect: Effect) -> str:
     middle, high = np.quantile(effect.twin_scores, [0.5, 1.0])
+    if effect.is_limit:
+        return (
+            f"stays there for {effect.score:.0f} samples in a row; twins without the limit stay at "
+            f"their extreme for {middle:.0f} in the median, and for {high:.0f} at most"
+        )
     return (
         f"score {effect.score:.3g}; the best that the same search finds in twins, in which nothing "
         f"is missing, has a median of {middle:.2g} and a largest value of {high:.2g}"

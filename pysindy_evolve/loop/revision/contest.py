@@ -37,7 +37,7 @@ def contested(
         design = with_columns(declared, rest)
         if finding.columns and not is_needed(finding, rest):
             found = rivals_of(finding.candidate, design, part, REFUTED * significance, rng)
-            finding = replace(finding, rivals=found)
+            finding = replace(finding, rivals=found, contested=True)
             if part.tracks:
                 finding = plainer(finding, design, significance)
         judged.append(finding)
