@@ -206,7 +206,7 @@ def _check_on_arrays(operator: Operator, owner: str) -> None:
             problem = f"an array of type {result.dtype}"
         elif np.iscomplexobj(result):
             problem = "complex numbers"
-    # A user's function may raise anything at all; whatever it is, it is reported, not hidden.
+    # What a function of numbers raises when it is given arrays; anything else is for its author.
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         problem = f"{type(error).__name__}: {error}"
     if problem is not None:
