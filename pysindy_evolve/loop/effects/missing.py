@@ -40,9 +40,11 @@ def candidates(
     Returns
     -------
     list of Candidate
-        Effects whose terms all stand in the equation already are left out.
+        Effects whose terms all stand in the equation already are left out, unless their coefficient
+        is known: what is known may be wrong. A known constant is not looked at again, for a free
+        one absorbs a part of whatever is missing.
     """
-    present = standing(design)
+    taken = _fitted(design)
     apart = np.add.outer(scales, scales) if apart is None else apart
     middle = np.zeros_like(scales) if middle is None else middle
     free = set() if signed is None else {int(v) for v in np.flatnonzero(~signed)}
@@ -50,7 +52,7 @@ def candidates(
         _freed(candidate, design, free)
         for state in design.open_states
         for candidate in of_equation(design, state, scales, apart, middle)
-        if not all((state, bare(term)) in present for term in candidate.terms)
+        if not all((state, bare(term)) in taken for term in candidate.terms)
         # A dead zone lies about zero, and a position that never is there knows nothing of it.
         and not (candidate.name == "dead zone" and candidate.terms[0].variables & free)
     ]
@@ -68,6 +70,12 @@ def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
         return candidate
     kept = tuple(parent for parent in candidate.parents if parent != OFFSET)
     return replace(candidate, parents=kept)
+
+
+def _fitted(design: Design) -> set[tuple[int, Sum]]:
+    """Return equation and expression of what stands in a design, without known variable terms."""
+    free = standing(replace(design, fixed=(Sum(()),) * len(design.states)))
+    return free | {(state, term) for state, term in standing(design) if term == OFFSET}
 
 
 def standing(design: Design) -> set[tuple[int, Sum]]:

@@ -26,7 +26,7 @@ from ..twins.testing import twin_values
 from ..twins.twins import TwinMaker
 from .scoring import quick_fit
 from .shares import is_exact
-from .spectral import spectral_grams
+from .spectral import spectral_grams, spectral_rows
 from .trace import fold_errors
 
 __all__ = ["structure_chance"]
@@ -34,6 +34,9 @@ __all__ = ["structure_chance"]
 MAX_COLUMNS = 60
 LAGS = (1, 2, 4, 8)  # in eighths of the width of the windows
 NOTABLE = 0.05  # log error that the generic model must gain
+N_NOISE = 4  # twins with nothing but the noise of the sensors
+EXCESS = 1.5  # times the power that these leave in a band; less may be a matter of chance
+N_BANDS, FEWEST = 16, 4  # bands, and frequencies in each
 
 
 @dataclass(frozen=True)
@@ -92,9 +95,37 @@ def structure_chance(
     if observed < NOTABLE or is_exact(design, part):
         return 1.0
     maker = TwinMaker.of(quick_fit(design, part), records)
+    if not _exceeds_noise(maker, design, part, rng.spawn(1)[0]):
+        return 1.0
     statistic = partial(_gain_in_twin, design=design, columns=columns)
     values = twin_values(maker, part, statistic, observed, rules, rng)
     return p_value_of(observed, values)
+
+
+def _exceeds_noise(
+    maker: TwinMaker, design: Design, part: Segments, rng: np.random.Generator
+) -> bool:
+    """Tell whether more is left at some frequencies than the sensors alone would leave.
+
+    In a closed loop the input answers the noise of the sensor, and so tells what that was. What is
+    predicted by it then is noise, and no twin, whose noise nobody answered, shows the same.
+    """
+    drawn = [maker.of_noise(child) for child in rng.spawn(N_NOISE)]
+    noise = [columns for columns in drawn if columns is not None]
+    if not noise:
+        return True
+    left, *alone = (_power(columns, design, part) for columns in (maker.residuals, *noise))
+    return bool(np.any(left > EXCESS * np.mean(alone, axis=0)))
+
+
+def _power(columns: Sequence[np.ndarray], design: Design, part: Segments) -> np.ndarray:
+    """Return the power of residuals in bands of frequency, (n_bands, n_open)."""
+    length = part.z.shape[1]
+    pieces = np.stack([columns[i][start : start + length] for i, start in part.places])
+    rows = spectral_rows(part, (pieces * part.weight)[:, :, list(design.open_states)])
+    power = np.mean(np.abs(rows) ** 2, axis=0)
+    n_bands = max(1, min(N_BANDS, len(power) // FEWEST))
+    return np.array([band.mean(axis=0) for band in np.array_split(power, n_bands)])
 
 
 def _gain_in_twin(

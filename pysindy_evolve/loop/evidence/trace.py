@@ -18,7 +18,8 @@ import numpy as np
 
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
-from ..fitting.linear import solve
+from ..fitting.linear import TINY, solve
+from ..given.segments import LARGEST
 
 __all__ = ["Score", "fold_errors", "is_new", "rank", "ranked"]
 
@@ -196,7 +197,7 @@ def _scored(
     scores = []
     for entries in models.values():
         errors = judge(np.array([base + columns for _, columns in entries]))
-        before, after = (np.maximum(e.sum(axis=-1), 1e-300) for e in (without, errors))
+        before, after = (np.maximum(e.sum(axis=-1), TINY) for e in (without, errors))
         values = (np.log(before) - np.log(after)) / np.array([len(group) for group, _ in entries])
         scores += [
             Score(tuple(candidates[i] for i in group), columns, without, error, value)
@@ -228,7 +229,7 @@ def is_new(total: np.ndarray, n_fixed: int, own: Sequence[int]) -> bool:
     base = np.arange(n_fixed)
     for column in own:
         size = total[column, column]
-        if not np.isfinite(size) or size <= 1e-300:
+        if not TINY < size < LARGEST**2:
             return False
         fit = solve(total[np.ix_(base, base)], total[base, column])
         if size - fit @ total[base, column] <= NEW * size:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...signals import Preparation, Record, as_target, prepare
 from .design import Design
-from .segments import variables_of
+from .segments import LARGEST, variables_of
 
 __all__ = ["alike", "check_records", "split_records", "widened"]
 
@@ -110,7 +110,6 @@ def _check_velocities(design: Design, records: Sequence[Record]) -> None:
             )
 
 
-LARGEST = 1e50  # of a term of the model
 SIZES = (1e-30, 1e30)  # beyond them squares of ratios of powers leave the range of a float
 
 

@@ -15,7 +15,16 @@ from ...terms import Sum
 from .sensor import limits_of_states, missed
 from .sticking import moving
 
-__all__ = ["Segments", "have_values", "places_of", "ranges", "scale_of", "segments", "variables_of"]
+__all__ = [
+    "LARGEST",
+    "Segments",
+    "have_values",
+    "places_of",
+    "ranges",
+    "scale_of",
+    "segments",
+    "variables_of",
+]
 
 N_SEGMENTS = 16
 N_FOLDS = 8
@@ -25,6 +34,7 @@ LOST = 0.01  # share of the rows that a length may cost which transforms fast
 LOOK = 0.6  # share of the cutoff below which the low-pass of the states is hardly felt
 BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
 FEWEST_FREQUENCIES = 8  # of a segment
+LARGEST = 1e50  # of a term of the model; its squares are added up
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,9 +201,11 @@ def places_of(
 
 
 def have_values(expressions: Sequence[Sum], records: Sequence[Record]) -> bool:
-    """Tell whether expressions have a finite value on every row of records."""
+    """Tell whether expressions have a finite value, and no huge one, on every row of records."""
     rows = [variables_of(record) for record in records]
-    return all(np.isfinite(one.evaluate(z)).all() for one in expressions for z in rows)
+    with np.errstate(all="ignore"):
+        values = (one.evaluate(z) for one in expressions for z in rows)
+        return all(bool((np.abs(value) < LARGEST).all()) for value in values)
 
 
 def variables_of(record: Record) -> np.ndarray:

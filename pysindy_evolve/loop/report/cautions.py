@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["cautions"]
 
 HELD = 0.1  # sampling times by which a delay may differ from half of one
+WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
 TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
 NOTABLE = 20.0  # percent of the standard deviation: more than a small error of a parameter leaves
 RUNAWAY = 100.0  # the same
@@ -22,7 +23,48 @@ RUNAWAY = 100.0  # the same
 
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
-    return [*_held(report), *_turned(report), *_undefined(report), *_missed(report)]
+    found = [*_known(report), *_held(report), *_turned(report)]
+    return [*found, *_worse(report), *_undefined(report), *_missed(report)]
+
+
+def _known(report: LoopReport) -> list[str]:
+    """Name the effects that change the coefficient of a term that was declared as known."""
+    if report.design is None:
+        return []
+    said = []
+    for effect in (one for one in report.effects if len(one.expressions) == 1):
+        (expression,) = effect.expressions
+        known = report.design.fixed[report.design.states.index(effect.state)]
+        given = {term: c for c, term in known.parts}
+        if effect.quantities or len(expression.parts) != 1 or expression.parts[0][1] not in given:
+            continue
+        ((factor, term),) = expression.parts
+        before = given[term]
+        after = before + factor * float(effect.coefficients[0])
+        said.append(
+            f"The declared equation of {effect.state} holds {format_expression(effect.term)} with "
+            f"the known coefficient {format_number(before)}; the record asks for "
+            f"{format_number(after)}. Check what was given as known."
+        )
+    return said
+
+
+def _worse(report: LoopReport) -> list[str]:
+    """Name the errors on held-out data that the effects made larger."""
+    states, grown = report.before.model.states, []
+    for kind in ("derivative_error", "simulation_error"):
+        sides = (getattr(errors, kind) for errors in (report.before, report.after))
+        for state, before, after in zip(states, *sides, strict=False):
+            if np.isfinite(before) and not after <= WORSE * before:
+                what = f"d{state}/dt" if kind == "derivative_error" else f"the free run of {state}"
+                now = f"{after:.3g}" if np.isfinite(after) else "no finite value"
+                grown.append(f"{what} from {before:.3g} to {now}")
+    if not report.effects or not grown:
+        return []
+    said = f"On the held-out data some errors grew, in %: {', '.join(grown)}."
+    if any(effect.name == "periodic forcing" for effect in report.effects):
+        return [f"{said} The phase of a periodic forcing may differ from record to record."]
+    return [f"{said} What was found may not carry over to that record."]
 
 
 def _held(report: LoopReport) -> list[str]:

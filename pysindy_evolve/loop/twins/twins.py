@@ -59,6 +59,21 @@ class TwinMaker:
         memories = tuple(memory_of(residual) for residual in residuals)
         return cls(equations, tuple(records), simulated, residuals, memories)
 
+    def of_noise(self, rng: np.random.Generator) -> list[np.ndarray] | None:
+        """Return what the noise of the sensors alone leaves of each record, drawn once more.
+
+        Shape (n_samples, n_states) each; None if the sensors of a record are not known.
+        """
+        found = []
+        for record, residual in zip(self.records, self.residuals, strict=True):
+            made = record.preparation
+            if made is None:
+                return None
+            noisier = made.apply(made.t, made.y + made.noise * rng.standard_normal(made.y.shape))
+            rates = self.equations.evaluate(noisier.x, record.u, noisier.t)
+            found.append(heard(record, noisier.x_dot - rates) - residual)
+        return found
+
     def make(self, rng: np.random.Generator) -> list[Record]:
         """Return one twin of each record."""
         parts = zip(self.records, self.simulated, self.residuals, self.memories, strict=True)
