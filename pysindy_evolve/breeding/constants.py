@@ -19,6 +19,7 @@ __all__ = ["tune", "tune_constants"]
 
 N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
 TUNING_ROWS = 800  # are enough to tune one or two constants
+LARGEST = 1e100  # of a value, so that its square is one as well
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)  # a coarse look around before the local search
 
 
@@ -60,13 +61,16 @@ def tune(
     y = y - basis @ (basis.T @ y)
 
     def residual(constants: np.ndarray) -> np.ndarray:
-        columns = np.column_stack([t.evaluate(x) for t in _with(terms, constants)])
+        with np.errstate(all="ignore"):
+            columns = np.column_stack([t.evaluate(x) for t in _with(terms, constants)])
+            if not np.all(np.abs(columns) < LARGEST):
+                return y
+            columns = columns if project is None else project(columns)
+            columns = columns - basis @ (basis.T @ columns)
+            size = np.sqrt(np.einsum("ij,ij->j", columns, columns))
+            columns = columns / np.where(size > 0.0, size, 1.0)
         if not np.isfinite(columns).all():
             return y
-        columns = columns if project is None else project(columns)
-        columns = columns - basis @ (basis.T @ columns)
-        size = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-        columns = columns / np.where(size > 0.0, size, 1.0)
         return y - columns @ np.linalg.lstsq(columns, y, rcond=1e-10)[0]
 
     def error(constants: np.ndarray) -> float:

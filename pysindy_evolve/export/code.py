@@ -17,6 +17,8 @@ from sympy.printing.numpy import NumPyPrinter
 from sympy.printing.octave import OctaveCodePrinter
 from sympy.printing.str import StrPrinter
 
+from ..equations import Equations
+from ..hidden_states.hidden import MemoryEquations
 from .symbolic import System, system_of
 
 __all__ = ["to_code"]
@@ -38,7 +40,9 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
     -------
     str
         The code, numbers in full precision. Functions of the user that have no sympy form are
-        called by their name and must be written in that language by hand.
+        called by their name and must be written in that language by hand. An input that acts late
+        must be given as it was that much earlier, as the first line then says; Modelica delays it
+        by itself.
 
     Raises
     ------
@@ -64,8 +68,21 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
             f"to_code(name=...) must be an identifier; got {name!r}. "
             "Use letters, digits and underscores."
         )
-    source = _source(system_of(model, "to_code"), language.lower(), name)
-    return _LANGUAGES[language.lower()].write(source, name)
+    system, chosen = system_of(model, "to_code"), _LANGUAGES[language.lower()]
+    code = chosen.write(_source(system, language.lower(), name), name)
+    late = [] if chosen is _LANGUAGES["modelica"] else _late_inputs(system.equations)
+    return "\n".join([*(f"{chosen.comment} {line}" for line in late), code])
+
+
+def _late_inputs(equations: Equations) -> list[str]:
+    """Return what to give for each input that acts late, a line each."""
+    delays = _delays(equations)
+    pairs = zip(equations.inputs, delays, strict=True) if any(delays) else ()
+    return [f"{u} acts late: give {u}(t - {delay:.6g})" for u, delay in pairs if delay]
+
+
+def _delays(equations: Equations) -> tuple[float, ...]:
+    return equations.delays if isinstance(equations, MemoryEquations) else ()
 
 
 @dataclass(frozen=True)
@@ -105,6 +122,10 @@ def _source(system: System, language: str, name: str) -> _Source:
     safe = _safe_names((*equations.states, *equations.inputs), {name} | _RESERVED)
     time = "time" if language == "modelica" else "t"
     symbols = [sympy.Symbol(name, real=True) for name in (*safe, time)]
+    if language == "modelica":
+        for index, delay in enumerate(_delays(equations), start=len(equations.states)):
+            late = f"delay({safe[index]}, {delay!r})"
+            symbols[index] = sympy.Symbol(late, real=True) if delay else symbols[index]
     expressions = [side.to_sympy(symbols) for side in system.sides]
     own = {function.func.__name__ for e in expressions for function in e.atoms(AppliedUndef)}
     printer = _LANGUAGES[language].printer({"user_functions": {name: name for name in own}})
@@ -239,12 +260,13 @@ class _ModelicaPrinter(_Exact, StrPrinter):
 class _Language:
     printer: Callable[[dict[str, Any]], Any]
     write: Callable[[_Source, str], str]
+    comment: str
 
 
 _LANGUAGES = {
-    "python": _Language(_PythonPrinter, _python),
-    "c": _Language(_CPrinter, _c),
-    "matlab": _Language(_MatlabPrinter, _matlab),
-    "julia": _Language(_JuliaPrinter, _julia),
-    "modelica": _Language(_ModelicaPrinter, _modelica),
+    "python": _Language(_PythonPrinter, _python, "#"),
+    "c": _Language(_CPrinter, _c, "//"),
+    "matlab": _Language(_MatlabPrinter, _matlab, "%"),
+    "julia": _Language(_JuliaPrinter, _julia, "#"),
+    "modelica": _Language(_ModelicaPrinter, _modelica, "//"),
 }

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any
 
 from .. import terms
 from ..equations import Equations
+from ..hidden_states.hidden import MemoryEquations
 from ..reading.library_terms import from_model
 from ..terms import ONE, Product, Sum
 
@@ -95,6 +96,9 @@ def system_of(model: Any, owner: str, digits: int | None = None) -> System:
                 "Give a number of significant digits."
             )
         sides = tuple(_rounded(side, digits) for side in sides)
+        if isinstance(equations, MemoryEquations):
+            late = tuple(round_to(delay, digits) for delay in equations.delays)
+            equations = replace(equations, delays=late)
     lefts = equations.states
     if len(lefts) != len(sides):  # a model of some target that is not the rate of each state
         lefts = tuple(f"target{i}" for i in range(len(sides)))

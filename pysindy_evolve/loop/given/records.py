@@ -74,10 +74,11 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
                 )
         if record.n_samples < MIN_SAMPLES:
             cut = f" of {whole} samples, the last {100 * HELD_OUT:.0f} % of them held out"
+            advice = "or pass `test`" if whole else "or prepare it with decimate=1, which cuts less"
             raise ValueError(
                 f"close_loop(train=..., test=...) must have at least {MIN_SAMPLES} samples a "
                 f"record, held-out part included; got {record.n_samples}{cut if whole else ''}. "
-                "Record longer, or pass `test`."
+                f"Record longer, {advice}."
             )
         steps = np.diff(record.t)
         if np.ptp(steps) > 0.01 * steps.mean():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,9 +25,7 @@ from ..given.sensor import heard
 from .effect import Effect, Errors, Step
 from .experiment import Plan, plan
 from .model import as_sindy
-from .quantities import (
-    as_read,
-)
+from .quantities import as_read
 from .text import as_markdown, as_text
 
 __all__ = ["Effect", "Errors", "LoopReport", "Step"]
@@ -78,7 +77,19 @@ class LoopReport:
 
     @cached_property
     def model(self) -> ps.SINDy:
-        """The corrected model as a fitted SINDy model; time, if needed, is its last input."""
+        """The corrected model as a fitted SINDy model; time, if needed, is its last input.
+
+        It cannot hold the delay of an input, and warns: the input is then what arrives.
+        """
+        late = self.equations.delays if isinstance(self.equations, MemoryEquations) else ()
+        if any(late):
+            named = zip(self.equations.inputs, late, strict=True)
+            shifted = ", ".join(f"{u} as it was {delay:.4g} earlier" for u, delay in named if delay)
+            warnings.warn(
+                "LoopReport.model: a SINDy model cannot delay its inputs; this one takes "
+                f"{shifted}. Shift the input, or use LoopReport.simulate.",
+                stacklevel=3,
+            )
         return as_sindy(self.equations)
 
     @property
@@ -103,7 +114,17 @@ class LoopReport:
         -------
         ndarray of shape (n_samples, n_states)
             As the sensors show them, where one of the effects is that a sensor clips.
+
+        Raises
+        ------
+        TypeError
+            If `record` is no Record.
         """
+        if not isinstance(record, Record):
+            raise TypeError(
+                f"LoopReport.simulate(record=...) must be a Record; got {type(record).__name__}. "
+                "Simulate one record at a time."
+            )
         run = free_run(self.equations, record)
         return as_read(run, self.equations.states, self.effects)
 
@@ -123,10 +144,21 @@ class LoopReport:
             File to write; folders that are missing are made.
         units : mapping of str to str, optional
             Units of the variables and of t, for the labels: ``{"q": "m", "t": "s"}``.
+
+        Raises
+        ------
+        ValueError
+            If `path` is a folder.
         """
         from .html import as_html
 
-        page, file = as_html(self, units), Path(path)
+        file = Path(path)
+        if file.is_dir():
+            raise ValueError(
+                f"LoopReport.to_html(path=...) must be a file; got the folder {str(path)!r}. "
+                'Write a name such as "report.html" after it.'
+            )
+        page = as_html(self, units)
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(page, encoding="utf-8")
 

@@ -152,3 +152,10 @@ def test_velocities_of_two_masses_may_rub_and_their_positions_couple():
 def test_first_order_state_gets_no_springs():
     names = {c.name for c in proposed(design_of({"h": "-k*sqrt(h)"}))}
     assert not names & {"linear stiffness", "cubic stiffness", "gravity", "dead zone"}
+
+
+def test_a_term_with_a_known_coefficient_is_proposed_again_but_a_known_constant_is_not():
+    names = {(c.name, c.terms) for c in proposed(design_of({"q": "v", "v": "-33*q - c*v - 9.81"}))}
+    assert "linear stiffness" in {name for name, _ in names}
+    assert "viscous damping" not in {name for name, _ in names}  # its coefficient is free
+    assert not [terms for _, terms in names if terms == (OFFSET,)]

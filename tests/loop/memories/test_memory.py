@@ -121,6 +121,16 @@ def test_memory_is_found_with_its_value_and_both_errors_fall(memory):
     assert f"{memory.values[0]:.2g}"[:4] in str(report)
 
 
+def test_a_delay_that_no_sindy_model_holds_is_told_and_rounded_where_it_is_printed():
+    report = close(record_with(Memory("input delay", 0, (0.0123456,))))
+    with pytest.warns(UserWarning, match=r"takes F as it was 0\.0123\d* earlier\. Shift the input"):
+        assert report.model.feature_names == ["q", "v", "F"]
+    assert "F(t - 0.012)" in str(pse.to_sympy(report, digits=2))
+    assert pse.to_code(report, language="c").startswith("// F acts late: give F(t - 0.0123")
+    assert pse.to_code(report, language="python").startswith("# F acts late: give F(t - 0.0123")
+    assert "delay(F, 0.0123" in pse.to_code(report, language="modelica")
+
+
 def test_lag_is_a_state_of_the_reported_model():
     report = close(record_with(Memory("actuator lag", 0, (0.1,))))
     assert report.equations.states == ("q", "v", "F_lag")

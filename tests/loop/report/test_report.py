@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
-from loop_systems import equations_of, oscillator
+from loop_systems import equations_of, measured, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_number
@@ -248,3 +248,29 @@ def test_a_parameter_that_turns_its_sign_is_mentioned(report):
     was = format_number(report.before.parameters["c"])
     assert f"reverses the sign of a parameter: c from {was} to -0.3. If the machine" in said
     assert "reverses the sign" not in str(report)
+
+
+def test_a_wrong_known_value_is_found_under_its_own_name_and_told():
+    sides = {"q": "v", "v": "-30*q - c*v + b*F"}
+    record = measured({**sides, "v": "-30*q - 0.8*v + F"}, noise=5e-3)
+    declared = pse.DeclaredModel({**sides, "v": "-33*q - c*v + b*F"}, inputs=["F"])
+    found = pse.close_loop(declared, record, operators=(), random_state=0)
+    assert [effect.name for effect in found.effects] == ["linear stiffness"]
+    assert found.effects[0].coefficients[0] == pytest.approx(3.0, rel=0.02)
+    said = " ".join(str(found).split())
+    assert "The declared equation of v holds q with the known coefficient -33" in said
+    assert "Check what was given as known." in said
+
+
+def test_errors_that_grew_on_held_out_data_are_mentioned(report):
+    grown = replace(report.after, derivative_error=2.0 * report.before.derivative_error)
+    said = " ".join(str(replace(report, after=grown)).split())
+    assert "On the held-out data some errors grew, in %: dv/dt from" in said
+    assert "errors grew" not in str(report)
+
+
+def test_a_list_of_records_and_a_folder_are_refused(report, tmp_path):
+    with pytest.raises(TypeError, match=r"simulate\(record=\.\.\.\) must be a Record; got list"):
+        report.simulate(list(report.test))
+    with pytest.raises(ValueError, match=r"to_html\(path=\.\.\.\) must be a file; got the folder"):
+        report.to_html(tmp_path)
