@@ -69,9 +69,10 @@ def tune(
             columns = columns - basis @ (basis.T @ columns)
             size = np.sqrt(np.einsum("ij,ij->j", columns, columns))
             columns = columns / np.where(size > 0.0, size, 1.0)
-        if not np.isfinite(columns).all():
-            return y
-        return y - columns @ np.linalg.lstsq(columns, y, rcond=1e-10)[0]
+            if not np.isfinite(columns).all():
+                return y
+            left = y - columns @ np.linalg.lstsq(columns, y, rcond=1e-10)[0]
+        return left if np.isfinite(left).all() else y
 
     def error(constants: np.ndarray) -> float:
         value = residual(constants)
