@@ -140,3 +140,30 @@ def hidden_effects() -> list[Hidden]:
             options={"size": 8.0},
         ),
     ]
+
+
+def levitated(seed: int, *, held: bool = False, n: int = 20_000) -> pse.Record:
+    """Simulate a magnet that a current holds, controlled by what a noisy sensor shows.
+
+    The current is straight between samples, or held from each one to the next.
+    """
+    dt, noise = 1e-3, 2e-6
+    rng = np.random.default_rng(seed)
+    t = dt * np.arange(n)
+    waves = np.sin(2 * np.pi * np.outer(t, np.linspace(0.2, 4.0, 25)) + rng.uniform(0, 6.3, 25))
+    target = 0.01 + 6e-4 * waves.sum(axis=1) / waves.sum(axis=1).std()
+    z, v, slope, before, current = 0.01, 0.0, 0.0, 0.01, 1.0
+    shown, applied = np.empty(n), np.empty(n)
+    for k in range(n):
+        shown[k] = z + noise * rng.standard_normal()
+        slope += 0.3 * ((shown[k] - before) / dt - slope)
+        before = shown[k]
+        after = min(max(1.0 + 250.0 * (before - target[k]) + 6.0 * slope, 0.1), 3.0)
+        applied[k] = after if held else current
+        for part in (0.125, 0.375, 0.625, 0.875):
+            i = after if held else current + part * (after - current)
+            middle = z + 0.125 * dt * v
+            pull = 9.81 - 9.81e-4 * i**2 / middle**2
+            z, v = z + 0.25 * dt * v + pull * dt**2 / 32.0, v + 0.25 * dt * pull
+        current = after
+    return pse.prepare(t, shown, applied)

@@ -21,8 +21,8 @@ from ..evidence.step import find
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
-from .memories_first import outdoes_memories
-from .probes import MemoryCandidate, Probes, grid_of
+from .memories_first import memory_instead, outdoes_memories
+from .probes import MemoryCandidate, Probes, grid_of, users_of
 from .reach import exchanged, reach_of, settled_memory
 
 __all__ = ["find_or_recall", "resettled"]
@@ -73,9 +73,14 @@ def find_or_recall(
     found = find(*wide, extended, pieces, rules, rng, proposer, failed)
     if rejected is not None:
         rejected += [_narrowed_failure(one, probes) for one in failed]
+    seen = design, records, part
+    plain = [_narrowed(finding, probes) for finding in found]
+    if plain and not offer.ways and not any(isinstance(f, MemoryFinding) for f in plain):
+        late = memory_instead(plain, *seen, memories)
+        plain = plain if late is None else [_recalled(plain[0], late, design)]
     return [
-        _narrowed(finding, probes, records, part, rules.significance, rng, present)
-        for finding in found
+        _settled(f, *seen, rules.significance, rng, present) if isinstance(f, MemoryFinding) else f
+        for f in plain
     ]
 
 
@@ -92,34 +97,36 @@ def _plain(candidate: Candidate, probes: Probes) -> Candidate:
     return renumbered(candidate, probes.narrow)
 
 
-def _narrowed(
-    finding: Finding,
-    probes: Probes,
+def _narrowed(finding: Finding, probes: Probes) -> Finding:
+    """Return a finding as it stands without probes; the reach of a memory is that of the grid."""
+    plain = _plain(finding.candidate, probes)
+    if isinstance(finding.candidate, MemoryCandidate):
+        return _recalled(finding, finding.candidate.memory, probes.design)
+    return replace(finding, candidate=plain, columns=columns_of(plain, probes.design))
+
+
+def _recalled(finding: Finding, memory: Memory, design: Design) -> MemoryFinding:
+    """Return a memory with the evidence of a finding."""
+    state, term = users_of(design, memory.column)[0], variable(len(design.states) + memory.column)
+    named = Candidate(memory.kind, state, (term,))
+    evidence = finding.score, finding.p_value, finding.twin_scores
+    return MemoryFinding(named, (), *evidence, memory=memory)
+
+
+def _settled(
+    finding: MemoryFinding,
+    design: Design,
     records: Sequence[Record],
     part: Segments,
     level: float,
     rng: np.random.Generator,
     present: Sequence[Memory],
-) -> Finding:
-    """Return a finding as it stands without probes."""
-    candidate = finding.candidate
-    if not isinstance(candidate, MemoryCandidate):
-        plain = _plain(candidate, probes)
-        return replace(finding, candidate=plain, columns=columns_of(plain, probes.design))
-    memory, rivals = settled_memory(
-        candidate.memory, probes.design, records, part, level, rng, present
-    )
-    named = replace(_plain(candidate, probes), name=memory.kind)
-    return MemoryFinding(
-        named,
-        (),
-        finding.score,
-        finding.p_value,
-        finding.twin_scores,
-        rivals=tuple(Rival(replace(named, name=k), p) for k, p in rivals),
-        contested=True,
-        memory=memory,
-    )
+) -> MemoryFinding:
+    """Return a memory of the kind that does best, tuned, with the kinds that do as well."""
+    memory, rivals = settled_memory(finding.memory, design, records, part, level, rng, present)
+    named = replace(finding.candidate, name=memory.kind)
+    others = tuple(Rival(replace(named, name=kind), p_value) for kind, p_value in rivals)
+    return replace(finding, candidate=named, memory=memory, rivals=others, contested=True)
 
 
 def resettled(

@@ -55,7 +55,7 @@ def _worse(report: LoopReport) -> list[str]:
     for kind in ("derivative_error", "simulation_error"):
         sides = (getattr(errors, kind) for errors in (report.before, report.after))
         for state, before, after in zip(states, *sides, strict=False):
-            if np.isfinite(before) and not after <= WORSE * before:
+            if before < RUNAWAY and not after <= WORSE * before:
                 what = f"d{state}/dt" if kind == "derivative_error" else f"the free run of {state}"
                 now = f"{after:.3g}" if np.isfinite(after) else "no finite value"
                 grown.append(f"{what} from {before:.3g} to {now}")

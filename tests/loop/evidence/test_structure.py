@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from loop_systems import levitated
 from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
@@ -35,28 +36,6 @@ def test_a_grown_term_explains_it():
     report = pse.close_loop(DECLARED, measured(0.15), random_state=0)
     assert [effect.name for effect in report.effects] == ["evolved term"], str(report)
     assert str(report.effects[0].term) in {"q*u*v", "q*v*u"}
-
-
-def levitated(seed, n=20_000, dt=1e-3, noise=2e-6):
-    """A magnet that a current holds, controlled by what a noisy sensor shows; nothing missing."""
-    rng = np.random.default_rng(seed)
-    t = dt * np.arange(n)
-    waves = np.sin(2 * np.pi * np.outer(t, np.linspace(0.2, 4.0, 25)) + rng.uniform(0, 6.3, 25))
-    target = 0.01 + 6e-4 * waves.sum(axis=1) / waves.sum(axis=1).std()
-    z, v, slope, before, current = 0.01, 0.0, 0.0, 0.01, 1.0
-    shown, applied = np.empty(n), np.empty(n)
-    for k in range(n):
-        shown[k], applied[k] = z + noise * rng.standard_normal(), current
-        slope += 0.3 * ((shown[k] - before) / dt - slope)
-        before = shown[k]
-        after = min(max(1.0 + 250.0 * (before - target[k]) + 6.0 * slope, 0.1), 3.0)
-        for part in (0.125, 0.375, 0.625, 0.875):  # the current is straight between samples
-            i = current + part * (after - current)
-            middle = z + 0.125 * dt * v
-            pull = 9.81 - 9.81e-4 * i**2 / middle**2
-            z, v = z + 0.25 * dt * v + pull * dt**2 / 32.0, v + 0.25 * dt * pull
-        current = after
-    return pse.prepare(t, shown, applied)
 
 
 @pytest.mark.parametrize("seed", [1, 4])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import sympy
-from loop_systems import DT, equations_of, multisine
+from loop_systems import DT, equations_of, levitated, multisine
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.hidden import MemoryEquations, with_memories
@@ -186,3 +186,12 @@ def test_memories_that_cannot_be_told_apart_get_a_proposal_too():
     plan = " ".join(str(report.suggest_experiment(units={"t": "s"})).split())
     assert plan.startswith(f"1. {effect.name} or {effect.alternatives[0]}")
     assert "Record steps of it, sampled in much less than the 0.00" in plan
+
+
+def test_in_a_closed_loop_a_held_input_is_a_delay_and_no_damping():
+    # Half a sample is shorter than all that is tried first; a damping comes close to it.
+    declared = pse.DeclaredModel({"z": "v", "v": "g - C*i**2/z**2"}, inputs=["i"])
+    record = levitated(7, held=True)
+    report = pse.close_loop(declared, record, operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == ["input delay"]
+    assert report.effects[0].coefficients[0] == pytest.approx(5e-4, rel=0.02)
