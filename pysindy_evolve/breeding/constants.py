@@ -19,7 +19,7 @@ __all__ = ["tune", "tune_constants"]
 
 N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
 TUNING_ROWS = 800  # are enough to tune one or two constants
-LARGEST = 1e100  # of a value, so that its square is one as well
+LARGEST = 1e150  # of a value, so that its square is one as well
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)  # a coarse look around before the local search
 
 
