@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+import unicodedata
 from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
@@ -148,12 +149,19 @@ def _safe_names(names: Sequence[str], reserved: Set[str]) -> list[str]:
     """Return identifiers for all languages, each once."""
     taken: list[str] = []
     for name in names:
-        safe = re.sub(r"\W", "_", name, flags=re.ASCII).lstrip("_") or "variable"
+        safe = re.sub(r"\W", "_", _spelled(name), flags=re.ASCII).lstrip("_") or "variable"
         safe = f"x{safe}" if safe[0].isdigit() else safe
         while safe in reserved or safe in taken:
             safe += "_"
         taken.append(safe)
     return taken
+
+
+def _spelled(name: str) -> str:
+    """Return a name without accents, letters of other alphabets spelled out: theta for its sign."""
+    plain = (c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
+    spelled = (c if c.isascii() else unicodedata.name(c, "_").split()[-1].lower() for c in plain)
+    return "".join(spelled)
 
 
 def _python(source: _Source, name: str) -> str:

@@ -260,3 +260,9 @@ def test_plot_without_matplotlib_names_the_extra(friction, monkeypatch):
     monkeypatch.delitem(sys.modules, "pysindy_evolve.export.drawing", raising=False)
     with pytest.raises(ImportError, match=r'pip install "pysindy-evolve\[plots\]"'):
         export.plot_tree(friction, "v")
+
+
+def test_names_of_other_alphabets_are_spelled_out():
+    code = export.to_code(equations_of(["ω", "-2*θ"], ("θ", "ω")), language="c")
+    assert "theta = state[0]" in code
+    assert "omega = state[1]" in code
