@@ -14,7 +14,7 @@ from ...operators import BUILTIN
 from ...terms import Sum, call, constant, mul, variable
 from .candidate import Candidate, CandidateMaker, Shape
 
-__all__ = ["periodic_candidates", "ripple_candidates"]
+__all__ = ["lines_of", "periodic_candidates", "ripple_candidates"]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
@@ -59,11 +59,26 @@ def periodic_candidates(
     list of Candidate
     """
     effect = CandidateMaker(state)
-    lines = _lines(residual, drivers.T, PERIODS_IN_TIME, n_peaks)
     return [
-        effect("periodic forcing", *(wave(2 * np.pi * cycles / dt) for wave in _waves(time)))
-        for cycles in lines
+        effect("periodic forcing", *(wave(2 * np.pi * frequency) for wave in _waves(time)))
+        for frequency in lines_of(residual, drivers, dt, n_peaks)
     ]
+
+
+def lines_of(residual: np.ndarray, drivers: np.ndarray, dt: float, n_peaks: int = 2) -> list[float]:
+    """Return the frequencies, cycles per unit of t, of lines of a residual that no input has.
+
+    Parameters
+    ----------
+    residual, drivers, dt, n_peaks
+        As in `periodic_candidates`.
+
+    Returns
+    -------
+    list of float
+        The clearest first.
+    """
+    return [cycles / dt for cycles in _lines(residual, drivers.T, PERIODS_IN_TIME, n_peaks)]
 
 
 def ripple_candidates(

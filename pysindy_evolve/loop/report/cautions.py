@@ -8,6 +8,8 @@ import numpy as np
 
 from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
+from ..effects.periodic import lines_of
+from .left import residual_of
 
 if TYPE_CHECKING:
     from .report import LoopReport
@@ -24,7 +26,7 @@ RUNAWAY = 100.0  # the same
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
     found = [*_known(report), *_held(report), *_turned(report)]
-    return [*found, *_worse(report), *_undefined(report), *_missed(report)]
+    return [*found, *_worse(report), *_undefined(report), *_lines(report), *_missed(report)]
 
 
 def _known(report: LoopReport) -> list[str]:
@@ -105,6 +107,30 @@ def _undefined(report: LoopReport) -> list[str]:
         "such as the square root of a negative number: this range was not in the training data, "
         "or noise crossed zero. The derivative is not judged on these rows."
     ]
+
+
+def _lines(report: LoopReport) -> list[str]:
+    """Name the frequencies at which the residuals of all of several records have a line."""
+    model, records = report.after.model, report.train
+    if len(records) < 2 or model.n_algebraic:
+        return []
+    said = []
+    for state in range(len(report.before.model.states)):
+        found = []
+        for record in records:
+            left = residual_of(model, record)[:, state]
+            drivers = record.x[:, :0] if record.u is None else record.u
+            found.append(lines_of(left, drivers, record.dt))
+        first, *others = found
+        width = 1.0 / min(record.t[-1] - record.t[0] for record in records)
+        for line in first:
+            if all(any(abs(line - other) < width for other in those) for those in others):
+                said.append(
+                    f"In each training record the residual of d{report.before.model.states[state]}"
+                    f"/dt has a line at {line:.4g} cycles per unit of t that no input has: perhaps "
+                    "a forcing whose phase differs between records, which no fixed term can be."
+                )
+    return said
 
 
 def _missed(report: LoopReport) -> list[str]:

@@ -14,16 +14,14 @@ import pysindy as ps
 
 from ...equations import Equations
 from ...hidden_states.hidden import MemoryEquations
-from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..evidence.rejected import Rejected
-from ..fitting.past import rates_on
 from ..fitting.runs import free_run
 from ..given.design import Design
 from ..given.rules import Rules
-from ..given.sensor import heard
 from .effect import Effect, Errors, Step
 from .experiment import Plan, plan
+from .left import residual_of
 from .model import as_sindy
 from .quantities import as_read
 from .text import as_markdown, as_text
@@ -95,12 +93,12 @@ class LoopReport:
     @property
     def residual_before(self) -> list[np.ndarray]:
         """x_dot minus the declared model, for each held-out record; zero where nobody saw it."""
-        return [_residual(self.before.model, record) for record in self.test]
+        return [residual_of(self.before.model, record) for record in self.test]
 
     @property
     def residual_after(self) -> list[np.ndarray]:
         """x_dot minus the corrected model, for each held-out record; zero where nobody saw it."""
-        return [_residual(self.after.model, record) for record in self.test]
+        return [residual_of(self.after.model, record) for record in self.test]
 
     def simulate(self, record: Record) -> np.ndarray:
         """Run the corrected model freely over a record.
@@ -197,9 +195,3 @@ class LoopReport:
         from .plot import plot_residuals
 
         return plot_residuals(self, state, units)
-
-
-def _residual(equations: Equations, record: Record) -> np.ndarray:
-    if isinstance(equations, MemoryEquations):
-        record, equations = remembered(record, equations.memories), equations.inner
-    return heard(record, record.x_dot - rates_on(equations, record))

@@ -274,3 +274,15 @@ def test_a_list_of_records_and_a_folder_are_refused(report, tmp_path):
         report.simulate(list(report.test))
     with pytest.raises(ValueError, match=r"to_html\(path=\.\.\.\) must be a file; got the folder"):
         report.to_html(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "terms", [["+ 2*sin(21.3*t + 0.4)", "+ 2*sin(21.3*t + 2.5)", "+ 2*sin(21.3*t + 4.6)"], [""] * 3]
+)
+def test_a_line_whose_phase_differs_between_records_is_told_and_not_named(terms):
+    machines = [oscillator("a line, or nothing", term) for term in terms]
+    train = [m.record(noise=5e-3, duration=20.0, seed=k) for k, m in enumerate(machines)]
+    found = pse.close_loop(machines[0].model, train, operators=(), random_state=0)
+    lines = re.findall(r"has a line at (\S+) cycles per unit of t", " ".join(str(found).split()))
+    assert found.effects == []
+    assert [float(line) for line in lines] == pytest.approx([21.3 / (2 * np.pi)] * any(terms), 1e-2)
