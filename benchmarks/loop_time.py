@@ -7,8 +7,10 @@ The figures of a row are to be compared with each other, as the speed of a machi
 """
 
 import argparse
-import multiprocessing
+import json
 import resource
+import subprocess
+import sys
 import time
 
 from machines.records import generator, measure
@@ -20,25 +22,21 @@ import pysindy_evolve as pse
 CASES = (("oscillator", "Coulomb"), ("two masses", "Coulomb"), ("circuit", "square"))
 
 
-def loop(case, n, n_twins, n_jobs, pipe):
-    name, effect = case
+def loop(name, effect, n, n_twins, n_jobs):
     text, _ = scaled_effect(name, effect, 0.05, n)
-    record = measure(name, n, "white", generator(0, *case), text)
+    record = measure(name, n, "white", generator(0, name, effect), text)
     begin = time.perf_counter()
     report = pse.close_loop(declare(name), record, n_twins=n_twins, n_jobs=n_jobs, random_state=0)
     seconds = time.perf_counter() - begin
     megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    pipe.send((seconds, megabytes, ", ".join(e.name for e in report.effects) or report.verdict))
+    return seconds, megabytes, ", ".join(e.name for e in report.effects) or report.verdict
 
 
-def measured(*given):
-    here, there = multiprocessing.Pipe(duplex=False)
-    process = multiprocessing.get_context("spawn").Process(target=loop, args=(*given, there))
-    process.start()
-    there.close()  # so that a process that fails is noticed
-    found = here.recv()
-    process.join()
-    return found
+def measured(*case):
+    """Run a loop in a process that ends with it, and with it the processes that work on twins."""
+    given = json.dumps(case)
+    found = subprocess.run([sys.executable, __file__, "--case", given], capture_output=True)
+    return json.loads(found.stdout)
 
 
 def main():
@@ -46,12 +44,16 @@ def main():
     parser.add_argument("--n", type=int, nargs="+", default=[10_000], help="raw samples")
     parser.add_argument("--n-twins", type=int, default=100)
     parser.add_argument("--n-jobs", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--case", help="one figure, as JSON: machine, effect, n, twins, processes")
     given = parser.parse_args()
+    if given.case:
+        print(json.dumps(loop(*json.loads(given.case))))
+        return
     jobs = "".join(f"{f'{n} process' + 'es' * (n > 1):>14}" for n in given.n_jobs)
     print(f"{'machine':<12}{'samples':>9}{jobs}{'ratio':>8}{'peak':>9}  named")
     for case in CASES:
         for n in given.n:
-            runs = [measured(case, n, given.n_twins, n_jobs) for n_jobs in given.n_jobs]
+            runs = [measured(*case, n, given.n_twins, n_jobs) for n_jobs in given.n_jobs]
             seconds = [run[0] for run in runs]
             times = "".join(f"{s:>12.1f} s" for s in seconds)
             peak = max(run[1] for run in runs)
