@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory
+from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory, raw_inputs
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, sub, variable
@@ -88,7 +88,7 @@ def grid_of(
         had = {memory.kind for memory in present if memory.column == column}
         reach = {DELAY: LONGEST * segment}
         reach[LAG] = max(reach[DELAY], LONGEST * record)
-        if all(_raw_input(r, column).min() >= 0.0 for r in records):
+        if all(raw_inputs(r)[:, column].min() >= 0.0 for r in records):
             reach[VESSEL] = reach[LAG]
         if {LAG, VESSEL} & had:
             reach.pop(LAG)
@@ -99,12 +99,6 @@ def grid_of(
                 found.append(Memory(kind, column, (value,)))
                 value *= RATIO
     return found
-
-
-def _raw_input(record: Record, column: int) -> np.ndarray:
-    made = record.preparation
-    inputs = record.u if made is None or made.u is None else made.u
-    return np.empty(0) if inputs is None else inputs[:, column]
 
 
 @dataclass(frozen=True, eq=False)
