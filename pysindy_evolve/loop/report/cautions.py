@@ -53,14 +53,16 @@ def _known(report: LoopReport) -> list[str]:
 
 def _worse(report: LoopReport) -> list[str]:
     """Name the errors on held-out data that the effects made larger."""
-    states, grown = report.before.model.states, []
-    for kind in ("derivative_error", "simulation_error"):
+    model, grown = report.before.model, []
+    titles = {"derivative_error": "d{}/dt", "simulation_error": "the free run of {}"}
+    if model.n_algebraic:  # nothing is differentiated, and nothing runs
+        titles = {"simulation_error": "{}"}
+    for kind, title in titles.items():
         sides = (getattr(errors, kind) for errors in (report.before, report.after))
-        for state, before, after in zip(states, *sides, strict=False):
+        for state, before, after in zip(model.states, *sides, strict=False):
             if before < RUNAWAY and not after <= WORSE * before:
-                what = f"d{state}/dt" if kind == "derivative_error" else f"the free run of {state}"
                 now = f"{after:.3g}" if np.isfinite(after) else "no finite value"
-                grown.append(f"{what} from {before:.3g} to {now}")
+                grown.append(f"{title.format(state)} from {before:.3g} to {now}")
     if not report.effects or not grown:
         return []
     said = f"On the held-out data some errors grew, in %: {', '.join(grown)}."
