@@ -30,6 +30,9 @@ class Errors:
         The model that the errors belong to.
     parameters : mapping of str to float
         Fitted values of the free parameters that were declared.
+    parameter_intervals : mapping of str to ndarray of shape (2,)
+        95 % for each of them, beside the effects of the corrected model; empty for a model that
+        lacks something, whose parameters hold a part of it.
     undefined : float
         Share of the held-out rows in which the model has no value, such as a root of what is
         negative there; the derivative is not judged on these.
@@ -39,6 +42,7 @@ class Errors:
     simulation_error: np.ndarray
     model: Equations
     parameters: Mapping[str, float] = field(default_factory=dict)
+    parameter_intervals: Mapping[str, np.ndarray] = field(default_factory=dict)
     undefined: float = 0.0
 
     @property

@@ -53,7 +53,7 @@ def make_report(
     """Fit each stage on all training rows and judge it on held-out records."""
     design = declared
     fitted, errors = judge(declared, train, test, rules, rng)
-    errors = replace(errors, parameters=_parameters(declared, fitted.coef))
+    errors = _with_parameters(errors, declared, fitted)
     before, effects, steps, by_runs = errors, [], [], False
     memories: tuple[Memory, ...] = ()
     for _, group in groupby(findings, key=lambda finding: finding.step):
@@ -66,7 +66,8 @@ def make_report(
         fitted, errors = judge(
             design, train, test, rules, rng, memories, final=last, by_runs=by_runs
         )
-        errors = replace(errors, parameters=_parameters(declared, fitted.coef))
+        sure = last and not (by_runs and memories)
+        errors = _with_parameters(errors, declared, fitted, sure=sure)
         for finding in found:
             effects.append(_effect(design, finding, train, test, memories))
             if finding.by_runs:
@@ -126,9 +127,14 @@ def _with_rivals(
     return replace(effect, rivals=rivals)
 
 
-def _parameters(declared: Design, coef: np.ndarray) -> dict[str, float]:
-    """Return the declared parameters, which are the first columns of every later design, too."""
-    return {column.name: float(c) for column, c in zip(declared.columns, coef, strict=False)}
+def _with_parameters(
+    errors: Errors, declared: Design, fitted: Fit, *, sure: bool = False
+) -> Errors:
+    """Return errors with the declared parameters, which are the first columns of every design."""
+    names = [column.name for column in declared.columns]
+    values = {name: float(c) for name, c in zip(names, fitted.coef, strict=False)}
+    intervals = dict(zip(names, fitted.intervals, strict=False)) if sure else {}
+    return replace(errors, parameters=values, parameter_intervals=intervals)
 
 
 def _effect(

@@ -79,8 +79,13 @@ def free_parameters(errors: Errors) -> str:
     """
     if not all(name.isidentifier() for name in errors.parameters):
         return ""
-    shown = (f"{name} = {format_number(value)}" for name, value in errors.parameters.items())
-    return f"Free parameters: {', '.join(shown) or 'none'}"
+    sure = {name: f" ({_ends(*ends)})" for name, ends in errors.parameter_intervals.items()}
+    shown = (
+        f"{name} = {format_number(value)}{sure.get(name, '')}"
+        for name, value in errors.parameters.items()
+    )
+    what = "Free parameters, with 95 % intervals" if sure else "Free parameters"
+    return f"{what}: {', '.join(shown) or 'none'}"
 
 
 HEADLINE = "Errors on held-out data, % of the standard deviation (NRMSE)"
@@ -126,11 +131,15 @@ def _percent(value: float) -> str:
 
 def interval(low: float, high: float) -> str:
     """Return a 95 % interval with enough digits to tell its ends apart."""
+    return f"(95 %: {_ends(low, high)})"
+
+
+def _ends(low: float, high: float) -> str:
     size, width = max(abs(low), abs(high)), high - low
     usable = np.isfinite(size) and np.isfinite(width) and width > 0.0
     needed = 2 + int(np.ceil(np.log10(size / width))) if usable else 4
     digits = min(max(needed, 4), 12)
-    return f"(95 %: {low:.{digits}g} to {high:.{digits}g})"
+    return f"{low:.{digits}g} to {high:.{digits}g}"
 
 
 def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:

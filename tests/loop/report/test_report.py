@@ -35,10 +35,13 @@ def test_the_ends_of_an_interval_can_be_told_apart(low, high, shown):
 def test_report_prints_verdict_equations_table_and_evidence_in_this_order(report):
     text = str(report)
     free = r"    Free parameters: k = \S+, c = \S+, b = \S+"
+    ends = r"\s+\(\S+\s+to\s+\S+\)"
+    known = r",\s+".join(rf"{name}\s+=\s+\S+{ends}" for name in "kcb")
+    sure = rf"    Free parameters, with 95 % intervals: {known}"
     expected = (
         r"Verdict: traced: the model lacked the effects below, which have been added\.\n\n"
         rf"Declared model, fitted\n    q' = v\n    v' = .*\n{free}\n\n"
-        rf"Corrected model\n    q' = v\n    v' = .*sgn\(v\).*\n{free}\n\n"
+        rf"Corrected model\n    q' = v\n    v' = .*sgn\(v\).*\n{sure}\n\n"
         r"Errors on held-out data, % of the standard deviation \(NRMSE\)\n"
         r" +dv/dt +q free run +v free run\n"
         r"    declared( +[\d.e+]+){3}\n"
@@ -69,6 +72,14 @@ def test_free_parameters_have_the_values_of_the_equation_that_they_stand_below(r
         assert -errors.parameters["c"] == pytest.approx(float(side.coeff(v)), rel=1e-9)
         assert f"c = {format_number(errors.parameters['c'])}" in str(report)
     assert f"c = {format_number(report.after.parameters['c'])}" in report.to_markdown()
+
+
+def test_intervals_of_declared_parameters_are_those_beside_the_effects(report):
+    assert report.before.parameter_intervals == {}
+    for name, truth in {"k": 40.0, "c": 0.8, "b": 1.0}.items():
+        low, high = report.after.parameter_intervals[name]
+        assert low < report.after.parameters[name] < high
+        assert (low + high) / 2 == pytest.approx(truth, abs=2 * (high - low))
 
 
 def test_table_shows_the_errors_of_the_report(report):
