@@ -32,7 +32,7 @@ from .given.design import Design
 from .given.limits import off_limits
 from .given.rules import Rules
 from .given.segments import Segments
-from .growth.grow import Garden
+from .growth.grow import TermGrower
 from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
 from .revision.outlived import without_outlived
@@ -51,7 +51,7 @@ class Search:
     """What a search has found so far, also if it is interrupted.
 
     Runs are compared with the `plain` records, derivatives with the `wide` ones, of which `whole`
-    are the pieces and whose cutoff is higher. `records`, `part` and `garden` are what these become
+    are the pieces and whose cutoff is higher. `records`, `part` and `grower` are what these become
     with the memories and limits that were found.
     """
 
@@ -68,7 +68,7 @@ class Search:
     relaxing: bool = True  # whether to look for relaxations
     records: list[Record] = field(init=False)
     part: Segments = field(init=False)
-    garden: Garden = field(init=False)
+    grower: TermGrower = field(init=False)
 
     @property
     def verdict(self) -> str:
@@ -104,7 +104,7 @@ class Search:
         memories, limits = memories_in(findings), limits_in(findings)
         self.records = [remembered(record, memories) for record in self.wide]
         self.part = off_limits(self.whole.of(self.records), limits) if findings else self.whole
-        self.garden = Garden(
+        self.grower = TermGrower(
             self.declared, self.records, self.part, self.rules, self.operators, self.rng
         )
         self._wait(findings)
@@ -112,7 +112,7 @@ class Search:
     def _wait(self, findings: Sequence[Finding]) -> None:
         """Look at records only where each relaxation knows where it is."""
         self.part = awaited(with_findings(self.declared, findings), self.part, self.records)
-        self.garden.look(self.part)
+        self.grower.look(self.part)
 
     def _name(self) -> None:
         while len(self.findings) < self.rules.max_effects:
@@ -132,7 +132,7 @@ class Search:
                 both = [*before, *found]
                 self.findings = before if self._relaxes(both, before) else both
                 self._wait(both)
-                grown = self.garden.better(design, found)
+                grown = self.grower.better(design, found)
                 found = [*before, *(_numbered(grown, before) or found)]
             if len(found) <= len(before):  # a memory goes where records begin otherwise
                 self.findings = found
@@ -190,11 +190,11 @@ class Search:
         if not self.findings:
             # Not on the pieces that grown terms are tested on: their number would depend on those.
             chance = structure_chance(
-                self.declared, self.records, self.garden.seen, self.rules, self.rng
+                self.declared, self.records, self.grower.seen, self.rules, self.rng
             )
             n_searches = N_SEARCHES if chance <= LIKELY else 1
         while len(self.findings) < self.rules.max_effects:
-            found = self.garden.find(self.design, n_searches)
+            found = self.grower.find(self.design, n_searches)
             if not found:
                 break
             self.findings = [*self.findings, *_numbered(found, self.findings)]
@@ -214,7 +214,7 @@ class Search:
                 self._see_structure()
             return
         model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
-        grown = [c for c in self.garden.grown if c.name == EVOLVED]
+        grown = [c for c in self.grower.grown if c.name == EVOLVED]
         kept = held_against(model, self.findings, grown, self.plain, self.part, self.rules)
         self.findings = prune(self.declared, kept, self.part)
 

@@ -260,7 +260,7 @@ def test_interrupt_after_a_name_keeps_it(monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(search.Garden, "better", interrupted)
+    monkeypatch.setattr(search.TermGrower, "better", interrupted)
     report = close_by_name(FRICTION.model, FRICTION.record())
     assert names(report) == ["Coulomb friction"]
     assert not report.finished

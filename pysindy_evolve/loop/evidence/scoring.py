@@ -19,7 +19,7 @@ from ..fitting.residual import derivative_grams
 from ..fitting.trajectory import Trajectories
 from ..given.design import Column, Design, in_state
 from ..given.segments import Segments, ranges, variables_of
-from ..given.sensor import heard
+from ..given.sensor import as_observed
 from .spectral import spectral_grams
 from .trace import Score, rank, ranked
 
@@ -42,7 +42,9 @@ Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
 MARGIN = 0.02  # of the log error: names do not change for less
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
-LEAD = 0.1  # of the log error: what a state of its own and its numbers must be worth
+# Of the log error: what a state of its own and its numbers must be worth. A filter makes the sign of
+# a speed look as if it remembered; with less, a pendulum with friction and drag got a hysteresis.
+LEAD = 0.1
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
@@ -58,7 +60,9 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
     variables = np.concatenate([variables_of(record) for record in records])
     proposed = candidates(design, *ranges(variables))
     longest = max(records, key=len)
-    residual = heard(longest, longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t))
+    residual = as_observed(
+        longest, longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t)
+    )
     time = len(design.states) + len(design.inputs)
     for state in design.open_states:
         drivers = longest.x[:, :0] if longest.u is None else longest.u

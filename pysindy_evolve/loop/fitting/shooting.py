@@ -23,7 +23,7 @@ from .runs import free_run
 from .trial import Trial, bettered
 from .unfolding import square_left, unfolded, with_paths
 
-__all__ = ["gains_of_runs", "met", "shot"]
+__all__ = ["fit_by_shooting", "fit_to_runs", "gains_of_runs"]
 
 N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
@@ -33,7 +33,7 @@ SETTLED = 1e-3  # relative gain of a step after which no other one is taken: the
 Loss = Callable[[np.ndarray], float]
 
 
-def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
+def fit_by_shooting(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
     """Return a fit whose coefficients minimize the error of free runs.
 
     Parameters
@@ -52,14 +52,14 @@ def shot(design: Design, fitted: Fit, records: Sequence[Record]) -> Fit:
         says does not hold on those between.
     """
     loss = partial(square_left, design, records)
-    coef = met(unfolded(design), fitted.coef, with_paths(design, records), loss)
+    coef = fit_to_runs(unfolded(design), fitted.coef, with_paths(design, records), loss)
     if coef is None:
         return fitted
     intervals = fitted.intervals + (coef - fitted.coef)[:, None]
     return Fit(coef, intervals, "simulation")
 
 
-def met(
+def fit_to_runs(
     design: Design, coef: np.ndarray, records: Sequence[Record], loss: Loss
 ) -> np.ndarray | None:
     """Return the coefficients whose free runs meet records best.
@@ -78,7 +78,7 @@ def met(
     Returns
     -------
     ndarray of shape (p,) or None
-        None as described in `shot`.
+        None as described in `fit_by_shooting`.
     """
     if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
         return None

@@ -23,7 +23,7 @@ from ...equations import Equations
 from ...simulation.pieces import simulate_pieces
 from ..given.design import Design
 from ..given.segments import Segments
-from ..given.sensor import told
+from ..given.sensor import is_observed
 from .residual import MAX_GROWTH, forces, jacobian, respond
 from .saltation import saltation
 
@@ -106,7 +106,7 @@ class Trial:
         if not (np.max(growth) <= MAX_GROWTH and np.median(growth) <= most_growth):
             return None
         if self.part.limits is not None:
-            there = told(self.x, self.part.limits, self.part.seen)
+            there = is_observed(self.x, self.part.limits, self.part.seen)
             there = picked(there[..., : self.n_seen], keep)
             free, response = free * there, response * there
         basis, _ = np.linalg.qr(free)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...signals import Record
 
-__all__ = ["ends_of", "heard", "limits_of_states", "missed", "shown", "told"]
+__all__ = ["as_observed", "ends_of", "is_observed", "limits_of_states", "missed", "shown"]
 
 
 def limits_of_states(records: Sequence[Record]) -> np.ndarray | None:
@@ -45,7 +45,7 @@ def shown(x: np.ndarray, limits: np.ndarray | None) -> np.ndarray:
     return x if limits is None else np.clip(x, *limits)
 
 
-def told(x: np.ndarray, limits: np.ndarray | None, seen: np.ndarray | None) -> np.ndarray:
+def is_observed(x: np.ndarray, limits: np.ndarray | None, seen: np.ndarray | None) -> np.ndarray:
     """Tell which states (..., n_states) of a run show: bool of the same shape.
 
     Parameters
@@ -77,7 +77,7 @@ def missed(
     return difference if seen is None else np.where(seen | read, difference, 0.0)
 
 
-def heard(record: Record, columns: np.ndarray) -> np.ndarray:
+def as_observed(record: Record, columns: np.ndarray) -> np.ndarray:
     """Return columns (n_samples, ...) of a record, zero where a sensor does not see its state."""
     if record.seen is None:
         return columns

@@ -34,7 +34,7 @@ from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
 from .seeds import screened, small_terms
 
-__all__ = ["OPERATORS", "Garden", "grow"]
+__all__ = ["OPERATORS", "TermGrower", "grow"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
 # saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
@@ -149,7 +149,7 @@ def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -
     return bool(abs(column.mean()) > MEAN * np.sqrt(np.mean(column**2)))
 
 
-class Garden:
+class TermGrower:
     """Grown terms beside the vocabulary: where they do clearly better, and where nothing else does.
 
     Parameters

@@ -12,7 +12,7 @@ from ...signals import Record, choose_windows
 from ..fitting.fit import Fit, derivative_errors, fit
 from ..fitting.past import begun, rates_on
 from ..fitting.runs import simulation_errors
-from ..fitting.shooting import shot
+from ..fitting.shooting import fit_by_shooting
 from ..free_runs.memory_tuning import fit_by_runs
 from ..given.design import Design
 from ..given.rules import Rules
@@ -45,7 +45,7 @@ def judge(
         fitted = fit_by_runs(design, fitted, train, rng)
     elif final and fitted.criterion != "trajectory":
         fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
-        fitted = shot(design, fitted, train) if rules.refine != "derivative" else fitted
+        fitted = fit_by_shooting(design, fitted, train) if rules.refine != "derivative" else fitted
     equations = design.equations(fitted.coef)
     whole = with_memories(equations, memories)
     test = [remembered(begun(whole, record), memories) for record in test]

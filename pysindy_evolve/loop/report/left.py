@@ -9,7 +9,7 @@ from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..fitting.past import rates_on
-from ..given.sensor import heard
+from ..given.sensor import as_observed
 
 __all__ = ["residual_of"]
 
@@ -18,4 +18,4 @@ def residual_of(equations: Equations, record: Record) -> np.ndarray:
     """Return x_dot minus the model, (n_samples, n_states); zero where no sensor saw the state."""
     if isinstance(equations, MemoryEquations):
         record, equations = remembered(record, equations.memories), equations.inner
-    return heard(record, record.x_dot - rates_on(equations, record))
+    return as_observed(record, record.x_dot - rates_on(equations, record))

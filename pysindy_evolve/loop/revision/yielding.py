@@ -21,7 +21,7 @@ from ..effects.relaxation import relaxations_of, within_reach
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import LEAD, columns_of, tuned
 from ..fitting.fit import refit
-from ..fitting.shooting import gains_of_runs, met
+from ..fitting.shooting import fit_to_runs, gains_of_runs
 from ..fitting.unfolding import paths_of, retuned, square_left, unfolded, with_paths
 from ..given.design import Design
 from ..given.segments import Segments
@@ -95,7 +95,7 @@ def with_numbers_of_runs(
         there = with_findings(declared, at(coef))
         return square_left(there, records, coef[: len(design.columns)])
 
-    coef = met(unfolded(design, free=True), begun, with_paths(design, records), loss)
+    coef = fit_to_runs(unfolded(design, free=True), begun, with_paths(design, records), loss)
     return list(findings) if coef is None else at(coef)
 
 

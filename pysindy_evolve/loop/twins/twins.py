@@ -21,7 +21,7 @@ from scipy.ndimage import fourier_gaussian
 
 from ...equations import Equations
 from ...signals import Preparation, Record
-from ..given.sensor import heard
+from ..given.sensor import as_observed
 from .paths import Path, follow
 
 __all__ = ["TwinMaker", "memory_of", "shuffle_signs"]
@@ -54,7 +54,9 @@ class TwinMaker:
         -------
         TwinMaker
         """
-        residuals = tuple(heard(r, r.x_dot - equations.evaluate(r.x, r.u, r.t)) for r in records)
+        residuals = tuple(
+            as_observed(r, r.x_dot - equations.evaluate(r.x, r.u, r.t)) for r in records
+        )
         simulated = tuple(follow(equations, record) for record in records)
         memories = tuple(memory_of(residual) for residual in residuals)
         return cls(equations, tuple(records), simulated, residuals, memories)
@@ -71,7 +73,7 @@ class TwinMaker:
                 return None
             noisier = made.apply(made.t, made.y + made.noise * rng.standard_normal(made.y.shape))
             rates = self.equations.evaluate(noisier.x, record.u, noisier.t)
-            found.append(heard(record, noisier.x_dot - rates) - residual)
+            found.append(as_observed(record, noisier.x_dot - rates) - residual)
         return found
 
     def make(self, rng: np.random.Generator) -> list[Record]:
@@ -96,7 +98,7 @@ class TwinMaker:
             twin = replace(record, u=_noisier(record, record.motion, rng), x_dot=forces)
         rates = self.equations.evaluate(twin.x, twin.u, twin.t)
         if twin is not record:
-            explained = heard(twin, twin.x_dot - rates)
+            explained = as_observed(twin, twin.x_dot - rates)
         left = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
         share = np.sqrt(left / np.maximum(residual.var(axis=0), 1e-300))
         disturbed = rates + explained + share * shuffle_signs(residual, rng, memory)

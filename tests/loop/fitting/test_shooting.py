@@ -10,7 +10,7 @@ from pysindy_evolve.datasets import friction_drive
 from pysindy_evolve.loop.fitting.fit import Fit, fit
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.fitting.saltation import saltation
-from pysindy_evolve.loop.fitting.shooting import _begun, _run, _settled, shot
+from pysindy_evolve.loop.fitting.shooting import _begun, _run, _settled, fit_by_shooting
 from pysindy_evolve.loop.given.declared import design_of
 
 TRUTH = np.array([0.5, 3.0, 1.5])  # 1/m, viscous and Coulomb friction over the mass
@@ -28,7 +28,7 @@ def drive():
 def test_free_runs_come_closer_to_the_truth_than_the_linear_fit(drive):
     train, test, design = drive
     linear = fit(design, [train], np.random.default_rng(0))
-    refined = shot(design, linear, [train])
+    refined = fit_by_shooting(design, linear, [train])
     assert np.max(np.abs(linear.coef / TRUTH - 1.0)) > 0.02  # else there is nothing to better
     assert refined.coef == pytest.approx(TRUTH, rel=0.01)
     assert refined.criterion == "simulation"
@@ -39,7 +39,7 @@ def test_free_runs_come_closer_to_the_truth_than_the_linear_fit(drive):
 def test_intervals_move_with_their_coefficients(drive):
     train, _, design = drive
     linear = fit(design, [train], np.random.default_rng(0))
-    refined = shot(design, linear, [train])
+    refined = fit_by_shooting(design, linear, [train])
     moved = refined.intervals - linear.intervals
     assert moved == pytest.approx(np.repeat((refined.coef - linear.coef)[:, None], 2, axis=1))
 
@@ -107,14 +107,14 @@ def test_of_a_body_that_sticks_no_deviation_is_left():
 def test_a_model_that_cannot_follow_the_record_keeps_its_coefficients(drive):
     train, _, design = drive
     wrong = Fit(-TRUTH, np.zeros((3, 2)), "derivative")
-    assert shot(design, wrong, [train]) is wrong
+    assert fit_by_shooting(design, wrong, [train]) is wrong
 
 
 def test_long_records_are_left_to_the_linear_fit(drive, monkeypatch):
     train, _, design = drive
     linear = fit(design, [train], np.random.default_rng(0))
     monkeypatch.setattr("pysindy_evolve.loop.fitting.shooting.MAX_ROWS", len(train) - 1)
-    assert shot(design, linear, [train]) is linear
+    assert fit_by_shooting(design, linear, [train]) is linear
 
 
 def test_a_step_never_makes_the_error_larger(drive):
