@@ -42,8 +42,8 @@ Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
 
 MARGIN = 0.02  # of the log error: names do not change for less
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
-# Of the log error: what a state of its own and its numbers must be worth. A filter makes the sign of
-# a speed look as if it remembered; with less, a pendulum with friction and drag got a hysteresis.
+# Of the log error: what a state of its own and its numbers must be worth. A filter makes the sign
+# of a speed look as if it remembered; with less, a pendulum lost its drag to a hysteresis.
 LEAD = 0.1
 
 
