@@ -70,15 +70,15 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
             "Use letters, digits and underscores."
         )
     system, chosen = system_of(model, "to_code"), _LANGUAGES[language.lower()]
-    code = chosen.write(_source(system, language.lower(), name), name)
-    late = [] if chosen is _LANGUAGES["modelica"] else _late_inputs(system.equations)
+    source = _source(system, language.lower(), name)
+    code = chosen.write(source, name)
+    late = [] if language.lower() == "modelica" else _late_inputs(source.inputs, system.equations)
     return "\n".join([*(f"{chosen.comment} {line}" for line in late), code])
 
 
-def _late_inputs(equations: Equations) -> list[str]:
-    """Return what to give for each input that acts late, a line each."""
-    delays = _delays(equations)
-    pairs = zip(equations.inputs, delays, strict=True) if any(delays) else ()
+def _late_inputs(names: Sequence[str], equations: Equations) -> list[str]:
+    """Return what to give for each input, named as in the code, that acts late, a line each."""
+    pairs = zip(names, _delays(equations), strict=False)
     return [f"{u} acts late: give {u}(t - {delay:.6g})" for u, delay in pairs if delay]
 
 

@@ -116,11 +116,10 @@ def close_loop(
     rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress, refine)
     design, fit_on, judge_on = _checked(declared, train, test)
     rng = generator(random_state)
-    if design.algebraic:
-        rules = replace(rules, refine="derivative")  # nothing is simulated
     wide = widened(fit_on)
-    if design.algebraic:
-        wide = [replace(r, x=np.zeros_like(r.x)) for r in wide]  # a target explains nothing
+    if design.algebraic:  # nothing is simulated, and a target explains nothing
+        rules = replace(rules, refine="derivative")
+        wide = [replace(r, x=np.zeros_like(r.x)) for r in wide]
     if may_stop_itself(design, fit_on, rules, rng):
         fit_on, judge_on, wide = map(_believed, (fit_on, judge_on, wide))
     part = witnessed(design, wide)

@@ -110,7 +110,7 @@ def _exceeds_noise(
     In a closed loop the input answers the noise of the sensor, and so tells what that was. What is
     predicted by it then is noise, and no twin, whose noise nobody answered, shows the same.
     """
-    drawn = [maker.of_noise(child) for child in rng.spawn(N_NOISE)]
+    drawn = [maker.noise_alone(child) for child in rng.spawn(N_NOISE)]
     noise = [columns for columns in drawn if columns is not None]
     if not noise:
         return True

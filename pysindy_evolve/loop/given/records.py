@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from ...signals import Preparation, Record, as_target, prepare
+from ...signals.checks import LARGEST
 from .design import Design
-from .segments import LARGEST, variables_of
+from .segments import variables_of
 
 __all__ = ["alike", "check_records", "split_records", "widened"]
 

@@ -11,12 +11,12 @@ from scipy.fft import dct, prev_fast_len
 
 from ...equations import stack
 from ...signals import Record, Windows, choose_windows
+from ...signals.checks import LARGEST
 from ...terms import Sum
 from .sensor import limits_of_states, missed
 from .sticking import moving
 
 __all__ = [
-    "LARGEST",
     "Segments",
     "have_values",
     "places_of",
@@ -34,7 +34,6 @@ LOST = 0.01  # share of the rows that a length may cost which transforms fast
 LOOK = 0.6  # share of the cutoff below which the low-pass of the states is hardly felt
 BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
 FEWEST_FREQUENCIES = 8  # of a segment
-LARGEST = 1e50  # of a term of the model; its squares are added up
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,7 +61,7 @@ class TwinMaker:
         memories = tuple(memory_of(residual) for residual in residuals)
         return cls(equations, tuple(records), simulated, residuals, memories)
 
-    def of_noise(self, rng: np.random.Generator) -> list[np.ndarray] | None:
+    def noise_alone(self, rng: np.random.Generator) -> list[np.ndarray] | None:
         """Return what the noise of the sensors alone leaves of each record, drawn once more.
 
         Shape (n_samples, n_states) each; None if the sensors of a record are not known.
