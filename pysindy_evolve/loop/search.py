@@ -32,7 +32,7 @@ from .given.design import Design
 from .given.limits import off_limits
 from .given.rules import Rules
 from .given.segments import Segments
-from .growth.grow import TermGrower
+from .growth.grow import TermGrower, small_candidates
 from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
 from .revision.outlived import without_outlived
@@ -215,7 +215,8 @@ class Search:
             return
         model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
         grown = [c for c in self.grower.grown if c.name == EVOLVED]
-        kept = held_against(model, self.findings, grown, self.plain, self.part, self.rules)
+        small = small_candidates(self.design, self.part, self.operators)
+        kept = held_against(model, self.findings, grown, small, self.plain, self.part, self.rules)
         self.findings = prune(self.declared, kept, self.part)
 
     def _drop(self) -> None:

@@ -34,7 +34,15 @@ from ..given.rules import Rules
 from ..given.segments import ranges, segments, variables_of
 from ..memories.reach import exchanged
 from ..twins.chance import draws_for
-from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models, gains_of_terms
+from .drift import (
+    LONG,
+    Drift,
+    chance_of_models,
+    chance_of_terms,
+    drift_of,
+    gains_of_models,
+    gains_of_terms,
+)
 from .memory_tuning import tuned_memories
 from .state_limits import drift_from, needed, notable, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
@@ -161,13 +169,12 @@ def _memory_or_term(
     signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
     memories = memories_beside(drift.model, drift.records, segments(drift.records))
     terms = [v for v in _terms(drift) if not first or _is_of_motion(v, drift)]
-    if first and np.all(
-        gains_of_terms(drift, [v.columns for v in terms], signs[:1])[0] < SQUARES_HALVED
-    ):
-        terms = []  # nothing to hold against the twins
-    by_terms, in_twins = gains_of_terms(drift, [v.columns for v in terms], signs)
+    by_terms = gains_of_terms(drift, [v.columns for v in terms])
     if first:
         by_terms = np.where(by_terms >= SQUARES_HALVED, by_terms, -np.inf)
+    # Nothing is held against the twins where no term gains enough.
+    sought = [v.columns for v in terms] if np.any(np.isfinite(by_terms)) else []
+    in_twins = chance_of_terms(drift, sought, signs)
     plain = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
     heads = _heads([*terms, *memories], plain, notable(rules))
     heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]

@@ -27,7 +27,15 @@ from .heldout import HeldOut
 from .variants import Model
 from .whitening import Whitener
 
-__all__ = ["LONG", "Drift", "chance_of_models", "drift_of", "gains_of_models", "gains_of_terms"]
+__all__ = [
+    "LONG",
+    "Drift",
+    "chance_of_models",
+    "chance_of_terms",
+    "drift_of",
+    "gains_of_models",
+    "gains_of_terms",
+]
 
 N_STRETCHES = (16, 32)  # the fewest that the model can follow; enough for many draws of signs
 LONG = (4, 8, 16, 32)  # what numbers are tuned on: what is slow shows in long runs
@@ -176,38 +184,78 @@ def chance_of_models(drift: Drift, models: Sequence[Model], signs: np.ndarray) -
 
 
 def gains_of_terms(
-    drift: Drift, groups: Sequence[tuple[Column, ...]], signs: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return what groups of columns gain, and the largest gain of all of them in each twin.
+    drift: Drift, groups: Sequence[tuple[Column, ...]], n_replaced: int = 0
+) -> np.ndarray:
+    """Return log(error without / error with) groups of columns, each beside the present model.
 
     To first order in their coefficients, so that no other runs are needed.
 
+    Parameters
+    ----------
+    drift : Drift
+        The present model.
+    groups : sequence of tuple of Column
+        What each of the terms adds to the design.
+    n_replaced : int
+        So many of the model's columns, the last ones, give way to a group.
+
     Returns
     -------
-    gains : ndarray of shape (n_groups,)
-        Minus infinity for what is no more than a combination of the model's columns.
-    in_twins : ndarray of shape (n_twins,)
+    ndarray of shape (n_groups,)
+        On stretches that were not fitted; minus infinity for what cannot be run, or is no more than
+        a combination of the model's columns.
     """
+    record = HeldOut.of(_with_columns(drift.trial, groups))
+    if record is None:
+        return np.full(len(groups), -np.inf)
+    return _gains(record, drift, groups, np.ones((1, len(drift.part.z))), n_replaced)[:, 0]
+
+
+def chance_of_terms(
+    drift: Drift, groups: Sequence[tuple[Column, ...]], signs: np.ndarray
+) -> np.ndarray:
+    """Return the largest gain of all groups of columns in each twin.
+
+    Parameters
+    ----------
+    drift : Drift
+        The present model, which is the truth in the twins.
+    groups : sequence of tuple of Column
+        What each of the terms adds to the design.
+    signs : ndarray of shape (n_twins, n_stretches)
+        Of what the present model leaves.
+
+    Returns
+    -------
+    ndarray of shape (n_twins,)
+    """
+    twins = HeldOut.of(_with_columns(drift.in_twins, groups), drift.left)
+    if twins is None or not groups:
+        return np.full(len(signs), -np.inf)
+    return np.asarray(_gains(twins, drift, groups, signs).max(axis=0))
+
+
+def _gains(
+    view: HeldOut,
+    drift: Drift,
+    groups: Sequence[tuple[Column, ...]],
+    signs: np.ndarray,
+    n_replaced: int = 0,
+) -> np.ndarray:
+    """Return what each group gains in each draw of signs, shape (n_groups, n_draws)."""
+    n_own = len(drift.trial.coef)
+    before, kept = np.log(view.errors(signs, range(n_own))), range(n_own - n_replaced)
+    gains = np.full((len(groups), len(signs)), -np.inf)
+    ends = n_own + np.cumsum([len(group) for group in groups], dtype=int)
+    for row, group, end in zip(gains, groups, ends.tolist(), strict=True):
+        new = range(end - len(group), end)
+        if view.is_new(len(kept), new):
+            row[:] = before - np.log(view.errors(signs, [*kept, *new]))
+    return gains
+
+
+def _with_columns(trial: Trial, groups: Sequence[tuple[Column, ...]]) -> Trial:
     columns = [column for group in groups for column in group]
-    gains, largest = np.full(len(groups), -np.inf), np.full(len(signs), -np.inf)
-    record = HeldOut.of(_with_columns(drift.trial, columns))
-    twins = HeldOut.of(_with_columns(drift.in_twins, columns), drift.left)
-    if record is None or twins is None:
-        return gains, largest
-    own, one = range(len(drift.trial.coef)), np.ones((1, len(drift.part.z)))
-    before, place = np.log(record.errors(one, own)[0]), len(own)
-    before_in_twins = np.log(twins.errors(signs, own))
-    for k, group in enumerate(groups):
-        new = range(place, place + len(group))
-        place += len(group)
-        if record.is_new(len(own), new):
-            gains[k] = before - np.log(record.errors(one, [*own, *new])[0])
-            gained = before_in_twins - np.log(twins.errors(signs, [*own, *new]))
-            largest = np.maximum(largest, gained)
-    return gains, largest
-
-
-def _with_columns(trial: Trial, columns: Sequence[Column]) -> Trial:
     coef = np.append(trial.coef, np.zeros(len(columns)))
     return replace(trial, design=trial.design.adding(columns), coef=coef)
 

@@ -33,6 +33,7 @@ from ..given.rules import Rules
 from ..given.segments import Segments, have_values, ranges
 from .drift import Drift, drift_of
 from .shape_tuning import Contender, tuned_by_runs
+from .stand_ins import stand_ins
 from .variants import Model
 
 __all__ = ["held_against"]
@@ -46,6 +47,7 @@ def held_against(
     model: Model,
     findings: Sequence[Finding],
     grown: Sequence[Candidate],
+    small: Sequence[Candidate],
     records: Sequence[Record],
     part: Segments,
     rules: Rules,
@@ -60,6 +62,8 @@ def held_against(
         What was found.
     grown : sequence of Candidate
         Grown terms that may take a place, besides the effects of the vocabulary.
+    small : sequence of Candidate
+        Terms that may take a place where runs show that what stands there leaves something.
     records : sequence of Record
         Training records, without memories.
     part : Segments
@@ -78,7 +82,7 @@ def held_against(
         rest = [f for k, f in enumerate(kept) if k != place]
         if finding.columns and not is_needed(finding, rest):
             without = replace(model, design=with_columns(model.design, rest))
-            kept[place] = _winner(without, finding, grown, records, part, rules)
+            kept[place] = _winner(without, finding, grown, small, records, part, rules)
     return kept
 
 
@@ -86,6 +90,7 @@ def _winner(
     model: Model,
     finding: Finding,
     grown: Sequence[Candidate],
+    small: Sequence[Candidate],
     records: Sequence[Record],
     part: Segments,
     rules: Rules,
@@ -96,24 +101,38 @@ def _winner(
     if drift is None:
         return finding
     acted = model.acted(records)
+    matter = -np.log1p(-rules.min_share)
     able = [one for one in grown if have_values(one.terms, acted)]
-    rivals = _closest(model, own, able, part)
+    shown = [c for c in stand_ins(drift, own, small, matter) if have_values(c.terms, acted)]
+    rivals = list(dict.fromkeys([*_closest(model, own, able, part), *shown]))
     begun = [_begun(model, rival, drift, records) for rival in rivals]
     fitted = map(Contender, rivals, settled(begun))
     tuned = tuned_by_runs([Contender(own, drift.trial), *fitted], model, drift, records)
-    best, level = tuned[0], rules.significance / max(len(rivals), 1)
-    for other in tuned[1:]:
-        price = PRICE * max(other.candidate.size - best.candidate.size, 0)
-        least = max(-np.log1p(-rules.min_share), price if other.candidate.name == EVOLVED else 0.0)
-        if _is_closer(other.trial, best.trial, least, level):
-            best = other
+    best = _best(tuned, matter, rules.significance / max(len(rivals), 1))
+    columns = columns_of(best.candidate, model.design)
+    return replace(finding, candidate=best.candidate, columns=columns)
+
+
+def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
+    """Return the first contender, or of those that do clearly better the one that does best."""
+    own, *rivals = tuned
+    closer = [
+        other for other in rivals
+        if _is_closer(other.trial, own.trial, max(matter, _price(other, own)), level)
+    ]  # fmt: skip
+    best = min(closer, key=lambda one: np.log(one.error) + _price(one, own), default=own)
     if best.candidate.name == EVOLVED:
         names = [one for one in tuned if one.candidate.name != EVOLVED]
         known = min(names, key=lambda one: one.error, default=best)
-        if not _is_closer(best.trial, known.trial, -np.log1p(-rules.min_share), level):
-            best = known  # what engineers know by name, unless it does worse
-    columns = columns_of(best.candidate, model.design)
-    return replace(finding, candidate=best.candidate, columns=columns)
+        if not _is_closer(best.trial, known.trial, matter, level):
+            return known  # what engineers know by name, unless it does worse
+    return best
+
+
+def _price(one: Contender, other: Contender) -> float:
+    """Return what the nodes cost that a grown term has more than an effect."""
+    longer = max(one.candidate.size - other.candidate.size, 0)
+    return PRICE * longer if one.candidate.name == EVOLVED else 0.0
 
 
 def _is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:

@@ -85,4 +85,6 @@ class HeldOut:
 
     def is_new(self, own: int, columns: Sequence[int]) -> bool:
         """Tell whether columns are finite and no combinations of the first `own` ones."""
-        return is_new(self.grams.sum(axis=0), own, columns)
+        index = np.array([*range(own), *columns])
+        total = self.grams[:, index[:, None], index].sum(axis=0)
+        return is_new(total, own, range(own, len(index)))

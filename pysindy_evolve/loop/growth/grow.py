@@ -34,7 +34,7 @@ from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
 from .seeds import screened, small_terms
 
-__all__ = ["OPERATORS", "TermGrower", "grow"]
+__all__ = ["OPERATORS", "TermGrower", "grow", "small_candidates"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
 # saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
@@ -77,8 +77,7 @@ def grow(
     variables = part.z[..., :-1].reshape(len(flat), -1)
     found: list[Candidate] = []
     for place, state in enumerate(design.open_states):
-        # As in the vocabulary: a position may be measured from anywhere, a population may not.
-        shifted = signed if design.position_of(state) is None else np.ones_like(signed)
+        shifted = _shifted(design, state, signed)
         target, fixed = flat[:, state, -1], flat[:, state, :-1]
         project = partial(_project, part=part, state=state, weight=weights[place])
         problem = Problem(variables, target, fixed, project)
@@ -99,6 +98,41 @@ def grow(
         grown += [name(term) for term in _above(grown, design, part, operators)]
         found += dict.fromkeys(grown)
     return found
+
+
+def small_candidates(
+    design: Design, part: Segments, operators: Sequence[Operator]
+) -> list[Candidate]:
+    """Return the small terms that a search begins with, for each equation that may lack something.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    part : Segments
+        Pieces of records; the sizes of variables set the numbers in curved functions.
+    operators : sequence of Operator
+        Basis functions; without any there are no terms.
+
+    Returns
+    -------
+    list of Candidate
+        Those of the vocabulary under their names.
+    """
+    variables = part.rows[:, :-1]
+    terms = small_terms(operators, variables) if operators else []
+    largest, signed, *others = ranges(part.rows)
+    known = candidates(design, largest, signed, *others)
+    return [
+        _named(term, state, known, variables, _shifted(design, state, signed))
+        for state in design.open_states
+        for term in terms
+    ]
+
+
+def _shifted(design: Design, state: int, signed: np.ndarray) -> np.ndarray:
+    """Return which variables may be measured from anywhere: a population may not."""
+    return signed if design.position_of(state) is None else np.ones_like(signed)
 
 
 def _above(

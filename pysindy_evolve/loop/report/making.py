@@ -51,9 +51,9 @@ def make_report(
     rng: np.random.Generator,
 ) -> LoopReport:
     """Fit each stage on all training rows and judge it on held-out records."""
-    design = declared
-    fitted, errors = judge(declared, train, test, rules, rng)
-    errors = _with_parameters(errors, declared, fitted)
+    design, lacks_nothing = declared, verdict == "complete"
+    fitted, errors = judge(declared, train, test, rules, rng, final=lacks_nothing)
+    errors = _with_parameters(errors, declared, fitted, sure=lacks_nothing)
     before, effects, steps, by_runs = errors, [], [], False
     memories: tuple[Memory, ...] = ()
     for _, group in groupby(findings, key=lambda finding: finding.step):
@@ -73,10 +73,10 @@ def make_report(
             if finding.by_runs:
                 effects[-1] = with_share_of_runs(effects[-1], finding, earlier, errors)
             steps.append(Step(finding.candidate.name, effects[-1].state, errors))
-    whole = _Whole(design, fitted, errors, memories, train, test, rng)
+    corrected = _Corrected(design, fitted, errors, memories, train, test, rng)
     place = len(declared.columns)
     for k, finding in enumerate(findings):
-        effects[k] = whole.numbered(effects[k], finding, place)
+        effects[k] = corrected.numbered(effects[k], finding, place)
         place += len(finding.columns)
     if by_runs and memories:
         effects = with_intervals(effects, findings, design, fitted.coef, train, rng)
@@ -86,7 +86,7 @@ def make_report(
 
 
 @dataclass(frozen=True, eq=False)
-class _Whole:
+class _Corrected:
     """The corrected model, which gives each effect its numbers."""
 
     design: Design

@@ -23,7 +23,7 @@ V = variable(1)
 ROOT_OF_SPEED = mul(call(BUILTIN["sgn"], V), call(BUILTIN["sqrt"], call(BUILTIN["abs"], V)))
 
 
-def held(hidden, name, grown=(), **options):
+def held(hidden, name, grown=(), small=(), **options):
     """Plant an effect as found, by its name if it has one, and hold it against the others."""
     record = hidden.record(**options)
     design = design_of(hidden.model, [record])
@@ -31,7 +31,7 @@ def held(hidden, name, grown=(), **options):
     offered = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
     planted = name if isinstance(name, Candidate) else next(c for c in offered if c.name == name)
     finding = Finding(planted, columns_of(planted, design), 1.0, 0.016, np.zeros(60), step=1)
-    (kept,) = held_against(Model(design), [finding], grown, [record], part, RULES)
+    (kept,) = held_against(Model(design), [finding], grown, small, [record], part, RULES)
     assert kept.columns == columns_of(kept.candidate, design)
     assert (kept.p_value, kept.step) == (finding.p_value, finding.step)
     return kept.candidate
@@ -77,3 +77,23 @@ def test_a_function_of_a_plain_variable_is_given_its_scale():
     plain = Candidate("evolved term", 1, (call(BUILTIN["exp"], variable(0)),))
     winner = held(spring, "cubic stiffness", [plain], noise=1e-4)
     assert winner.terms[0].constants == pytest.approx([0.6], rel=0.03)
+
+
+def test_a_small_term_that_runs_ask_for_takes_the_place_of_one_that_a_filter_makes_look_alike():
+    spring = oscillator("a spring that stiffens", "- 15*q*abs(q)", "-k*q - c*v + b*F + o")
+    q = variable(0)
+    stiffening = Candidate("evolved term", 1, (mul(q, call(BUILTIN["abs"], q)),))
+    small = [stiffening, Candidate("evolved term", 1, (call(BUILTIN["cos"], q),))]
+    options = {"noise": 2e-3}
+    assert held(spring, "dead zone", (), small, **options) == stiffening
+    friction = oscillator("Coulomb friction", "- 2*sgn(v)")
+    root = Candidate("evolved term", 1, (ROOT_OF_SPEED,))
+    assert held(friction, "Coulomb friction", (), [root], **options).name == "Coulomb friction"
+
+
+def test_of_what_does_clearly_better_that_wins_which_does_best():
+    slack = oscillator("dead zone", "- 8*(q - (abs(q + 0.25) - abs(q - 0.25))/2)")
+    sign = Candidate("evolved term", 1, (call(BUILTIN["sgn"], variable(0)),))
+    winner = held(slack, sign, noise=2e-3)
+    assert winner.name == "dead zone"
+    assert winner.shape.values == pytest.approx([0.25], rel=0.03)

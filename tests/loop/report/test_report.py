@@ -74,8 +74,10 @@ def test_free_parameters_have_the_values_of_the_equation_that_they_stand_below(r
     assert f"c = {format_number(report.after.parameters['c'])}" in report.to_markdown()
 
 
-def test_intervals_of_declared_parameters_are_those_beside_the_effects(report):
-    assert report.before.parameter_intervals == {}
+@pytest.mark.parametrize("which", ["report", "complete"])
+def test_intervals_of_declared_parameters_are_those_of_the_model_that_lacks_nothing(which, request):
+    report = request.getfixturevalue(which)
+    assert (report.before.parameter_intervals == {}) == (which == "report")
     for name, truth in {"k": 40.0, "c": 0.8, "b": 1.0}.items():
         low, high = report.after.parameter_intervals[name]
         assert low < report.after.parameters[name] < high
