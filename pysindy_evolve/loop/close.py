@@ -129,7 +129,7 @@ def close_loop(
     is_whole = _run(search) and len(search.findings) < rules.max_effects
     findings, verdict = _with_alternatives(search), search.verdict
     report = make_report(design, findings, search.plain, judge_on, verdict, is_whole, rules, rng)
-    return replace(report, rejected=search.rejected[-1] if search.rejected else None)
+    return replace(report, rejected=search.rejected)
 
 
 def _checked(

@@ -63,7 +63,7 @@ class Search:
     operators: Sequence[Operator]
     rng: np.random.Generator
     findings: list[Finding] = field(default_factory=list)
-    rejected: list[Rejected] = field(default_factory=list)
+    rejected: Rejected | None = None  # the last one
     has_structure: bool = False
     relaxing: bool = True  # whether to look for relaxations
     records: list[Record] = field(init=False)
@@ -120,12 +120,11 @@ class Search:
             memories = memories_in(before)
             relaxing = self.relaxing and not memories
             seen = self.records, self.part, self.rules, self.rng
-            found = find_or_recall(
-                self.declared, design, *seen, memories, self.rejected, relaxing=relaxing
-            )
-            if not found:
+            look = find_or_recall(self.declared, design, *seen, memories, relaxing=relaxing)
+            self.rejected = look.rejected or self.rejected
+            if not look.found:
                 break
-            found = _numbered(found, before)
+            found = _numbered(look.found, before)
             if memories_in(found):
                 found = self._begin([*before, *found])
             else:  # growing takes long, and may be ended
@@ -175,15 +174,16 @@ class Search:
         child = self.rng.spawn(1)[0]
         if paths_of(self.design):  # whose state those runs do not have
             return
-        found, pasts = find_by_runs(
-            self.declared, self.findings, self.plain, self.wide, self.rules, child, self.rejected
+        look, pasts = find_by_runs(
+            self.declared, self.findings, self.plain, self.wide, self.rules, child
         )
-        if len(found) > len(self.findings):
-            self.findings = found
+        self.rejected = look.rejected or self.rejected
+        if len(look.found) > len(self.findings):
+            self.findings = list(look.found)
             if pasts:
                 both = (self.plain, self.wide)
                 self.plain, self.wide = ([*map(preceded, records, pasts)] for records in both)
-            self._look_through(found)
+            self._look_through(self.findings)
 
     def _grow(self) -> None:
         n_searches = 1

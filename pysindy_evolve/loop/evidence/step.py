@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -23,10 +24,18 @@ from .scoring import Proposer, columns_of, plainest, quick_fit, score, sharpened
 from .shares import Shares, is_exact
 from .trace import Score
 
-__all__ = ["find"]
+__all__ = ["Look", "find"]
 
 # Score of an effect that halves the error: no trace, whatever its share.
 ERROR_HALVED = float(np.log(4.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What a look found that passes, or else the best that did not."""
+
+    found: tuple[Finding, ...] = ()
+    rejected: Rejected | None = None
 
 
 def find(
@@ -37,9 +46,8 @@ def find(
     rules: Rules,
     rng: np.random.Generator,
     proposer: Proposer,
-    rejected: list[Rejected] | None = None,
-) -> list[Finding]:
-    """Return the effect, or the pair of effects, that a design lacks; nothing if none passes.
+) -> Look:
+    """Look for the effect, or the pair of effects, that a design lacks.
 
     Parameters
     ----------
@@ -57,16 +65,13 @@ def find(
         Draws the twins.
     proposer : callable
         Maps design, equations and records to candidates.
-    rejected : list of Rejected, optional
-        The best that did not pass is appended to it.
 
     Returns
     -------
-    list of Finding
+    Look
     """
-    rejected = [] if rejected is None else rejected
     if is_exact(design, part):
-        return []
+        return Look()
     rules = rules.at(len(design.columns) - len(declared.columns))
     equations = quick_fit(design, part)
     proposed = proposer(design, equations, records)
@@ -79,8 +84,8 @@ def find(
     names = (*design.states, *design.inputs, "t")
     # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
     if not worthy and (design.columns != declared.columns or not gaining):
-        rejected += [Rejected(s, shares.of(s), variables=names) for s in gaining]
-        return []
+        light = [Rejected(s, shares.of(s), variables=names) for s in gaining]
+        return Look(rejected=light[0] if light else None)
     best = plainest(worthy or gaining)
     maker = DriftingTwins.of(design, records) if part.tracks else TwinMaker.of(equations, records)
     statistic = partial(_best_score, design=design, proposer=proposer)
@@ -88,8 +93,8 @@ def find(
     twins = twin_values(maker, part, statistic, observed, rules, rng)
     p_value = p_value_of(observed, twins)
     if p_value > rules.level or not worthy:
-        rejected.append(Rejected(best, shares.of(best), p_value, twins, names, rules.level))
-        return []
+        tested = Rejected(best, shares.of(best), p_value, twins, names, rules.level)
+        return Look(rejected=tested)
     group = []
     for candidate in best.group:
         beside = _beside(design, best.group, candidate)
@@ -97,7 +102,8 @@ def find(
             own = records, part, rules, rng
             candidate = justified(candidate, beside, proposed, *own)
         group.append(tuned(candidate, beside, part))
-    return [Finding(c, columns_of(c, design), best.value, p_value, twins) for c in group]
+    evidence = best.value, p_value, twins
+    return Look(tuple(Finding(c, columns_of(c, design), *evidence) for c in group))
 
 
 def _matters(score: Score, shares: Shares, rules: Rules) -> bool:

@@ -25,6 +25,7 @@ from ..evidence.findings import (
 )
 from ..evidence.rejected import Rejected
 from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.step import Look
 from ..evidence.trace import Score
 from ..fitting.fit import refit
 from ..fitting.trial import settled
@@ -61,8 +62,7 @@ def find_by_runs(
     wide: Sequence[Record],
     rules: Rules,
     rng: np.random.Generator,
-    rejected: list[Rejected],
-) -> tuple[list[Finding], Pasts]:
+) -> tuple[Look, Pasts]:
     """Return findings with what free runs show besides, one after the other until none passes.
 
     Parameters
@@ -79,13 +79,11 @@ def find_by_runs(
         When an effect counts.
     rng : numpy.random.Generator
         Draws the twins.
-    rejected : list of Rejected
-        The best that did not pass is appended to it.
 
     Returns
     -------
-    findings : list of Finding
-        All of them; the numbers of the new memories are tuned again after each step.
+    look : Look
+        All findings; the numbers of the new memories are tuned again after each step.
     pasts : tuple of (tuple of float)
         For each record, where its inputs stood before it; empty where that does not matter.
     """
@@ -93,6 +91,7 @@ def find_by_runs(
     stops = stops_of(model_of(declared, before), records, rules, rng)
     new: list[Finding] = []
     pasts: Pasts = ()
+    rejected: Rejected | None = None
     while len(before) + len(new) < rules.max_effects:
         model = replace(
             model_of(declared, [*before, *new]),
@@ -103,17 +102,21 @@ def find_by_runs(
         drift = drift_from(model, records)
         if drift is None:
             break
-        step = _best(declared, drift, wide, not new, rules, rng, rejected)
-        if step is None:
+        best = _memory_or_term(drift, wide, not new, rules, rng)
+        if best is None:
             break
-        new, pasts = _retuned([*new, step[0]], step[1]), step[1].pasts
+        finding, share = best[0], share_of_miss(best[0], declared, drift)
+        if finding.p_value > rules.level_of_runs or not matters(finding, share, rules):
+            rejected = _as_rejected(finding, share, drift, rules.level_of_runs)
+            break
+        new, pasts = _retuned([*new, finding], best[1]), best[1].pasts
     whole = replace(model_of(declared, [*before, *new]), pasts=pasts)
     kept = needed(whole, stops, records, rules)
     memories = [f for f in new if isinstance(f, MemoryFinding)]
     terms = [f for f in new if f not in memories]
     number = next_step(before)
-    found = [*memories, *kept, *terms]
-    return [*before, *(replace(f, step=number + k) for k, f in enumerate(found))], pasts
+    found = (replace(f, step=number + k) for k, f in enumerate([*memories, *kept, *terms]))
+    return Look((*before, *found), rejected), pasts
 
 
 def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
@@ -125,26 +128,6 @@ def _retuned(new: list[Finding], model: Model) -> list[Finding]:
     """Return findings with the memories of a model."""
     memories = iter(model.memories[model.n_known :])
     return [replace(f, memory=next(memories)) if isinstance(f, MemoryFinding) else f for f in new]
-
-
-def _best(
-    declared: Design,
-    drift: Drift,
-    wide: Sequence[Record],
-    first: bool,
-    rules: Rules,
-    rng: np.random.Generator,
-    rejected: list[Rejected],
-) -> tuple[Finding, Model] | None:
-    """Return the best effect that passes, and the model with it."""
-    found = _memory_or_term(drift, wide, first, rules, rng)
-    if found is None:
-        return None
-    finding, share = found[0], share_of_miss(found[0], declared, drift)
-    if finding.p_value <= rules.level_of_runs and matters(finding, share, rules):
-        return found
-    rejected.append(_as_rejected(finding, share, drift, rules.level_of_runs))
-    return None
 
 
 def matters(finding: Finding, share: float, rules: Rules) -> bool:

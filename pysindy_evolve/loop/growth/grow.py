@@ -257,7 +257,8 @@ class TermGrower:
         scores = [s for s in score(design, self.fresh, grown, pairs=True) if net(s) > 0.0]
         useful = [s for s in scores if view_gain(design, s.group, self.fresh) > USEFUL]
         given = partial(_given, list(dict.fromkeys(c for s in useful for c in s.group)))
-        found = find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
+        look = find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
+        found = list(look.found)
         return found if found and self._are_certain(design, found) else []
 
     def _are_certain(self, design: Design, found: Sequence[Finding]) -> bool:

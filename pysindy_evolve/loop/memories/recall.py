@@ -17,7 +17,7 @@ from ..evidence.offers import offer_for
 from ..evidence.rejected import Rejected
 from ..evidence.rivals import Rival
 from ..evidence.scoring import MARGIN, columns_of
-from ..evidence.step import find
+from ..evidence.step import Look, find
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -36,11 +36,10 @@ def find_or_recall(
     rules: Rules,
     rng: np.random.Generator,
     present: Sequence[Memory] = (),
-    rejected: list[Rejected] | None = None,
     *,
     relaxing: bool = True,
-) -> list[Finding]:
-    """Return what a design lacks, as `find` does, with memories of the inputs among it.
+) -> Look:
+    """Look for what a design lacks, as `find` does, with memories of the inputs among it.
 
     Parameters
     ----------
@@ -48,19 +47,17 @@ def find_or_recall(
         As in `find`.
     present : sequence of Memory
         Memories that the inputs of the records have already.
-    rejected : list of Rejected, optional
-        As in `find`.
     relaxing : bool
         Whether relaxations may be among it.
 
     Returns
     -------
-    list of Finding
+    Look
     """
     memories = grid_of(design, records, part, present)
     offer = offer_for(design, part, records, relaxing=relaxing)
     if not memories:
-        return find(declared, design, records, offer.part, rules, rng, offer.propose, rejected)
+        return find(declared, design, records, offer.part, rules, rng, offer.propose)
     if offer.relaxes and not outdoes_memories(offer.ways, design, records, offer.part, memories):
         offer = offer_for(design, part, records, relaxing=False)
     part = offer.part
@@ -68,20 +65,18 @@ def find_or_recall(
     extended = [probes.extended(record) for record in records]
     wide = probes.widened(declared), probes.widened(design)
     pieces = part.of(extended)
-    failed: list[Rejected] = []
     proposer = partial(probes.propose, part=part, offer=offer.propose)
-    found = find(*wide, extended, pieces, rules, rng, proposer, failed)
-    if rejected is not None:
-        rejected += [_narrowed_failure(one, probes) for one in failed]
+    look = find(*wide, extended, pieces, rules, rng, proposer)
     seen = design, records, part
-    plain = [_narrowed(finding, probes) for finding in found]
+    plain = [_narrowed(finding, probes) for finding in look.found]
     if plain and not offer.ways and not any(isinstance(f, MemoryFinding) for f in plain):
         late = memory_instead(plain, *seen, memories)
         plain = plain if late is None else [_recalled(plain[0], late, design)]
-    return [
+    found = (
         _settled(f, *seen, rules.significance, rng, present) if isinstance(f, MemoryFinding) else f
         for f in plain
-    ]
+    )
+    return Look(tuple(found), look.rejected and _narrowed_failure(look.rejected, probes))
 
 
 def _narrowed_failure(failure: Rejected, probes: Probes) -> Rejected:
