@@ -8,6 +8,7 @@ the right model that the small changes between them tell what each term would ma
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from .drift import Drift, gains_of_terms
 
 __all__ = ["stand_ins"]
 
+N_FAMILIES = 12  # of terms, whose numbers are looked at more closely
+FACTORS = (0.55, 0.67, 0.82, 1.22, 1.5, 1.8)  # of these numbers, which stand on a coarse grid
 N_SHOWN = 3  # that are fitted by their runs
 CHUNK = 200  # terms that are looked at at a time, so that memory does not grow with them
 
@@ -47,26 +50,39 @@ def stand_ins(
         nothing that a term explains.
     """
     acting = _variables(own)
-    others = [c for c in terms if c.state == own.state and acting & _variables(c)]
-    able = [c for c in others if c.terms != own.terms and _may_enter(c, drift)]
-    chunks = [able[i : i + CHUNK] for i in range(0, len(able), CHUNK)]
-    gains = np.concatenate([np.empty(0), *(_gains(drift, own, chunk) for chunk in chunks)])
-    prices = PRICE * np.maximum([c.size - own.size for c in able], 0)
-    net = gains - np.maximum(prices, least)
-    best: dict[tuple[Sum, ...], Candidate] = {}
-    for k in np.argsort(-net).tolist():
-        if net[k] > 0.0:
-            best.setdefault(_family(able[k]), able[k])
-    return list(best.values())[:N_SHOWN]
-
-
-def _family(candidate: Candidate) -> tuple[Sum, ...]:
-    return tuple(term.with_constants([1.0] * len(term.constants)) for term in candidate.terms)
+    able = [c for c in terms if c.state == own.state and acting & _variables(c)]
+    able = [c for c in able if c.terms != own.terms and _may_enter(c, drift)]
+    leaders = [c for c, _ in _of_families(able, _gains(drift, own, able))[:N_FAMILIES]]
+    finer = [_scaled(c, factor) for c in leaders for factor in FACTORS]
+    near = list(dict.fromkeys([*leaders, *finer]))
+    prices = PRICE * np.maximum([c.size - own.size for c in near], 0)
+    net = _gains(drift, own, near) - np.maximum(prices, least)
+    return [c for c, gain in _of_families(near, net)[:N_SHOWN] if gain > 0.0]
 
 
 def _gains(drift: Drift, own: Candidate, terms: Sequence[Candidate]) -> np.ndarray:
+    """Return what each term gains in the place of an effect, shape (n_terms,)."""
     groups = [columns_of(c, drift.model.design) for c in terms]
-    return gains_of_terms(drift, groups, n_replaced=len(own.terms))
+    chunks = [groups[i : i + CHUNK] for i in range(0, len(groups), CHUNK)]
+    gains = [gains_of_terms(drift, chunk, n_replaced=len(own.terms)) for chunk in chunks]
+    return np.concatenate([np.empty(0), *gains])
+
+
+def _of_families(terms: Sequence[Candidate], gains: np.ndarray) -> list[tuple[Candidate, float]]:
+    """Return the best of the terms that differ in their numbers only, best first."""
+    best: dict[tuple[Sum, ...], tuple[Candidate, float]] = {}
+    for k in np.argsort(-gains, kind="stable").tolist():
+        best.setdefault(_scaled(terms[k], None).terms, (terms[k], float(gains[k])))
+    return list(best.values())
+
+
+def _scaled(candidate: Candidate, factor: float | None) -> Candidate:
+    """Return a term with all its numbers times a factor, or all of them one."""
+    terms = (
+        term.with_constants([1.0 if factor is None else factor * c for c in term.constants])
+        for term in candidate.terms
+    )
+    return replace(candidate, terms=tuple(terms))
 
 
 def _variables(candidate: Candidate) -> frozenset[int]:
