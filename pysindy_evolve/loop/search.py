@@ -10,6 +10,7 @@ import numpy as np
 from ..hidden_states.memory import preceded, remembered
 from ..operators import Operator
 from ..signals import Record
+from .effects.candidate import Candidate
 from .effects.relaxation import relaxations_of
 from .evidence.findings import (
     Finding,
@@ -174,14 +175,12 @@ class Search:
         child = self.rng.spawn(1)[0]
         if paths_of(self.design):  # whose state those runs do not have
             return
-        look, pasts = find_by_runs(
-            self.declared, self.findings, self.plain, self.wide, self.rules, child
-        )
+        both, small = (self.plain, self.wide), self._small_terms()
+        look, pasts = find_by_runs(self.declared, self.findings, *both, small, self.rules, child)
         self.rejected = look.rejected or self.rejected
         if len(look.found) > len(self.findings):
             self.findings = list(look.found)
             if pasts:
-                both = (self.plain, self.wide)
                 self.plain, self.wide = ([*map(preceded, records, pasts)] for records in both)
             self._look_through(self.findings)
 
@@ -215,9 +214,12 @@ class Search:
             return
         model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
         grown = [c for c in self.grower.grown if c.name == EVOLVED]
-        small = small_candidates(self.design, self.part, self.operators)
+        small = self._small_terms()
         kept = held_against(model, self.findings, grown, small, self.plain, self.part, self.rules)
         self.findings = prune(self.declared, kept, self.part)
+
+    def _small_terms(self) -> list[Candidate]:
+        return small_candidates(self.design, self.part, self.operators)
 
     def _drop(self) -> None:
         """Drop what grown terms made superfluous."""

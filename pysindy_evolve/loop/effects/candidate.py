@@ -63,6 +63,11 @@ class Candidate:
         return False
 
     @property
+    def is_straight(self) -> bool:
+        """Whether it is a constant or a variable, of which nothing plainer could take the place."""
+        return all(term.size == 1 for term in self.terms)
+
+    @property
     def size(self) -> int:
         """Number of nodes of its terms."""
         return sum(term.size for term in self.terms)

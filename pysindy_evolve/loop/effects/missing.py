@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
-from ...terms import Sum
+from ...terms import Sum, variable
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, bare
 from .vocabulary import of_equation
 
-__all__ = ["candidates", "standing"]
+__all__ = ["candidates", "standing", "zeros_of"]
 
 
 def candidates(
@@ -90,3 +91,24 @@ def standing(design: Design) -> set[tuple[int, Sum]]:
         parts = (design.fixed[state], *(column.parts[state] for column in design.columns))
         found |= {(state, bare(part)) for part in parts if part.parts}
     return found
+
+
+def zeros_of(found: Iterable[tuple[int, Sum]], n_states: int) -> set[tuple[int, Sum]]:
+    """Return the offsets that would say where states are measured from.
+
+    A leak k (p - p0) is found as k p first, whose size hides how much the rest matters.
+
+    Parameters
+    ----------
+    found : iterable of (int, Sum)
+        Equation and expression of what was found.
+    n_states : int
+        Number of states, the first variables.
+
+    Returns
+    -------
+    set of (int, Sum)
+        An offset for each equation to which a state itself was added.
+    """
+    straight = {variable(state) for state in range(n_states)}
+    return {(equation, OFFSET) for equation, term in found if term in straight}

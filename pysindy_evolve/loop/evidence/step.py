@@ -9,7 +9,9 @@ from functools import partial
 import numpy as np
 
 from ...signals import Record
+from ...terms import Sum
 from ..effects.candidate import Candidate
+from ..effects.missing import standing, zeros_of
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -79,7 +81,9 @@ def find(
     proposed = sharpened(design, part, proposed)
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
-    worthy = [s for s in scores if s.value > 0.0 and _matters(s, shares, rules)]
+    zeros = zeros_of(standing(design) - standing(declared), len(design.states))
+    matter = (s for s in scores if _is_one_of(zeros, s) or _matters(s, shares, rules))
+    worthy = [s for s in matter if s.value > 0.0]
     gaining = [s for s in scores[:1] if s.value > 0.0]
     names = (*design.states, *design.inputs, "t")
     # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
@@ -109,6 +113,11 @@ def find(
 def _matters(score: Score, shares: Shares, rules: Rules) -> bool:
     """Tell whether a group is more than a trace of something."""
     return score.value >= ERROR_HALVED or shares.of(score) >= rules.min_share
+
+
+def _is_one_of(zeros: set[tuple[int, Sum]], score: Score) -> bool:
+    """Tell whether a group is one of these offsets, of which no share is asked."""
+    return len(score.group) == 1 and {(c.state, t) for c in score.group for t in c.terms} <= zeros
 
 
 def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Design:

@@ -8,12 +8,13 @@ bettered by a memory that is not there; the derivative, which sees the disturban
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...signals import Record
+from ..effects.candidate import Candidate
 from ..effects.missing import candidates, standing
 from ..evidence.findings import (
     Finding,
@@ -44,6 +45,7 @@ from .drift import (
     gains_of_models,
     gains_of_terms,
 )
+from .leading_terms import leading_terms
 from .memory_tuning import tuned_memories
 from .state_limits import drift_from, needed, notable, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
@@ -60,6 +62,7 @@ def find_by_runs(
     findings: Sequence[Finding],
     records: Sequence[Record],
     wide: Sequence[Record],
+    small: Sequence[Candidate],
     rules: Rules,
     rng: np.random.Generator,
 ) -> tuple[Look, Pasts]:
@@ -75,6 +78,8 @@ def find_by_runs(
         Training records without memories.
     wide : sequence of Record
         The same with a higher cutoff, for the derivative.
+    small : sequence of Candidate
+        Terms without a name that may be it, besides the vocabulary.
     rules : Rules
         When an effect counts.
     rng : numpy.random.Generator
@@ -102,7 +107,7 @@ def find_by_runs(
         drift = drift_from(model, records)
         if drift is None:
             break
-        best = _memory_or_term(drift, wide, not new, rules, rng)
+        best = _memory_or_term(drift, wide, not new, small, rules, rng)
         if best is None:
             break
         finding, share = best[0], share_of_miss(best[0], declared, drift)
@@ -139,14 +144,16 @@ def _memory_or_term(
     drift: Drift,
     wide: Sequence[Record],
     first: bool,
+    small: Sequence[Candidate],
     rules: Rules,
     rng: np.random.Generator,
 ) -> tuple[Finding, Model] | None:
     """Return the plainest memory or term of those that gain most, with its chance.
 
     Of memories that differ in numbers only, the best one of a grid is tested, as in the twins, and
-    those that pass are tuned. The first effect may be a term only if it halves what the runs miss:
-    a force that a noisy or delayed input brings with it is worth less.
+    those that pass are tuned. The first effect may be a term only if it halves what the runs miss,
+    and so may any without a name: a force that a noisy or delayed input brings with it is worth
+    less.
     """
     n_signs = draws_for(rules.level_of_runs, N_SIGNS)
     signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
@@ -155,11 +162,15 @@ def _memory_or_term(
     by_terms = gains_of_terms(drift, [v.columns for v in terms])
     if first:
         by_terms = np.where(by_terms >= SQUARES_HALVED, by_terms, -np.inf)
+    leading = _variants(drift, leading_terms(drift, small, SQUARES_HALVED))
     # Nothing is held against the twins where no term gains enough.
     sought = [v.columns for v in terms] if np.any(np.isfinite(by_terms)) else []
+    sought += [columns_of(c, drift.model.design) for c in small] if leading else []
     in_twins = chance_of_terms(drift, sought, signs)
-    plain = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
-    heads = _heads([*terms, *memories], plain, notable(rules))
+    by_leading = gains_of_terms(drift, [v.columns for v in leading])
+    by_memories = gains_of_models(drift, [v.model for v in memories])[0]
+    plain = np.concatenate([by_terms, by_leading, by_memories])
+    heads = _heads([*terms, *leading, *memories], plain, notable(rules))
     heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]
     if not heads:
         return None
@@ -258,12 +269,18 @@ def _terms(drift: Drift) -> list[Variant]:
     design = drift.model.design
     acted = drift.model.acted(drift.records)
     variables = np.concatenate([variables_of(record) for record in acted])
-    present, found = standing(design), []
-    for candidate in candidates(design, *ranges(variables)):
-        if all((candidate.state, parent) in present for parent in candidate.parents):
-            columns = columns_of(candidate, design)
-            wider = replace(drift.model, design=design.adding(columns))
-            found.append(Variant(candidate, wider, columns))
+    present, offered = standing(design), candidates(design, *ranges(variables))
+    able = (c for c in offered if all((c.state, parent) in present for parent in c.parents))
+    return _variants(drift, able)
+
+
+def _variants(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:
+    """Return the present model with each of the terms in it."""
+    design, found = drift.model.design, []
+    for candidate in terms:
+        columns = columns_of(candidate, design)
+        wider = replace(drift.model, design=design.adding(columns))
+        found.append(Variant(candidate, wider, columns))
     return found
 
 

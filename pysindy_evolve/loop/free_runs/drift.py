@@ -40,6 +40,7 @@ __all__ = [
 N_STRETCHES = (16, 32)  # the fewest that the model can follow; enough for many draws of signs
 LONG = (4, 8, 16, 32)  # what numbers are tuned on: what is slow shows in long runs
 MAX_ROWS = 9600  # of all stretches; a run takes one step after the other
+CHUNK = 200  # terms that are looked at at a time, so that memory does not grow with them
 FAITHFUL = 1.0  # standard deviations by which a run may miss; beyond, it says nothing
 
 
@@ -205,10 +206,12 @@ def gains_of_terms(
         On stretches that were not fitted; minus infinity for what cannot be run, or is no more than
         a combination of the model's columns.
     """
-    record = HeldOut.of(_with_columns(drift.trial, groups))
-    if record is None:
-        return np.full(len(groups), -np.inf)
-    return _gains(record, drift, groups, np.ones((1, len(drift.part.z))), n_replaced)[:, 0]
+    gains, one = np.full(len(groups), -np.inf), np.ones((1, len(drift.part.z)))
+    for chunk in _chunks(groups):
+        record = HeldOut.of(_with_columns(drift.trial, groups[chunk]))
+        if record is not None:
+            gains[chunk] = _gains(record, drift, groups[chunk], one, n_replaced)[:, 0]
+    return gains
 
 
 def chance_of_terms(
@@ -229,10 +232,16 @@ def chance_of_terms(
     -------
     ndarray of shape (n_twins,)
     """
-    twins = HeldOut.of(_with_columns(drift.in_twins, groups), drift.left)
-    if twins is None or not groups:
-        return np.full(len(signs), -np.inf)
-    return np.asarray(_gains(twins, drift, groups, signs).max(axis=0))
+    largest = np.full(len(signs), -np.inf)
+    for chunk in _chunks(groups):
+        twins = HeldOut.of(_with_columns(drift.in_twins, groups[chunk]), drift.left)
+        if twins is not None:
+            largest = np.maximum(largest, _gains(twins, drift, groups[chunk], signs).max(axis=0))
+    return largest
+
+
+def _chunks(groups: Sequence[tuple[Column, ...]]) -> list[slice]:
+    return [slice(i, i + CHUNK) for i in range(0, len(groups), CHUNK)]
 
 
 def _gains(

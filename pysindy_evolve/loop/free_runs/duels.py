@@ -24,16 +24,17 @@ from tqdm.auto import tqdm
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
+from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, is_needed, with_columns
-from ..evidence.scoring import PRICE, columns_of, score
+from ..evidence.scoring import MARGIN, PRICE, columns_of, score
 from ..evidence.trace import EVOLVED
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, settled
 from ..given.rules import Rules
 from ..given.segments import Segments, have_values, ranges
 from .drift import Drift, drift_of
+from .leading_terms import stand_ins
 from .shape_tuning import Contender, tuned_by_runs
-from .stand_ins import stand_ins
 from .variants import Model
 
 __all__ = ["held_against"]
@@ -125,8 +126,16 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
         names = [one for one in tuned if one.candidate.name != EVOLVED]
         known = min(names, key=lambda one: one.error, default=best)
         if not _is_closer(best.trial, known.trial, matter, level):
-            return known  # what engineers know by name, unless it does worse
-    return best
+            best = known  # what engineers know by name, unless it does worse
+    as_good = (one for one in tuned if one.error <= np.exp(MARGIN) * best.error)
+    named = [one for one in as_good if one.candidate.name != EVOLVED]
+    return min([best, *named], key=lambda one: _burden(one.candidate))
+
+
+def _burden(candidate: Candidate) -> tuple[int, bool]:
+    """Return how many numbers an effect has inside, and whether it is more than a straight line."""
+    shape = shape_of(candidate)
+    return 0 if shape is None else len(shape.values), not candidate.is_straight
 
 
 def _price(one: Contender, other: Contender) -> float:

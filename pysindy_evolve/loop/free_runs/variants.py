@@ -105,10 +105,11 @@ class Variant:
 
     @property
     def plainness(self) -> tuple[int, int, int]:
-        """How many numbers it adds, how long its terms are, its place in the vocabulary."""
+        """How many numbers it adds, how long its terms are, its place in the vocabulary or last."""
         n_numbers = len(self.columns) if self.memory is None else len(self.memory.values)
         name = self.candidate.name
-        return n_numbers, self.candidate.size, VOCABULARY.index(name)
+        place = VOCABULARY.index(name) if name in VOCABULARY else len(VOCABULARY)
+        return n_numbers, self.candidate.size, place
 
     def with_model(self, model: Model) -> Variant:
         """Return the variant with the numbers of its model tuned."""

@@ -19,7 +19,7 @@ from ...operators import Operator
 from ...signals import Record
 from ...terms import Product, Sum
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import candidates, standing
+from ..effects.missing import candidates, standing, zeros_of
 from ..evidence.findings import Finding, with_columns
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.shares import view_gain
@@ -103,7 +103,7 @@ def grow(
 def small_candidates(
     design: Design, part: Segments, operators: Sequence[Operator]
 ) -> list[Candidate]:
-    """Return the small terms that a search begins with, for each equation that may lack something.
+    """Return the small terms of what acts in each equation that may lack something.
 
     Parameters
     ----------
@@ -117,17 +117,27 @@ def small_candidates(
     Returns
     -------
     list of Candidate
-        Those of the vocabulary under their names.
+        Those of the vocabulary under their names. What acts is the state itself, its position, and
+        what stands in the equation already.
     """
     variables = part.rows[:, :-1]
     terms = small_terms(operators, variables) if operators else []
     largest, signed, *others = ranges(part.rows)
     known = candidates(design, largest, signed, *others)
-    return [
-        _named(term, state, known, variables, _shifted(design, state, signed))
-        for state in design.open_states
-        for term in terms
-    ]
+    found = []
+    for state in design.open_states:
+        acting, shifted = _acting(design, state), _shifted(design, state, signed)
+        able = (term for term in terms if term.variables <= acting)
+        found += [_named(term, state, known, variables, shifted) for term in able]
+    return found
+
+
+def _acting(design: Design, state: int) -> frozenset[int]:
+    """Return the variables that act in an equation."""
+    sides = (design.fixed[state], *(column.parts[state] for column in design.columns))
+    position = design.position_of(state)
+    own = {state} if position is None else {state, position}
+    return frozenset(own).union(*(side.variables for side in sides))
 
 
 def _shifted(design: Design, state: int, signed: np.ndarray) -> np.ndarray:
@@ -226,12 +236,15 @@ class TermGrower:
         if self.pool is None:
             self.pool = self._grow(self.declared)
         names = [finding.candidate for finding in found]
+        terms = {(c.state, term) for c in names for term in c.terms}
+        zeros = zeros_of(terms, len(design.states)) - terms - standing(design)
+        beside = [Candidate("constant offset", state, (term,)) for state, term in zeros]
         fresh = [c for c in self.pool if c.name == EVOLVED]
         if not fresh:
             return []
         grown = score(design, self.fresh, fresh, pairs=False)
-        ours = score(design, self.fresh, names, pairs=True)
-        named_scores = [len(names) * net(s) for s in ours if len(s.group) == len(names)]
+        ours = score(design, self.fresh, [*names, *beside], pairs=True)
+        named_scores = [len(s.group) * net(s) for s in ours if set(names) <= set(s.group)]
         best = max(grown, key=net, default=None)
         if best is None or net(best) <= BETTER * max(named_scores, default=0.0):
             return []

@@ -11,7 +11,7 @@ import numpy as np
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.scoring import MARGIN, PRICE, columns_of, score
 from ..given.design import Design
 from ..given.segments import Segments, ranges
 from .parents import without_parents
@@ -40,7 +40,8 @@ def exchange(
         options = dict.fromkeys([*allowed, finding.candidate])
         scores = score(design, part, list(options), pairs=False)
         own = next((s for s in scores if s.group == (finding.candidate,)), None)
-        if own is not None and scores[0].value > own.value + MARGIN:
+        least = PRICE if finding.candidate.is_straight else MARGIN  # what bends must do much better
+        if own is not None and scores[0].value > own.value + least:
             better = scores[0].group[0]
             findings[place] = replace(
                 finding,

@@ -64,7 +64,7 @@ def found_in(record, declared=TANK, **options):
     design = design_of(declared, [record])
     rules = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
     rng = np.random.default_rng(options.get("seed", 0))
-    look, _ = find_by_runs(design, [], [record], widened([record]), rules, rng)
+    look, _ = find_by_runs(design, [], [record], widened([record]), [], rules, rng)
     return list(look.found)
 
 

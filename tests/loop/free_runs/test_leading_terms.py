@@ -8,7 +8,7 @@ from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.fitting.fit import refit
 from pysindy_evolve.loop.free_runs.drift import drift_of
-from pysindy_evolve.loop.free_runs.stand_ins import stand_ins
+from pysindy_evolve.loop.free_runs.leading_terms import stand_ins
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.operators import BUILTIN

@@ -1,0 +1,114 @@
+"""Terms that bring the runs of a model closest to the record, to first order.
+
+What a filter makes look alike, a search by derivatives ranks by chance, and may not offer at all.
+The runs of a model that lacks little, or has something only similar in its place, stay so close to
+those of the right one that small changes of them tell what each term would make of the record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects.candidate import Candidate
+from ..effects.missing import standing
+from ..evidence.scoring import PRICE, columns_of
+from .drift import Drift, gains_of_terms
+
+__all__ = ["leading_terms", "stand_ins"]
+
+N_FAMILIES = 12  # of terms, whose numbers are looked at more closely
+FACTORS = (0.55, 0.67, 0.82, 1.22, 1.5, 1.8)  # of these numbers, which stand on a coarse grid
+N_LEADING = 3  # that are worth runs of their own
+
+
+def leading_terms(drift: Drift, terms: Sequence[Candidate], least: float) -> list[Candidate]:
+    """Return the terms that gain most beside a model.
+
+    Parameters
+    ----------
+    drift : Drift
+        The model.
+    terms : sequence of Candidate
+        Terms to choose from.
+    least : float
+        Log error that a term must gain, and at least the price of its nodes.
+
+    Returns
+    -------
+    list of Candidate
+        Best first, one of those that differ in their numbers only; none where no term gains so
+        much.
+    """
+    return _leading(drift, terms, least, size=0, n_replaced=0)
+
+
+def stand_ins(
+    drift: Drift, own: Candidate, terms: Sequence[Candidate], least: float
+) -> list[Candidate]:
+    """Return the terms that gain most in the place of an effect.
+
+    Parameters
+    ----------
+    drift : Drift
+        The model with the effect, which was the last to come.
+    own : Candidate
+        The effect.
+    terms : sequence of Candidate
+        Terms to choose from. Those in which nothing acts that acts in the effect are left out.
+    least : float
+        Log error that a term must gain, and at least the price of the nodes that it has more.
+
+    Returns
+    -------
+    list of Candidate
+        As `leading_terms` does.
+    """
+    acting = _variables(own)
+    alike = [c for c in terms if c.state == own.state and acting & _variables(c)]
+    others = [c for c in alike if c.terms != own.terms]
+    return _leading(drift, others, least, own.size, n_replaced=len(own.terms))
+
+
+def _leading(
+    drift: Drift, terms: Sequence[Candidate], least: float, size: int, n_replaced: int
+) -> list[Candidate]:
+    """Look at all terms on their grid, and at those that do best with finer numbers."""
+    present = standing(drift.model.design)
+    able = [c for c in terms if all((c.state, parent) in present for parent in c.parents)]
+    ranked = _of_families(able, _gains(drift, able, n_replaced))
+    leaders = [c for c, _ in ranked[:N_FAMILIES]]
+    near = [*leaders, *(_scaled(c, factor) for c in leaders for factor in FACTORS)]
+    near = list(dict.fromkeys(near))
+    prices = PRICE * np.maximum([c.size - size for c in near], 0)
+    net = _gains(drift, near, n_replaced) - np.maximum(prices, least)
+    return [c for c, gain in _of_families(near, net)[:N_LEADING] if gain > 0.0]
+
+
+def _gains(drift: Drift, terms: Sequence[Candidate], n_replaced: int) -> np.ndarray:
+    """Return what each term gains in the place of the last columns, shape (n_terms,)."""
+    groups = [columns_of(c, drift.model.design) for c in terms]
+    return gains_of_terms(drift, groups, n_replaced)
+
+
+def _of_families(terms: Sequence[Candidate], gains: np.ndarray) -> list[tuple[Candidate, float]]:
+    """Return the best of the terms that differ in their numbers only, best first."""
+    best: dict[Candidate, tuple[Candidate, float]] = {}
+    for k in np.argsort(-gains, kind="stable").tolist():
+        best.setdefault(_scaled(terms[k], None), (terms[k], float(gains[k])))
+    return list(best.values())
+
+
+def _scaled(candidate: Candidate, factor: float | None) -> Candidate:
+    """Return a term with all its numbers times a factor, or all of them one."""
+    terms = (
+        term.with_constants([1.0 if factor is None else factor * c for c in term.constants])
+        for term in candidate.terms
+    )
+    return replace(candidate, terms=tuple(terms))
+
+
+def _variables(candidate: Candidate) -> frozenset[int]:
+    return frozenset().union(*(term.variables for term in candidate.terms))
