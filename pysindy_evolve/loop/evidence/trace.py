@@ -61,8 +61,10 @@ def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.
         Sum of squared errors in each fold.
     """
     last = grams.shape[1] - 1
-    held = np.array([grams[folds == k].sum(axis=0) for k in range(int(folds.max()) + 1)])
-    rest = held.sum(axis=0) - held
+    places = range(int(folds.max()) + 1)
+    held = np.array([grams[folds == k].sum(axis=0) for k in places])
+    # Not the sum of all less this one: a column that is zero elsewhere would leave its rounding.
+    rest = np.array([np.delete(held, k, axis=0).sum(axis=0) for k in places])
     models = np.asarray(models, dtype=int)
     index = np.column_stack([models, np.full(len(models), last)])
     pick = (slice(None), index[:, :, None], index[:, None, :])
