@@ -16,7 +16,7 @@ from .evidence.offers import awaited
 from .evidence.witness import witnessed
 from .free_runs.state_limits import may_stop_itself
 from .given.algebraic import as_algebraic
-from .given.declared import DeclaredModel, design_of
+from .given.declared import DeclaredModel, design_of, doubted
 from .given.design import Design
 from .given.limits import off_limits
 from .given.records import alike, check_records, split_records, widened
@@ -146,7 +146,8 @@ def _checked(
     fit_on, judge_on = alike(fit_on, judge_on)
     if design.algebraic:
         fit_on, judge_on = ([as_algebraic(r) for r in rs] for rs in (fit_on, judge_on))
-    return design, fit_on, judge_on
+        return design, fit_on, judge_on
+    return doubted(design, fit_on), fit_on, judge_on
 
 
 def _believed(records: Sequence[Record]) -> list[Record]:

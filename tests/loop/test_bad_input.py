@@ -339,3 +339,10 @@ def test_optimizer_takes_anything_finite(table):
     fitted = ends_well(lambda: pse.ElasticNet().fit(columns[:, :-1], columns[:, -1:]))
     if fitted is not None:
         assert np.all(np.isfinite(fitted.coef_))
+
+
+def test_columns_under_names_of_the_model_must_stand_in_its_order():
+    record = spring_record()
+    turned = pse.Record(record.t, record.x[:, ::-1], record.x_dot[:, ::-1], states=("v", "q"))
+    with pytest.raises(ValueError, match=r"states in the order of the model, q, v; got v, q\."):
+        pse.close_loop(SPRING, turned)

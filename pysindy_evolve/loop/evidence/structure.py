@@ -1,9 +1,10 @@
 """Is anything left that depends on what was measured? The question behind "untraced".
 
-A generic model, polynomials of all variables and the recent past of the inputs, predicts held-out
-segments. If it does so better than it does in twins, there is structure that no tried effect
-explains: perhaps a delay or a hidden state, which need more than the present values. The past of
-the states is left out, as filtered sensor noise alone makes x_dot a function of it.
+A generic model, polynomials of all variables and the recent past of the inputs, or slow waves of
+time, predicts held-out segments. If it does so better than it does in twins, there is structure
+that no tried effect explains: perhaps a delay or a hidden state, which need more than the present
+values. The past of the states is left out, as filtered sensor noise alone makes x_dot a function of
+it.
 """
 
 from __future__ import annotations
@@ -15,10 +16,12 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from ...operators import BUILTIN
 from ...signals import Record
-from ...terms import Cache
-from ..fitting.linear import log_ratio
-from ..given.design import Column, Design
+from ...terms import Cache, call, constant, mul, variable
+from ..effects.periodic import PERIODS_IN_TIME
+from ..fitting.linear import TINY, log_ratio
+from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
 from ..given.segments import Segments
 from ..twins.chance import p_value_of
@@ -90,14 +93,16 @@ def structure_chance(
     """
     if part.tracks:  # which hold fewer numbers than a generic model has coefficients
         return 1.0
-    columns = generic_columns(design, part)
-    observed = generic_gain(design, columns, part)
+    models = [generic_columns(design, part)]
+    if len(records) == 1:  # in another one, a wave has another phase
+        models.append(slow_waves(design, part))
+    observed = generic_gain(design, models, part)
     if observed < NOTABLE or is_exact(design, part):
         return 1.0
     maker = TwinMaker.of(quick_fit(design, part), records)
     if not _exceeds_noise(maker, design, part, rng.spawn(1)[0]):
         return 1.0
-    statistic = partial(_gain_in_twin, design=design, columns=columns)
+    statistic = partial(_gain_in_twin, design=design, models=models)
     values = twin_values(maker, part, statistic, observed, rules, rng)
     return p_value_of(observed, values)
 
@@ -129,9 +134,9 @@ def _power(columns: Sequence[np.ndarray], design: Design, part: Segments) -> np.
 
 
 def _gain_in_twin(
-    part: Segments, _: list[Record], *, design: Design, columns: Sequence[Column]
+    part: Segments, _: list[Record], *, design: Design, models: Sequence[Sequence[Column]]
 ) -> float:
-    return generic_gain(design, columns, part)
+    return generic_gain(design, models, part)
 
 
 def generic_columns(design: Design, part: Segments) -> list[Column]:
@@ -153,8 +158,22 @@ def generic_columns(design: Design, part: Segments) -> list[Column]:
     ]
 
 
-def generic_gain(design: Design, columns: Sequence[Column], part: Segments) -> float:
-    """Return log(held-out error without / with the generic columns)."""
+def slow_waves(design: Design, part: Segments) -> list[Column]:
+    """Return sines and cosines with fewer periods in a record than a periodic forcing must have."""
+    time, n_states = part.rows[:, -1], len(design.states)
+    base = 2.0 * np.pi / max(float(np.ptp(time)), TINY)
+    t = variable(part.rows.shape[1] - 1)
+    arguments = [mul(constant(base * k), t) for k in range(1, PERIODS_IN_TIME)]
+    waves = [call(BUILTIN[name], one) for one in arguments for name in ("sin", "cos")]
+    return [in_state("wave", wave, s, n_states) for s in design.open_states for wave in waves]
+
+
+def generic_gain(design: Design, models: Sequence[Sequence[Column]], part: Segments) -> float:
+    """Return log(held-out error without / with columns) of the generic model that gains most."""
+    return max(_gain(design, columns, part) for columns in models)
+
+
+def _gain(design: Design, columns: Sequence[Column], part: Segments) -> float:
     grams = spectral_grams(part, design, [*design.columns, *columns])
     n_fixed = len(design.columns)
     without = fold_errors(grams, np.arange(n_fixed)[None, :], part.folds).sum()

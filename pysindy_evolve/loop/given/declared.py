@@ -7,7 +7,6 @@ from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pysindy as ps
 from sklearn.exceptions import NotFittedError
 
@@ -20,10 +19,13 @@ from ...signals import Record
 from ...terms import Sum, variable
 from .algebraic import motions_of
 from .design import Column, Design
+from .kinematics import disagreement, whole_state
 
-__all__ = ["DeclaredModel", "design_of"]
+__all__ = ["DeclaredModel", "design_of", "doubted"]
 
 OWNER = "close_loop(declared=...)"
+CONTRADICTED = 0.1  # of the rate's spread: more than the gains of two sensors differ by
+ROUNDED = 1e-3  # what SINDy may make of the one in q' = v
 
 
 class DeclaredModel:
@@ -174,6 +176,31 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
     return _design_of_equations(equations)
 
 
+def doubted(design: Design, records: Sequence[Record]) -> Design:
+    """Return a design whose equations such as q' = v may lack something where records say so.
+
+    Parameters
+    ----------
+    design : Design
+        The declared model.
+    records : sequence of Record
+        Training records.
+
+    Returns
+    -------
+    Design
+    """
+    pairs = ((state, design.derivative_of(state)) for state in range(len(design.states)))
+    wrong = tuple(
+        position
+        for position, velocity in pairs
+        if velocity is not None
+        and design.kinematic(position)
+        and disagreement(records, position, velocity) > CONTRADICTED
+    )
+    return replace(design, doubted=wrong)
+
+
 def _check_algebraic(design: Design) -> None:
     targets = set(range(len(design.states)))
     for part in (*design.fixed, *(p for c in design.columns for p in c.parts)):
@@ -205,7 +232,8 @@ def _design_of_equations(equations: Equations) -> Design:
     n_states = len(equations.states)
     fixed, columns = [], []
     for state, expression in enumerate(equations.sums):
-        other = _whole_state(expression, state, n_states)
+        other = whole_state(expression, n_states, ROUNDED)
+        other = None if other == state else other
         fixed.append(Sum(()) if other is None else variable(other))
         for _, term in expression.parts if other is None else ():
             parts = [Sum(())] * n_states
@@ -213,16 +241,6 @@ def _design_of_equations(equations: Equations) -> Design:
             name = f"{equations.states[state]}: {term.name(equations.names)}"
             columns.append(Column(name, tuple(parts)))
     return Design(equations.states, equations.inputs, tuple(fixed), tuple(columns))
-
-
-def _whole_state(expression: Sum, state: int, n_states: int) -> int | None:
-    """Return j where the expression is 1.000 x_j, which SINDy found for q' = v."""
-    for j in range(n_states):
-        if j != state and len(expression.parts) == 1:
-            ((coefficient, term),) = expression.parts
-            if term == variable(j).parts[0][1] and np.isclose(coefficient, 1.0, rtol=1e-3):
-                return j
-    return None
 
 
 def _check_kinds(inputs: Any, known: Any, operators: Any) -> None:

@@ -20,7 +20,8 @@ import numpy as np
 
 from ...equations import AlgebraicEquations, Equations
 from ...hidden_states.path_states import paths_in
-from ...terms import Cache, Call, Product, Sum, Variable
+from ...terms import Cache, Call, Product, Sum
+from .kinematics import whole_state
 
 __all__ = ["Column", "Design", "in_state"]
 
@@ -63,7 +64,8 @@ class Design:
     """A model whose right-hand sides are known parts plus columns times coefficients.
 
     An algebraic one gives the states themselves, not their rates; its motions are the variables
-    that are position and velocity to each other. So many states as are hidden come last.
+    that are position and velocity to each other. So many states as are hidden come last. Where the
+    records contradict an equation such as q' = v, it is doubted: like others it may lack something.
     """
 
     states: tuple[str, ...]
@@ -73,6 +75,7 @@ class Design:
     algebraic: bool = False
     motions: tuple[tuple[int, int], ...] = ()
     n_hidden: int = 0
+    doubted: tuple[int, ...] = ()
 
     def adding(self, columns: Iterable[Column]) -> Design:
         """Return the design with more columns at its end."""
@@ -90,17 +93,12 @@ class Design:
     def kinematic(self, state: int) -> bool:
         """Tell whether an equation only says that one state is the derivative of another."""
         used = any(column.parts[state].parts for column in self.columns)
-        return not used and self.derivative_of(state) is not None
+        return not used and state not in self.doubted and self.derivative_of(state) is not None
 
     def derivative_of(self, state: int) -> int | None:
         """Return the state whose value is the whole known right-hand side of `state`."""
-        parts = self.fixed[state].parts
-        if len(parts) != 1 or parts[0][0] != 1.0 or len(parts[0][1].factors) != 1:
-            return None
-        atom, exponent = parts[0][1].factors[0]
-        if not isinstance(atom, Variable) or exponent != 1 or atom.index >= len(self.states):
-            return None
-        return atom.index if atom.index != state else None
+        other = whole_state(self.fixed[state], len(self.states))
+        return other if other != state else None
 
     def position_of(self, state: int) -> int | None:
         """Return the state whose derivative is `state`, if one is declared as such."""

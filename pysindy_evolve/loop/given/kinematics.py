@@ -1,11 +1,41 @@
-"""Which states are positions, and which are their velocities, read off the equations."""
+"""Which states are positions, and which are velocities: by the equations, and by the records."""
 
 from __future__ import annotations
 
-from ...equations import Equations
-from ...terms import Variable
+from collections.abc import Sequence
 
-__all__ = ["positions"]
+import numpy as np
+
+from ...equations import Equations
+from ...signals import Record, choose_windows, project
+from ...terms import Sum, Variable
+
+__all__ = ["disagreement", "positions", "whole_state"]
+
+
+def whole_state(side: Sum, n_states: int, tolerance: float = 0.0) -> int | None:
+    """Return the state that is the whole of a right-hand side, as v is in q' = v; None if none is.
+
+    Parameters
+    ----------
+    side : Sum
+        Right-hand side.
+    n_states : int
+        Number of states, the first variables.
+    tolerance : float
+        By how much the coefficient may differ from one.
+
+    Returns
+    -------
+    int or None
+    """
+    if len(side.parts) != 1 or abs(side.parts[0][0] - 1.0) > tolerance:
+        return None
+    factors = side.parts[0][1].factors
+    if len(factors) != 1 or not isinstance(factors[0][0], Variable) or factors[0][1] != 1:
+        return None
+    index = factors[0][0].index
+    return index if index < n_states else None
 
 
 def positions(equations: Equations) -> dict[int, int]:
@@ -23,11 +53,35 @@ def positions(equations: Equations) -> dict[int, int]:
     """
     found = {}
     for state, side in enumerate(equations.sums):
-        if len(side.parts) != 1 or side.parts[0][0] != 1.0:
-            continue
-        factors = side.parts[0][1].factors
-        if len(factors) == 1 and isinstance(factors[0][0], Variable) and factors[0][1] == 1:
-            index = factors[0][0].index
-            if index < len(equations.states) and index != state:
-                found[index] = state
+        other = whole_state(side, len(equations.states))
+        if other is not None and other != state:
+            found[other] = state
     return found
+
+
+def disagreement(records: Sequence[Record], position: int, velocity: int) -> float:
+    """Return by how much the rate of a position differs from what is said to be its velocity.
+
+    Both are averaged over windows, as noise of a sensor makes any two columns differ from row to
+    row.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        Training records.
+    position, velocity : int
+        Columns of the states.
+
+    Returns
+    -------
+    float
+        RMS of the difference, over the standard deviation of the rate.
+    """
+    windows = choose_windows(list(records))
+    long = [r for r in records if r.n_samples >= windows.width]
+    rates = [project(r.x_dot[:, [position]], windows) for r in long]
+    misses = [project(r.x_dot[:, [position]] - r.x[:, [velocity]], windows) for r in long]
+    if not long:
+        return 0.0
+    spread = float(np.concatenate(rates).std())
+    return float(np.sqrt(np.mean(np.concatenate(misses) ** 2))) / max(spread, 1e-300)

@@ -89,8 +89,23 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
                 "Interpolate the record to one sampling time first."
             )
         _check_finite(design, record)
+    _check_names(design, records)
     _check_columns(design, records)
     _check_velocities(design, records)
+
+
+def _check_names(design: Design, records: Sequence[Record]) -> None:
+    """Raise where a record has a column under a name that stands elsewhere in the model."""
+    for record in records:
+        for kind, wanted in (("states", design.states), ("inputs", design.inputs)):
+            names = getattr(record, kind) or ()
+            for name, own in zip(names, wanted, strict=False):
+                if name != own and name in wanted:
+                    raise ValueError(
+                        f"close_loop(train=..., test=...) must have {kind} in the order of the "
+                        f"model, {', '.join(wanted)}; got {', '.join(names)}. Reorder the columns "
+                        "of the records, or the model."
+                    )
 
 
 def _check_velocities(design: Design, records: Sequence[Record]) -> None:

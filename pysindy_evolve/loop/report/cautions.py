@@ -9,6 +9,7 @@ import numpy as np
 from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
 from ..effects.periodic import lines_of
+from ..given.kinematics import disagreement
 from .left import residual_of
 
 if TYPE_CHECKING:
@@ -25,8 +26,27 @@ RUNAWAY = 100.0  # the same
 
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
-    found = [*_known(report), *_held(report), *_turned(report)]
+    found = [*_doubted(report), *_known(report), *_held(report), *_turned(report)]
     return [*found, *_worse(report), *_undefined(report), *_lines(report), *_missed(report)]
+
+
+def _doubted(report: LoopReport) -> list[str]:
+    """Name the equations such as q' = v that the records contradict."""
+    design, said = report.design, []
+    if design is None:
+        return []
+    for state in design.doubted:
+        velocity = design.derivative_of(state)
+        if velocity is None:
+            continue
+        q, v = design.states[state], design.states[velocity]
+        miss = 100.0 * disagreement(report.train, state, velocity)
+        said.append(
+            f"The records contradict the declared {q}' = {v}: d{q}/dt differs from {v} by "
+            f"{miss:.2g} %, so that equation was searched as well. Check the units of {v}, and "
+            "that the columns of the records are in the order of the model."
+        )
+    return said
 
 
 def _known(report: LoopReport) -> list[str]:

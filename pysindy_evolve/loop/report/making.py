@@ -61,7 +61,7 @@ def make_report(
         design = with_findings(design, found)
         last = found[-1] is findings[-1]
         memories += memories_in(found)
-        by_runs = by_runs or any(finding.by_runs for finding in found)
+        by_runs = by_runs or any(f.by_runs and not f.columns for f in found)
         earlier = errors
         fitted, errors = judge(
             design, train, test, rules, rng, memories, final=last, by_runs=by_runs

@@ -198,3 +198,12 @@ def test_coupling_is_traced_to_the_equation_that_lacks_it():
     assert first.group[0].terms == (variable(0),)
     richer = model.design().adding([in_state("coupling", variable(0), 3, 4)])
     assert (3, variable(0)) in standing(richer)
+
+
+def test_a_column_that_is_zero_in_all_folds_but_one_tells_nothing_about_that_one(columns):
+    x, other, noise = columns[0], columns[1], columns[5]
+    once = np.where(np.arange(1600) < 200, 1e4 * other, 0.0)
+    grams = made(x + 0.5 * noise, x, once)
+    with np.errstate(all="raise"):
+        both = fold_errors(grams, np.array([[0, 1]]), FOLDS)
+    assert both[0, 0] == pytest.approx(fold_errors(grams, np.array([[0]]), FOLDS)[0, 0], rel=1e-6)

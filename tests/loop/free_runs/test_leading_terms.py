@@ -8,7 +8,7 @@ from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.fitting.fit import refit
 from pysindy_evolve.loop.free_runs.drift import drift_of
-from pysindy_evolve.loop.free_runs.leading_terms import stand_ins
+from pysindy_evolve.loop.free_runs.leading_terms import leading_terms, stand_ins
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.operators import BUILTIN
@@ -61,3 +61,14 @@ def test_the_term_that_acts_has_no_stand_in():
     runs = drift_of(Model(whole), refit(whole, [record], "derivative"), [record])
     rivals = [CUBE, evolved(call(BUILTIN["sin"], Q)), evolved(call(BUILTIN["tanh"], Q))]
     assert stand_ins(runs, SQUARE, rivals, 0.05) == []
+
+
+def test_what_runs_miss_most_comes_first_beside_a_model_and_nothing_beside_the_right_one():
+    record = SPRING.record(noise=2e-3)
+    design = design_of(SPRING.model, [record])
+    runs = drift_of(Model(design), refit(design, [record], "derivative"), [record])
+    offered = [evolved(call(BUILTIN["sgn"], Q)), SQUARE, evolved(call(BUILTIN["cos"], F))]
+    assert leading_terms(runs, offered, 0.69)[0] == SQUARE
+    right = design.adding(columns_of(SQUARE, design))
+    better = drift_of(Model(right), refit(right, [record], "derivative"), [record])
+    assert leading_terms(better, offered, 0.05) == []

@@ -1,0 +1,33 @@
+"""A loss to a reference level, k (p - p0), is found with its level and not as its slope alone."""
+
+import numpy as np
+import pytest
+
+import pysindy_evolve as pse
+
+LEAK, AMBIENT = 0.01, 101325.0
+
+
+def vessel(seed, dt=0.02, duration=60.0):
+    """An air vessel that leaks to the ambient, filled by a mass flow that is held for 2 s."""
+    rng = np.random.default_rng(seed)
+    t = dt * np.arange(round(duration / dt))
+    flow = np.repeat(rng.uniform(-3e-4, 1e-3, len(t) // 100), 100)
+    gain, decay = 287.0 * 293.0 / 0.01, np.exp(-LEAK * dt)
+    p = np.empty(len(t))
+    p[0] = 3e5
+    for k in range(len(t) - 1):  # exact for an input that is held
+        rest = AMBIENT + gain * flow[k] / LEAK
+        p[k + 1] = rest + (p[k] - rest) * decay
+    noisy = p + 300.0 * rng.standard_normal(len(t))
+    return pse.prepare(t, noisy, flow + 2e-6 * rng.standard_normal(len(t)), order=1)
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_a_leak_to_the_ambient_has_its_pressure(seed):
+    declared = pse.DeclaredModel({"p": "b*mdot"}, inputs=["mdot"])
+    report = pse.close_loop(declared, vessel(seed), vessel(2), random_state=0)
+    found = {effect.name: float(effect.coefficients[0]) for effect in report.effects}
+    assert found["viscous damping"] == pytest.approx(-LEAK, rel=0.15), str(report)
+    assert found["constant offset"] == pytest.approx(LEAK * AMBIENT, rel=0.15)
+    assert report.after.simulation_error[0] < 2.0
