@@ -138,7 +138,8 @@ def training_data(x: Sequence[Any], y: Any) -> tuple[np.ndarray, np.ndarray]:
             "EvolvingLibrary.fit(y=...) must be x_dot, which ps.SINDy lets the library see; got "
             "None. Use the library by itself in ps.SINDy: inside a ConcatLibrary, TensoredLibrary "
             "or GeneralizedLibrary x_dot cannot reach it, so pass the other library as "
-            "EvolvingLibrary(base_library=...) instead; outside of ps.SINDy, pass y."
+            "EvolvingLibrary(base_library=...) instead; outside of ps.SINDy, pass y. "
+            "ps.DiscreteSINDy does not hand on what it fits to: library.fit(x[:-1], x[1:]) does."
         )
     trajectories = [numbers(xi, "EvolvingLibrary.fit", "x") for xi in x]
     given = list(y) if isinstance(y, list | tuple) and y and np.ndim(y[0]) > 0 else [y]

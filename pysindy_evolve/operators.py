@@ -194,6 +194,12 @@ def _lookup(entry: str | Operator, owner: str) -> Operator:
 _PROBE = np.array([-1.5, -0.5, 0.25, 0.75, 2.0])
 
 
+def _one_by_one(operator: Operator, arguments: Sequence[np.ndarray]) -> np.ndarray:
+    """Return what a function gives for each element alone: np.vectorize may round the others."""
+    rows = (operator(*(np.array([value]) for value in row)) for row in zip(*arguments, strict=True))
+    return np.array([float(np.asarray(row).item()) for row in rows])
+
+
 def _check_on_arrays(operator: Operator, owner: str) -> None:
     arguments: Sequence[np.ndarray] = [_PROBE + 0.1 * i for i in range(operator.arity)]
     problem = None
@@ -206,6 +212,8 @@ def _check_on_arrays(operator: Operator, owner: str) -> None:
             problem = f"an array of type {result.dtype}"
         elif np.iscomplexobj(result):
             problem = "complex numbers"
+        elif not np.allclose(result, _one_by_one(operator, arguments), equal_nan=True):
+            problem = "other values for an array than for its elements"
     # What a function of numbers raises when it is given arrays; anything else is for its author.
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         problem = f"{type(error).__name__}: {error}"
@@ -213,5 +221,5 @@ def _check_on_arrays(operator: Operator, owner: str) -> None:
         raise ValueError(
             f"{owner}(operators=...) must work element by element on arrays; "
             f"{operator.name!r} gave {problem}. "
-            "Write it with numpy functions, or wrap it in np.vectorize."
+            "Write it with numpy functions, or wrap it in np.vectorize(function, otypes=[float])."
         )

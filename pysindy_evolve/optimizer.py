@@ -6,6 +6,7 @@ Objective, equation (11) of the paper: ||theta coef - x_dot||^2 + lambda1 ||coef
 
 from __future__ import annotations
 
+import warnings
 from functools import partial
 
 import numpy as np
@@ -115,6 +116,7 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if theta.shape[1] <= len(said) < len(theta):
             theta, targets = theta[said], targets[said]
         self.coef_ = self._fit_targets(theta, targets)
+        self._warn_of_empty(targets)
         self.ind_ = self.coef_ != 0.0
         self.intercept_ = 0.0
         return self
@@ -141,6 +143,18 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         """Number of coefficients that are not zero."""
         check_is_fitted(self)
         return int(np.count_nonzero(self.coef_))
+
+    def _warn_of_empty(self, targets: np.ndarray) -> None:
+        """Warn of targets that vary and have no term left."""
+        empty = np.flatnonzero(~self.coef_.any(axis=1) & (np.ptp(targets, axis=0) > 0.0))
+        if len(empty):
+            warnings.warn(
+                f"ElasticNet kept no term for target {', '.join(map(str, empty))}: none predicts "
+                "the rows that it was not fitted on well enough. Offer other terms, record more, "
+                "filter x_dot, or set lambda1, such as 1e-3, to keep terms all the same.",
+                UserWarning,
+                stacklevel=3,
+            )
 
     def _fit_targets(self, theta: np.ndarray, targets: np.ndarray) -> np.ndarray:
         n, p = theta.shape

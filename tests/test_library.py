@@ -121,7 +121,8 @@ def test_noise_alone_gives_a_library_that_works():
     assert fitted.terms_ == (ONE,)
     assert fitted.get_feature_names() == ["1"]
     model = ps.SINDy(feature_library=library(), optimizer=ElasticNet())
-    model.fit(x, 0.1, x_dot=np.hstack([noise, rng.normal(size=(300, 1))]))
+    with pytest.warns(UserWarning, match="kept no term for target 0, 1: none predicts"):
+        model.fit(x, 0.1, x_dot=np.hstack([noise, rng.normal(size=(300, 1))]))
     assert model.complexity == 0
 
 

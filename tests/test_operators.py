@@ -58,9 +58,20 @@ def test_a_ufunc_is_an_operator():
         ([Operator("pick", lambda a: a[0], 1)], ValueError, "element by element"),
         ([Operator("branch", lambda a: a if a > 0 else -a, 1)], ValueError, "element by element"),
         ([Operator("wave", lambda a: np.exp(1j * a), 1)], ValueError, "complex"),
+        ([Operator("relu", np.vectorize(lambda a: max(a, 0)), 1)], ValueError, "than for its elem"),
         ([Operator("two", lambda a, b: a, 1)], ValueError, "element by element"),
     ],
-    ids=["unknown", "twice", "none", "function", "one value", "branches", "complex", "arity"],
+    ids=[
+        "unknown",
+        "twice",
+        "none",
+        "function",
+        "one value",
+        "branches",
+        "complex",
+        "rounded",
+        "arity",
+    ],
 )
 def test_bad_operators_are_named(entries, error, message):
     with pytest.raises(error, match=message):

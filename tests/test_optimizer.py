@@ -42,6 +42,16 @@ def test_given_weights_are_used(problem):
     assert few.complexity < many.complexity
 
 
+def test_what_varies_and_has_no_term_left_is_warned_of():
+    rng = np.random.default_rng(4)
+    theta = rng.normal(size=(500, 3))
+    targets = np.column_stack([theta[:, 0], rng.normal(size=500), np.zeros(500)])
+    with pytest.warns(UserWarning, match="kept no term for target 1: .* set lambda1") as said:
+        ElasticNet().fit(theta, targets)
+    assert len(said) == 1
+
+
+@pytest.mark.filterwarnings("ignore:ElasticNet kept no term")
 def test_noise_alone_gives_no_term():
     rng = np.random.default_rng(4)
     counts = [

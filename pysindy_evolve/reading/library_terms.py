@@ -56,6 +56,11 @@ def from_model(model: Any, owner: str = "from_model(model=...)") -> Equations:
         return model
     if isinstance(model, ps.SINDy):
         return _from_sindy(model, owner)
+    if isinstance(model, ps.DiscreteSINDy):
+        raise TypeError(
+            f"{owner} must be a model of rates; got a DiscreteSINDy, whose equations give the next "
+            "sample. Fit a ps.SINDy."
+        )
     for attribute in ("equations", "model"):
         inner = getattr(model, attribute, None)
         if isinstance(inner, Equations | ps.SINDy):

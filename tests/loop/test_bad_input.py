@@ -346,3 +346,11 @@ def test_columns_under_names_of_the_model_must_stand_in_its_order():
     turned = pse.Record(record.t, record.x[:, ::-1], record.x_dot[:, ::-1], states=("v", "q"))
     with pytest.raises(ValueError, match=r"states in the order of the model, q, v; got v, q\."):
         pse.close_loop(SPRING, turned)
+
+
+def test_states_in_another_order_than_positions_and_velocities_are_an_error():
+    t = 0.02 * np.arange(400)
+    record = pse.prepare(t, np.column_stack([np.sin(3.0 * t), np.cos(2.0 * t)]), cutoff=10.0)
+    declared = pse.DeclaredModel({"a": "p", "b": "q", "p": "-k*a", "q": "-r*b"})
+    with pytest.raises(ValueError, match=r"each position followed by its velocity; got a, b, p, q"):
+        pse.close_loop(declared, record)

@@ -263,6 +263,12 @@ def test_what_is_no_model_is_a_type_error(model):
         from_model(model, "to_sympy(model=...)")
 
 
+def test_a_model_of_the_next_sample_is_no_model_of_rates():
+    model = ps.DiscreteSINDy(feature_library=ps.PolynomialLibrary(2))
+    with pytest.raises(TypeError, match=r"must be a model of rates; got a DiscreteSINDy"):
+        from_model(model)
+
+
 def test_model_that_is_not_fitted_is_an_error():
     with pytest.raises(NotFittedError, match=r"must be fitted; got a SINDy that is not"):
         from_model(ps.SINDy())

@@ -118,6 +118,12 @@ def _check_velocities(design: Design, records: Sequence[Record]) -> None:
         if any(velocity in side.variables for side in sides):
             continue
         if all(np.array_equal(r.x_dot[:, position], r.x[:, velocity]) for r in records):
+            if design.derivative_of(position) is not None:
+                raise ValueError(
+                    "close_loop(declared=...) must have its states in the order of the records, "
+                    "each position followed by its velocity; got "
+                    f"{', '.join(design.states)}. Write them in that order."
+                )
             q, v = design.states[position], design.states[velocity]
             free = [column.name for column in design.columns if column.parts[position].parts]
             raise ValueError(
