@@ -99,15 +99,28 @@ def find(
     if p_value > rules.level or not worthy:
         tested = Rejected(best, shares.of(best), p_value, twins, names, rules.level)
         return Look(rejected=tested)
+    group = _tuned_group(best, design, proposed, records, part, rules, rng)
+    evidence = best.value, p_value, twins
+    return Look(tuple(Finding(c, columns_of(c, design), *evidence) for c in group))
+
+
+def _tuned_group(
+    best: Score,
+    design: Design,
+    proposed: Sequence[Candidate],
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+    rng: np.random.Generator,
+) -> list[Candidate]:
+    """Return the effects of a group, each tuned beside the others; a refinement must be needed."""
     group = []
     for candidate in best.group:
         beside = _beside(design, best.group, candidate)
         if candidate.refines:
-            own = records, part, rules, rng
-            candidate = justified(candidate, beside, proposed, *own)
+            candidate = justified(candidate, beside, proposed, records, part, rules, rng)
         group.append(tuned(candidate, beside, part))
-    evidence = best.value, p_value, twins
-    return Look(tuple(Finding(c, columns_of(c, design), *evidence) for c in group))
+    return group
 
 
 def _matters(score: Score, shares: Shares, rules: Rules) -> bool:
