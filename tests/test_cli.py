@@ -112,14 +112,16 @@ def test_fit_finds_the_friction_where_the_filter_smeared_its_switches(capsys, dr
     assert "do not trust" not in out
 
 
+@pytest.mark.filterwarnings("always:ElasticNet kept no term")
 def test_fit_says_when_its_equations_predict_nothing(capsys, tmp_path):
     rng = np.random.default_rng(0)
     t = 0.01 * np.arange(600)
     path = tmp_path / "noise.csv"
     save(path, t=t, q=rng.standard_normal(600).cumsum())
-    code, out, _ = run(capsys, "fit", str(path), "--position", "q")
+    code, out, err = run(capsys, "fit", str(path), "--position", "q")
     assert code == 0
     assert "do not trust them" in out
+    assert "ElasticNet kept no term for target 1" in err
 
 
 def test_fit_prints_latex_and_code(capsys, oscillator):
