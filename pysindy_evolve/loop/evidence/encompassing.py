@@ -41,7 +41,7 @@ import numpy as np
 from ..fitting.linear import solve
 from ..twins.chance import draws_for, p_value_of
 
-__all__ = ["Left", "chance", "explained", "left_by"]
+__all__ = ["Left", "chance", "explained"]
 
 N_SIGNS = 999
 NEW = 1e-6  # share of a column's square that must be left for it to be new
@@ -61,11 +61,6 @@ class Left:
 
     slopes: np.ndarray
     shares: np.ndarray
-
-    @property
-    def gains(self) -> np.ndarray:
-        """Squares that the columns explain, each by itself, shape (n_columns,)."""
-        return np.asarray(self.slopes.sum(axis=0) ** 2)
 
     def ratios(self, signs: np.ndarray) -> np.ndarray:
         """Return the gains over their jackknifed scatter, under signs of the segments.
@@ -87,24 +82,6 @@ class Left:
         own, moved = (np.sum(weight * part**2, axis=0) for part in (self.slopes, self.shares))
         scatter = own - 2.0 * total * mixed + total**2 * moved
         return np.asarray(total**2 / np.maximum(scatter, 1e-9 * own + 1e-300))
-
-
-def left_by(grams: np.ndarray, model: Sequence[int]) -> Left:
-    """Return what all columns could explain of what a model leaves.
-
-    Parameters
-    ----------
-    grams : ndarray of shape (n_segments, n_columns + 1, n_columns + 1)
-        Inner products of all columns, target last.
-    model : sequence of int
-        Columns of the model.
-
-    Returns
-    -------
-    Left
-        The columns of the model themselves explain nothing more.
-    """
-    return _left(_freed(grams, model))
 
 
 def chance(

@@ -150,6 +150,7 @@ def generic_columns(design: Design, part: Segments) -> list[Column]:
     step = max(1, part.windows.width // 8)
     delays = [lag * step for lag in LAGS if lag * step < length // 4]
     past = [((v, lag),) for lag in delays for v in inputs]
+    past = past[: MAX_COLUMNS // 2]  # of many inputs, not all
     factors = [*factors[: MAX_COLUMNS - len(past)], *past]
     return [
         Monomial(f"{state}: {f}", design.fixed, f, state, length)
