@@ -121,7 +121,7 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
         other for other in rivals
         if _is_closer(other.trial, own.trial, max(matter, _price(other, own)), level)
     ]  # fmt: skip
-    best = min(closer, key=lambda one: np.log(one.error) + _price(one, own), default=own)
+    best = min(closer, key=lambda one: one.error * np.exp(_price(one, own)), default=own)
     if best.candidate.name == EVOLVED:
         names = [one for one in tuned if one.candidate.name != EVOLVED]
         known = min(names, key=lambda one: one.error, default=best)
