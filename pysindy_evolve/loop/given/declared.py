@@ -16,7 +16,7 @@ from ...reading.library_terms import check_ordinary, from_model
 from ...reading.names import check_known
 from ...reading.text import RightHandSide, parse
 from ...signals import Record
-from ...terms import Sum, variable
+from ...terms import ONE, Sum, variable
 from .algebraic import motions_of
 from .design import Column, Design
 from .kinematics import disagreement, whole_state
@@ -138,10 +138,20 @@ class DeclaredModel:
 
     def _text(self, side: RightHandSide) -> str:
         names = (*self.states, *self.inputs, "t")
-        parts = [f"{name}*({part.name(names)})" for name, part in side.free]
+        parts = [_times(name, part, names) for name, part in side.free]
         if side.known.parts or not parts:
             parts.append(side.known.name(names))
-        return " + ".join(parts)
+        return " + ".join(parts).replace("+ -", "- ")
+
+
+def _times(name: str, part: Sum, names: Sequence[str]) -> str:
+    """Return a parameter times what it multiplies, without brackets where it needs none."""
+    if part == Sum(((1.0, ONE),)):
+        return name
+    if len(part.parts) == 1 and part.parts[0][0] in (1.0, -1.0):
+        sign = "-" if part.parts[0][0] < 0.0 else ""
+        return f"{sign}{name}*{part.parts[0][1].name(names)}"
+    return f"{name}*({part.name(names)})"
 
 
 def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> Design:

@@ -13,9 +13,10 @@ from ..given.kinematics import disagreement
 from .left import residual_of
 
 if TYPE_CHECKING:
+    from .effect import Effect
     from .report import LoopReport
 
-__all__ = ["cautions"]
+__all__ = ["cautions", "held_delays"]
 
 HELD = 0.1  # sampling times by which a delay may differ from half of one
 WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
@@ -91,17 +92,21 @@ def _worse(report: LoopReport) -> list[str]:
     return [f"{said} What was found may not carry over to that record."]
 
 
-def _held(report: LoopReport) -> list[str]:
-    """Name the delays that are the half sample by which an input lags that is held in between."""
+def held_delays(report: LoopReport) -> list[Effect]:
+    """Return the delays that are the half sample by which an input lags that is held in between."""
     first = report.train[0]
     step = first.dt if first.preparation is None else first.preparation.dt
     delays = (one for one in report.effects if one.memory is not None and one.name == DELAY)
+    return [one for one in delays if abs(one.coefficients[0] - 0.5 * step) < HELD * step]
+
+
+def _held(report: LoopReport) -> list[str]:
+    """Say of such delays where they come from."""
     return [
         f"The input delay of {format_expression(one.term).partition('(')[0]} is half a sampling "
         "time. An input that is held from one sample to the next (zero-order hold) acts late by "
         "just that, so no part of the machine need be slow."
-        for one in delays
-        if abs(one.coefficients[0] - 0.5 * step) < HELD * step
+        for one in held_delays(report)
     ]
 
 

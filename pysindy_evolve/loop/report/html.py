@@ -15,7 +15,7 @@ from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .remains import remains
-from .text import VERDICTS, added_up, free_parameters, table_cells, without_rivals
+from .text import added_up, free_parameters, table_cells, verdict_of, without_rivals
 from .units import check_units
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
     head, rows = table_cells(report)
     return environment.from_string(source).render(
         report=report,
-        verdict=VERDICTS[report.verdict].partition(": "),
+        verdict=verdict_of(report).partition(": "),
         before=equations_mathml(report.before.model),
         after=equations_mathml(report.after.model),
         parameters=[

@@ -13,14 +13,15 @@ from ...export import format_equations, format_expression, format_number
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
 from .advice import paragraphs
+from .cautions import held_delays
 from .remains import remains
 
 if TYPE_CHECKING:
     from .effect import Alternative, Effect, Errors
     from .report import LoopReport
 
-__all__ = ["VERDICTS", "added_up", "as_markdown", "as_text", "free_parameters", "interval"]
-__all__ += ["table_cells", "without_rivals"]
+__all__ = ["added_up", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
+__all__ += ["verdict_of", "without_rivals"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -29,10 +30,19 @@ VERDICTS = {
 }
 
 
+HOLD_ONLY = "traced: nothing is missing but the half sample by which an input lags that is held."
+
+
+def verdict_of(report: LoopReport) -> str:
+    """Return the verdict in a sentence; that an input is held is no lack of the machine's model."""
+    held = held_delays(report)
+    return HOLD_ONLY if held and len(held) == len(report.effects) else VERDICTS[report.verdict]
+
+
 def as_text(report: LoopReport) -> str:
     """Return the report as plain text."""
     parts = [
-        f"Verdict: {VERDICTS[report.verdict]}",
+        f"Verdict: {verdict_of(report)}",
         "Declared model, fitted\n" + indent(_model(report.before), "    "),
     ]
     if report.effects:
@@ -205,7 +215,7 @@ def _factor(term: Any) -> str:
 def as_markdown(report: LoopReport) -> str:
     """Return the report as Markdown."""
     parts = [
-        f"**Verdict:** {VERDICTS[report.verdict]}",
+        f"**Verdict:** {verdict_of(report)}",
         f"Declared model, fitted:\n\n{_code(_model(report.before))}",
     ]
     if report.effects:

@@ -76,7 +76,7 @@ def test_operator_of_the_user_may_be_called():
 
 
 def test_repr_shows_each_equation_with_its_parameters():
-    assert repr(spring(known={"k": 40.0})) == ("DeclaredModel(q' = v, v' = c*(-v) + b*(F) + -40 q)")
+    assert repr(spring(known={"k": 40.0})) == "DeclaredModel(q' = v, v' = -c*v + b*F - 40 q)"
 
 
 @pytest.mark.parametrize(

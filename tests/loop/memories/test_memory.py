@@ -177,6 +177,7 @@ def test_a_delay_of_half_a_sample_is_said_to_be_that_of_an_input_that_is_held():
     report = close(record_with(held))
     assert [effect.name for effect in report.effects] == ["input delay"]
     assert "The input delay of F is half a sampling time" in " ".join(str(report).split())
+    assert "Verdict: traced: nothing is missing but the half sample" in str(report)
 
 
 def test_memories_that_cannot_be_told_apart_get_a_proposal_too():
