@@ -33,7 +33,8 @@ from .given.design import Design
 from .given.limits import off_limits
 from .given.rules import Rules
 from .given.segments import Segments
-from .growth.grow import TermGrower, small_candidates
+from .growth.grow import TermGrower
+from .growth.naming import small_candidates
 from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
 from .revision.outlived import without_outlived

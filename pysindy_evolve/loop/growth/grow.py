@@ -17,8 +17,8 @@ from ...breeding.generation import Settings
 from ...evolution import evolve
 from ...operators import Operator
 from ...signals import Record
-from ...terms import Product, Sum
-from ..effects.candidate import OFFSET, Candidate
+from ...terms import Product
+from ..effects.candidate import Candidate
 from ..effects.missing import candidates, standing, zeros_of
 from ..evidence.findings import Finding, with_columns
 from ..evidence.scoring import columns_of, net, score
@@ -32,9 +32,10 @@ from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
+from .naming import named, shifted
 from .seeds import screened, small_terms
 
-__all__ = ["OPERATORS", "TermGrower", "grow", "small_candidates"]
+__all__ = ["OPERATORS", "TermGrower", "grow"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
 # saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
@@ -42,8 +43,9 @@ OPERATORS = ("mul", "abs", "sgn", "sqrt", "sin", "cos", "tanh", "exp", "softsign
 N_SEEDS = 40  # small terms that the search begins with
 N_FINALISTS = 6  # that are tested as well: what does best by itself need not be in the equation
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
-MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
-BETTER = 1.25  # times the log error that names gain: the same effect filtered does a little better
+# Times the log error that names gain, or two of them that of a grown term: the same effect filtered
+# does a little better.
+BETTER = 1.25
 USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
 
 
@@ -77,7 +79,7 @@ def grow(
     variables = part.z[..., :-1].reshape(len(flat), -1)
     found: list[Candidate] = []
     for place, state in enumerate(design.open_states):
-        shifted = _shifted(design, state, signed)
+        anywhere = shifted(design, state, signed)
         target, fixed = flat[:, state, -1], flat[:, state, :-1]
         project = partial(_project, part=part, state=state, weight=weights[place])
         problem = Problem(variables, target, fixed, project)
@@ -93,56 +95,11 @@ def grow(
             keep_if_interrupted=False,  # the loop says itself that it was interrupted
         )
         finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS])
-        name = partial(_named, state=state, known=known, variables=variables, signed=shifted)
+        name = partial(named, state=state, known=known, variables=variables, signed=anywhere)
         grown = [name(term) for term in dict.fromkeys(finalists)]
         grown += [name(term) for term in _above(grown, design, part, operators)]
         found += dict.fromkeys(grown)
     return found
-
-
-def small_candidates(
-    design: Design, part: Segments, operators: Sequence[Operator]
-) -> list[Candidate]:
-    """Return the small terms of what acts in each equation that may lack something.
-
-    Parameters
-    ----------
-    design : Design
-        The model so far.
-    part : Segments
-        Pieces of records; the sizes of variables set the numbers in curved functions.
-    operators : sequence of Operator
-        Basis functions; without any there are no terms.
-
-    Returns
-    -------
-    list of Candidate
-        Those of the vocabulary under their names. What acts is the state itself, its position, and
-        what stands in the equation already.
-    """
-    variables = part.rows[:, :-1]
-    terms = small_terms(operators, variables) if operators else []
-    largest, signed, *others = ranges(part.rows)
-    known = candidates(design, largest, signed, *others)
-    found = []
-    for state in design.open_states:
-        acting, shifted = _acting(design, state), _shifted(design, state, signed)
-        able = (term for term in terms if term.variables <= acting)
-        found += [_named(term, state, known, variables, shifted) for term in able]
-    return found
-
-
-def _acting(design: Design, state: int) -> frozenset[int]:
-    """Return the variables that act in an equation."""
-    sides = (design.fixed[state], *(column.parts[state] for column in design.columns))
-    position = design.position_of(state)
-    own = {state} if position is None else {state, position}
-    return frozenset(own).union(*(side.variables for side in sides))
-
-
-def _shifted(design: Design, state: int, signed: np.ndarray) -> np.ndarray:
-    """Return which variables may be measured from anywhere: a population may not."""
-    return signed if design.position_of(state) is None else np.ones_like(signed)
 
 
 def _above(
@@ -164,33 +121,6 @@ def _project(columns: np.ndarray, part: Segments, state: int, weight: np.ndarray
     rows = spectral_rows(part, moving) * weight[None, :, None]
     stacked = np.concatenate([rows.real, rows.imag], axis=1)
     return stacked.reshape(-1, rows.shape[-1])
-
-
-def _named(
-    term: Product,
-    state: int,
-    known: Sequence[Candidate],
-    variables: np.ndarray,
-    signed: np.ndarray,
-) -> Candidate:
-    """Return a grown term as a candidate, named if it is an effect of the vocabulary.
-
-    One that poses as an offset may enter only beside the offset, as in the vocabulary.
-    """
-    expression = Sum(((1.0, term),))
-    for candidate in known:
-        if candidate.state == state and candidate.terms == (expression,):
-            return Candidate(candidate.name, state, candidate.terms)
-    poses = _poses_as_offset(term, variables, signed)
-    return Candidate(EVOLVED, state, (expression,), (OFFSET,) if poses else ())
-
-
-def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:
-    """Tell whether a term of variables that change their sign has a mean that matters."""
-    if not all(signed[v] for v in term.variables):
-        return False
-    column = term.evaluate(variables)
-    return bool(abs(column.mean()) > MEAN * np.sqrt(np.mean(column**2)))
 
 
 class TermGrower:
@@ -236,19 +166,25 @@ class TermGrower:
         if self.pool is None:
             self.pool = self._grow(self.declared)
         names = [finding.candidate for finding in found]
-        terms = {(c.state, term) for c in names for term in c.terms}
-        zeros = zeros_of(terms, len(design.states)) - terms - standing(design)
-        beside = [Candidate("constant offset", state, (term,)) for state, term in zeros]
         fresh = [c for c in self.pool if c.name == EVOLVED]
         if not fresh:
             return []
         grown = score(design, self.fresh, fresh, pairs=False)
-        ours = score(design, self.fresh, [*names, *beside], pairs=True)
+        ours = score(design, self.fresh, [*names, *_zeros_beside(names, design)], pairs=True)
         named_scores = [len(s.group) * net(s) for s in ours if set(names) <= set(s.group)]
         best = max(grown, key=net, default=None)
         if best is None or net(best) <= BETTER * max(named_scores, default=0.0):
             return []
+        if BETTER * net(best) <= self._of_two_names(design, best.group[0].state):
+            return []
         return self._test(design, list(best.group))
+
+    def _of_two_names(self, design: Design, state: int) -> float:
+        """Return what two names gain together in an equation: a leak k (p - p0) takes two looks."""
+        known = candidates(design, *ranges(self.fresh.rows))
+        offered = [candidate for candidate in known if candidate.state == state]
+        pairs = (s for s in score(design, self.fresh, offered, pairs=True) if len(s.group) == 2)
+        return max((2.0 * net(pair) for pair in pairs), default=0.0)
 
     def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
         """Grow terms on what a design leaves, and return the best one that passes."""
@@ -280,6 +216,13 @@ class TermGrower:
         low, high = derivative_intervals(richer, self.records, self.rng).T
         own = slice(len(design.columns), None)
         return bool(np.all(low[own] * high[own] > 0.0))
+
+
+def _zeros_beside(names: Sequence[Candidate], design: Design) -> list[Candidate]:
+    """Return the offsets that names may still get, to say where a state is measured from."""
+    terms = {(c.state, term) for c in names for term in c.terms}
+    zeros = zeros_of(terms, len(design.states)) - terms - standing(design)
+    return [Candidate("constant offset", state, (term,)) for state, term in zeros]
 
 
 MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary

@@ -1,0 +1,123 @@
+"""Grown terms as candidates: under a name of the vocabulary where one fits, with their parents."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...operators import Operator
+from ...terms import Product, Sum
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.missing import candidates
+from ..evidence.trace import EVOLVED
+from ..given.design import Design
+from ..given.segments import Segments, ranges
+from .seeds import small_terms
+
+__all__ = ["named", "shifted", "small_candidates"]
+
+MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
+
+
+def small_candidates(
+    design: Design, part: Segments, operators: Sequence[Operator]
+) -> list[Candidate]:
+    """Return the small terms of what acts in each equation that may lack something.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    part : Segments
+        Pieces of records; the sizes of variables set the numbers in curved functions.
+    operators : sequence of Operator
+        Basis functions; without any there are no terms.
+
+    Returns
+    -------
+    list of Candidate
+        Those of the vocabulary under their names. What acts is the state itself, its position, and
+        what stands in the equation already.
+    """
+    variables = part.rows[:, :-1]
+    terms = small_terms(operators, variables) if operators else []
+    largest, signed, *others = ranges(part.rows)
+    known = candidates(design, largest, signed, *others)
+    found = []
+    for state in design.open_states:
+        acting, anywhere = _acting(design, state), shifted(design, state, signed)
+        able = (term for term in terms if term.variables <= acting)
+        found += [named(term, state, known, variables, anywhere) for term in able]
+    return found
+
+
+def _acting(design: Design, state: int) -> frozenset[int]:
+    """Return the variables that act in an equation."""
+    sides = (design.fixed[state], *(column.parts[state] for column in design.columns))
+    position = design.position_of(state)
+    own = {state} if position is None else {state, position}
+    return frozenset(own).union(*(side.variables for side in sides))
+
+
+def shifted(design: Design, state: int, signed: np.ndarray) -> np.ndarray:
+    """Return which variables may be measured from anywhere: a population may not.
+
+    Parameters
+    ----------
+    design : Design
+        The model.
+    state : int
+        Equation in question; a position may be measured from anywhere.
+    signed : ndarray of bool of shape (n_variables + 1,)
+        Which variables change their sign.
+
+    Returns
+    -------
+    ndarray of bool of shape (n_variables + 1,)
+    """
+    return signed if design.position_of(state) is None else np.ones_like(signed)
+
+
+def named(
+    term: Product,
+    state: int,
+    known: Sequence[Candidate],
+    variables: np.ndarray,
+    signed: np.ndarray,
+) -> Candidate:
+    """Return a grown term as a candidate, named if it is an effect of the vocabulary.
+
+    One that poses as an offset may enter only beside the offset, as in the vocabulary.
+
+    Parameters
+    ----------
+    term : Product
+        The term.
+    state : int
+        Its equation.
+    known : sequence of Candidate
+        The vocabulary.
+    variables : ndarray of shape (n, n_variables)
+        States and inputs.
+    signed : ndarray of bool of shape (n_variables + 1,)
+        Which of them may be measured from anywhere, time last.
+
+    Returns
+    -------
+    Candidate
+    """
+    expression = Sum(((1.0, term),))
+    for candidate in known:
+        if candidate.state == state and candidate.terms == (expression,):
+            return Candidate(candidate.name, state, candidate.terms)
+    poses = _poses_as_offset(term, variables, signed)
+    return Candidate(EVOLVED, state, (expression,), (OFFSET,) if poses else ())
+
+
+def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:
+    """Tell whether a term of variables that change their sign has a mean that matters."""
+    if not all(signed[v] for v in term.variables):
+        return False
+    column = term.evaluate(variables)
+    return bool(abs(column.mean()) > MEAN * np.sqrt(np.mean(column**2)))
