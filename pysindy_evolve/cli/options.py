@@ -64,7 +64,7 @@ examples:
 In an equation, names that are neither a state, an input, t nor known are free parameters. They
 are fitted and must enter linearly; they are listed before the search begins.
 
-Expect 7 to 10 s for 10 000 samples on one quiet core, and more with each effect found; a bar
+Expect 5 to 20 s for 10 000 samples on one quiet core, and more with each effect found; a bar
 on a terminal shows where the search is (--quiet hides it), and Ctrl-C reports what was found."""
 
 

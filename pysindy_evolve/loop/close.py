@@ -98,7 +98,7 @@ def close_loop(
     Notes
     -----
     An interrupt (Ctrl-C) ends the search. What was found until then is reported; if that is nothing
-    yet, KeyboardInterrupt is raised. Expect 5 to 15 s of one quiet core for 10 000 samples, and
+    yet, KeyboardInterrupt is raised. Expect 5 to 20 s of one quiet core for 10 000 samples, and
     more with each effect found. The matrices are small: set OMP_NUM_THREADS=1, as threads of the
     linear algebra only get in each other's way.
 
