@@ -63,6 +63,11 @@ class Candidate:
         return False
 
     @property
+    def variables(self) -> frozenset[int]:
+        """What acts in it."""
+        return frozenset().union(*(term.variables for term in self.terms))
+
+    @property
     def is_straight(self) -> bool:
         """Whether it is a constant or a variable, of which nothing plainer could take the place."""
         return all(term.size == 1 for term in self.terms)

@@ -12,7 +12,7 @@ from ..given.design import Design
 from .candidate import OFFSET, Candidate, bare
 from .vocabulary import of_equation
 
-__all__ = ["candidates", "standing", "zeros_of"]
+__all__ = ["candidates", "standing", "with_parents", "zeros_of"]
 
 
 def candidates(
@@ -65,9 +65,8 @@ def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
     Not so in the equation of a velocity: a position that is never zero is only measured from
     somewhere else.
     """
-    variables = frozenset().union(*(term.variables for term in candidate.terms))
     positioned = design.position_of(candidate.state) is not None
-    if positioned or not variables & free or candidate.name == "drift":
+    if positioned or not candidate.variables & free or candidate.name == "drift":
         return candidate
     kept = tuple(parent for parent in candidate.parents if parent != OFFSET)
     return replace(candidate, parents=kept)
@@ -91,6 +90,12 @@ def standing(design: Design) -> set[tuple[int, Sum]]:
         parts = (design.fixed[state], *(column.parts[state] for column in design.columns))
         found |= {(state, bare(part)) for part in parts if part.parts}
     return found
+
+
+def with_parents(offered: Iterable[Candidate], design: Design) -> list[Candidate]:
+    """Return the candidates whose parents all stand in the design."""
+    present = standing(design)
+    return [c for c in offered if all((c.state, parent) in present for parent in c.parents)]
 
 
 def zeros_of(found: Iterable[tuple[int, Sum]], n_states: int) -> set[tuple[int, Sum]]:

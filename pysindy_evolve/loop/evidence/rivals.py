@@ -11,7 +11,7 @@ import numpy as np
 from ...terms import Call, Sum, add, as_sum, constant, mul, power
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
-from ..effects.missing import candidates, standing
+from ..effects.missing import candidates, standing, with_parents
 from ..given.design import Design
 from ..given.segments import Segments, ranges
 from .drifting_rivals import twin_chance
@@ -80,7 +80,7 @@ def rivals_of(
     proposed = candidates(design, *ranges(part.rows))
     proposed += _rounded(candidate, part)
     complete = [_with_offset(c, known) for c in proposed]
-    able = [c for c in complete if all((c.state, parent) in known for parent in c.parents)]
+    able = with_parents(complete, design)
     if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
         able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
     options = [c for c in dict.fromkeys(able) if c != candidate and not _is_form(c, candidate)]

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...signals import Record
 from ..effects.candidate import Candidate
-from ..effects.missing import candidates, standing
+from ..effects.missing import candidates, with_parents
 from ..evidence.findings import (
     Finding,
     MemoryFinding,
@@ -159,18 +159,17 @@ def _memory_or_term(
     signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
     memories = memories_beside(drift.model, drift.records, segments(drift.records))
     terms = [v for v in _terms(drift) if not first or _is_of_motion(v, drift)]
+    leading = _variants(drift, leading_terms(drift, small, SQUARES_HALVED))
+    terms += leading
     by_terms = gains_of_terms(drift, [v.columns for v in terms])
     if first:
         by_terms = np.where(by_terms >= SQUARES_HALVED, by_terms, -np.inf)
-    leading = _variants(drift, leading_terms(drift, small, SQUARES_HALVED))
     # Nothing is held against the twins where no term gains enough.
     sought = [v.columns for v in terms] if np.any(np.isfinite(by_terms)) else []
     sought += [columns_of(c, drift.model.design) for c in small] if leading else []
     in_twins = chance_of_terms(drift, sought, signs)
-    by_leading = gains_of_terms(drift, [v.columns for v in leading])
-    by_memories = gains_of_models(drift, [v.model for v in memories])[0]
-    plain = np.concatenate([by_terms, by_leading, by_memories])
-    heads = _heads([*terms, *leading, *memories], plain, notable(rules))
+    plain = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
+    heads = _heads([*terms, *memories], plain, notable(rules))
     heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]
     if not heads:
         return None
@@ -269,9 +268,7 @@ def _terms(drift: Drift) -> list[Variant]:
     design = drift.model.design
     acted = drift.model.acted(drift.records)
     variables = np.concatenate([variables_of(record) for record in acted])
-    present, offered = standing(design), candidates(design, *ranges(variables))
-    able = (c for c in offered if all((c.state, parent) in present for parent in c.parents))
-    return _variants(drift, able)
+    return _variants(drift, with_parents(candidates(design, *ranges(variables)), design))
 
 
 def _variants(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.candidate import Candidate
-from ..effects.missing import standing
+from ..effects.missing import with_parents
 from ..evidence.scoring import PRICE, columns_of
 from .drift import Drift, gains_of_terms
 
@@ -66,8 +66,7 @@ def stand_ins(
     list of Candidate
         As `leading_terms` does.
     """
-    acting = _variables(own)
-    alike = [c for c in terms if c.state == own.state and acting & _variables(c)]
+    alike = [c for c in terms if c.state == own.state and own.variables & c.variables]
     others = [c for c in alike if c.terms != own.terms]
     return _leading(drift, others, least, own.size, n_replaced=len(own.terms))
 
@@ -76,8 +75,7 @@ def _leading(
     drift: Drift, terms: Sequence[Candidate], least: float, size: int, n_replaced: int
 ) -> list[Candidate]:
     """Look at all terms on their grid, and at those that do best with finer numbers."""
-    present = standing(drift.model.design)
-    able = [c for c in terms if all((c.state, parent) in present for parent in c.parents)]
+    able = with_parents(terms, drift.model.design)
     ranked = _of_families(able, _gains(drift, able, n_replaced))
     leaders = [c for c, _ in ranked[:N_FAMILIES]]
     near = [*leaders, *(_scaled(c, factor) for c in leaders for factor in FACTORS)]
@@ -108,7 +106,3 @@ def _scaled(candidate: Candidate, factor: float | None) -> Candidate:
         for term in candidate.terms
     )
     return replace(candidate, terms=tuple(terms))
-
-
-def _variables(candidate: Candidate) -> frozenset[int]:
-    return frozenset().union(*(term.variables for term in candidate.terms))

@@ -242,8 +242,7 @@ def _design_of_equations(equations: Equations) -> Design:
     n_states = len(equations.states)
     fixed, columns = [], []
     for state, expression in enumerate(equations.sums):
-        other = whole_state(expression, n_states, ROUNDED)
-        other = None if other == state else other
+        other = whole_state(expression, state, n_states, ROUNDED)
         fixed.append(Sum(()) if other is None else variable(other))
         for _, term in expression.parts if other is None else ():
             parts = [Sum(())] * n_states

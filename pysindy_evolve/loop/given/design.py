@@ -97,8 +97,7 @@ class Design:
 
     def derivative_of(self, state: int) -> int | None:
         """Return the state whose value is the whole known right-hand side of `state`."""
-        other = whole_state(self.fixed[state], len(self.states))
-        return other if other != state else None
+        return whole_state(self.fixed[state], state, len(self.states))
 
     def position_of(self, state: int) -> int | None:
         """Return the state whose derivative is `state`, if one is declared as such."""

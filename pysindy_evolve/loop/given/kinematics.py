@@ -13,13 +13,15 @@ from ...terms import Sum, Variable
 __all__ = ["disagreement", "positions", "whole_state"]
 
 
-def whole_state(side: Sum, n_states: int, tolerance: float = 0.0) -> int | None:
-    """Return the state that is the whole of a right-hand side, as v is in q' = v; None if none is.
+def whole_state(side: Sum, state: int, n_states: int, tolerance: float = 0.0) -> int | None:
+    """Return the other state that is the whole of a right-hand side, as v is in q' = v, or None.
 
     Parameters
     ----------
     side : Sum
         Right-hand side.
+    state : int
+        The state whose rate it is.
     n_states : int
         Number of states, the first variables.
     tolerance : float
@@ -35,7 +37,7 @@ def whole_state(side: Sum, n_states: int, tolerance: float = 0.0) -> int | None:
     if len(factors) != 1 or not isinstance(factors[0][0], Variable) or factors[0][1] != 1:
         return None
     index = factors[0][0].index
-    return index if index < n_states else None
+    return index if index < n_states and index != state else None
 
 
 def positions(equations: Equations) -> dict[int, int]:
@@ -53,8 +55,8 @@ def positions(equations: Equations) -> dict[int, int]:
     """
     found = {}
     for state, side in enumerate(equations.sums):
-        other = whole_state(side, len(equations.states))
-        if other is not None and other != state:
+        other = whole_state(side, state, len(equations.states))
+        if other is not None:
             found[other] = state
     return found
 

@@ -55,8 +55,7 @@ def plainer(finding: Finding, design: Design, significance: float) -> Finding:
     time = len(design.states) + len(design.inputs)
 
     def burden(candidate: Candidate) -> tuple[bool, int]:
-        variables = frozenset().union(*(term.variables for term in candidate.terms))
-        return time in variables, len(variables)
+        return time in candidate.variables, len(candidate.variables)
 
     likely = [r for r in finding.rivals if r.p_value > significance]
     bending = [r for r in likely if OFFSET not in r.candidate.terms]

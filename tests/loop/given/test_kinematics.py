@@ -31,12 +31,13 @@ def record(cubic, unit=1.0, noise=2e-3):
 
 def test_a_state_is_a_right_hand_side_only_if_nothing_stands_beside_it():
     v, q = variable(1), variable(0)
-    assert whole_state(v, 2) == 1
-    assert whole_state(v, 1) is None  # an input
-    assert whole_state(mul(constant(1.0005), v), 2) is None
-    assert whole_state(mul(constant(1.0005), v), 2, tolerance=1e-3) == 1
-    assert whole_state(mul(v, q), 2) is None
-    assert whole_state(Sum(()), 2) is None
+    assert whole_state(v, 0, 2) == 1
+    assert whole_state(v, 1, 2) is None  # the state itself
+    assert whole_state(v, 0, 1) is None  # an input
+    assert whole_state(mul(constant(1.0005), v), 0, 2) is None
+    assert whole_state(mul(constant(1.0005), v), 0, 2, tolerance=1e-3) == 1
+    assert whole_state(mul(v, q), 0, 2) is None
+    assert whole_state(Sum(()), 0, 2) is None
 
 
 @pytest.mark.parametrize(("cubic", "unit", "expected"), [(0.0, 1.0, 0.0), (0.0, 1e3, 999.0)])
