@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 
 from ...signals import Record
+from ..given.band import driven
 from ..given.design import Design
 from ..given.segments import segments
 from .fit import Fit, refit
@@ -82,6 +83,7 @@ def fit_to_runs(
     """
     if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
         return None
+    records = _driven(records)
     begun = _begun(design, coef, records)
     if begun is None or not _holds(begun, records, loss):
         return None
@@ -108,8 +110,8 @@ def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple
     share = min(1.0, MAX_ROWS / sum(len(record) for record in records))
     records = [record[: int(share * len(record))] for record in records]
     sides = [
-        (unfolded(design), refit(design, records, "derivative"), with_paths(design, records))
-        for design in (few, many)
+        (unfolded(d), refit(d, records, "derivative"), _driven(with_paths(d, records)))
+        for d in (few, many)
     ]
     ever = False
     for n_stretches in N_STRETCHES:
@@ -122,6 +124,10 @@ def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple
             left = [square_left(d, records, r.coef) for d, r in zip((few, many), runs, strict=True)]
             return log_ratio(*missed), log_ratio(*left)
     return (float("inf"),) * 2 if ever else (-float("inf"),) * 2
+
+
+def _driven(records: Sequence[Record]) -> list[Record]:
+    return [driven(record) for record in records]
 
 
 def _square_missed(trial: Trial, n_states: int) -> float:

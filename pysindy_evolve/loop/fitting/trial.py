@@ -73,6 +73,11 @@ class Trial:
         return self.part.z[:, :, : self.part.n_states]
 
     @property
+    def shown(self) -> np.ndarray:
+        """What the low-passes of records leave of the runs, shape (n_stretches, n, n_states)."""
+        return self.part.shown(self.x)
+
+    @property
     def miss(self) -> np.ndarray:
         """What the sensors show of the states to meet, minus what they show of the runs."""
         return self.part.missed(self.x)

@@ -81,7 +81,7 @@ class Drift:
     @property
     def in_twins(self) -> Trial:
         """The same runs, where they are the truth."""
-        return self.trial.aimed_at(self.trial.x)
+        return self.trial.aimed_at(self.trial.shown)
 
     def begun(self, model: Model) -> Trial:
         """Return a trial of another model that begins where this one ended."""
@@ -174,7 +174,7 @@ def chance_of_models(drift: Drift, models: Sequence[Model], signs: np.ndarray) -
     -------
     ndarray of shape (n_views, n_twins)
     """
-    begun = [drift.begun(model).aimed_at(drift.trial.x) for model in models]
+    begun = [drift.begun(model).aimed_at(drift.trial.shown) for model in models]
     trials, left = settled(begun), drift.left
     largest = []
     for whitener in drift.views:

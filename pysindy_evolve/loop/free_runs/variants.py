@@ -18,6 +18,7 @@ from ...terms import variable
 from ..effects.candidate import Candidate
 from ..effects.vocabulary import VOCABULARY
 from ..fitting.trial import Trial
+from ..given.band import driven, straightened
 from ..given.design import Column, Design
 from ..given.limits import Limit, limited
 from ..given.segments import Segments
@@ -70,7 +71,7 @@ class Model:
         self, coef: np.ndarray, scale: np.ndarray, records: Sequence[Record], part: Segments
     ) -> Trial:
         """Return a trial that begins with coefficients, on pieces of records without memories."""
-        acted = part.of(self.acted(records))
+        acted = part.of([straightened(driven(record)) for record in self.acted(records)])
         starts = acted.z[:, 0, : part.n_states]
         return Trial(self.whole, acted, scale, coef, starts, acted.z[:, :, : part.n_states])
 

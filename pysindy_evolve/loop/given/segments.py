@@ -13,6 +13,7 @@ from ...equations import stack
 from ...signals import Record, Windows, choose_windows
 from ...signals.checks import LARGEST
 from ...terms import Sum
+from .band import Band
 from .sensor import limits_of_states, missed
 from .sticking import moving
 
@@ -53,6 +54,7 @@ class Segments:
     tracks: tuple[Record, ...] = ()  # the records, where their trajectories bear witness
     limits: np.ndarray | None = None  # of the sensors of the states, (2, n_states)
     seen: np.ndarray | None = None  # where the states are measurements, (n_segments, n, n_states)
+    band: Band | None = None  # of the low-passes of the records
     settling: tuple[int, ...] = ()  # rows at the beginning of each record in which little counts
 
     @property
@@ -116,6 +118,7 @@ class Segments:
             weight=self.weight[pick],
             places=self.places[pick],
             seen=None if self.seen is None else self.seen[pick],
+            band=None if self.band is None else replace(self.band, places=self.places[pick]),
         )
 
     def of(self, records: Sequence[Record]) -> Segments:
@@ -125,11 +128,16 @@ class Segments:
         weight = self._late(weight, self.settling) if self.settling else weight
         tracks = tuple(records) if self.tracks else ()
         seen = _seen(records, self.places, length)
-        return replace(self, z=z, x_dot=x_dot, weight=weight, tracks=tracks, seen=seen)
+        band = Band(tuple(records), self.places, length)
+        return replace(self, z=z, x_dot=x_dot, weight=weight, tracks=tracks, seen=seen, band=band)
 
     def missed(self, x: np.ndarray) -> np.ndarray:
         """Return by how much runs (n_segments, n, n_states) miss what the sensors show."""
-        return missed(self.z[:, :, : self.n_states], x, self.limits, self.seen)
+        return missed(self.z[:, :, : self.n_states], self.shown(x), self.limits, self.seen)
+
+    def shown(self, x: np.ndarray) -> np.ndarray:
+        """Return runs (n_segments, n, n_states) as the low-passes of the records leave them."""
+        return x if self.band is None else self.band.shown(x)
 
 
 def segments(
@@ -177,6 +185,7 @@ def segments(
         places,
         limits=limits_of_states(records),
         seen=_seen(records, places, length),
+        band=Band(tuple(records), places, length),
     )
 
 
