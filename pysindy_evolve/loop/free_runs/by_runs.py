@@ -151,25 +151,24 @@ def _memory_or_term(
     """Return the plainest memory or term of those that gain most, with its chance.
 
     Of memories that differ in numbers only, the best one of a grid is tested, as in the twins, and
-    those that pass are tuned. The first effect may be a term only if it halves what the runs miss,
-    and so may any without a name: a force that a noisy or delayed input brings with it is worth
-    less.
+    those that pass are tuned. A term without a name is looked at where it gains notably more than
+    all that have one.
     """
-    n_signs = draws_for(rules.level_of_runs, N_SIGNS)
+    n_signs, least = draws_for(rules.level_of_runs, N_SIGNS), notable(rules)
     signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
     memories = memories_beside(drift.model, drift.records, segments(drift.records))
     terms = [v for v in _terms(drift) if not first or _is_of_motion(v, drift)]
-    leading = _variants(drift, leading_terms(drift, small, SQUARES_HALVED))
-    terms += leading
     by_terms = gains_of_terms(drift, [v.columns for v in terms])
-    if first:
-        by_terms = np.where(by_terms >= SQUARES_HALVED, by_terms, -np.inf)
+    best_named = max(0.0, by_terms.max(initial=0.0))
+    leading = _variants(drift, leading_terms(drift, small, best_named + least))
+    terms += leading
+    by_terms = np.append(by_terms, gains_of_terms(drift, [v.columns for v in leading]))
     # Nothing is held against the twins where no term gains enough.
-    sought = [v.columns for v in terms] if np.any(np.isfinite(by_terms)) else []
+    sought = [v.columns for v in terms] if np.any(by_terms >= least) else []
     sought += [columns_of(c, drift.model.design) for c in small] if leading else []
     in_twins = chance_of_terms(drift, sought, signs)
     plain = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
-    heads = _heads([*terms, *memories], plain, notable(rules))
+    heads = _heads([*terms, *memories], plain, least)
     heads = [(k, variant) for k, variant in heads if not _refuted(drift, wide, variant)]
     if not heads:
         return None

@@ -34,15 +34,17 @@ def leading_terms(drift: Drift, terms: Sequence[Candidate], least: float) -> lis
     terms : sequence of Candidate
         Terms to choose from.
     least : float
-        Log error that a term must gain, and at least the price of its nodes.
+        Log error that a term must gain.
 
     Returns
     -------
     list of Candidate
-        Best first, one of those that differ in their numbers only; none where no term gains so
-        much.
+        Best first, each node taken for a tenth of the gain; one of those that differ in their
+        numbers only, and none where no term gains so much.
     """
-    return _leading(drift, terms, least, size=0, n_replaced=0)
+    near, gains = _near(drift, terms, n_replaced=0)
+    worth = gains * (1.0 - PRICE * np.array([c.size for c in near]))
+    return _leaders(near, np.where(gains >= least, worth, -np.inf))
 
 
 def stand_ins(
@@ -64,25 +66,30 @@ def stand_ins(
     Returns
     -------
     list of Candidate
-        As `leading_terms` does.
+        Best first, one of those that differ in their numbers only.
     """
     alike = [c for c in terms if c.state == own.state and own.variables & c.variables]
     others = [c for c in alike if c.terms != own.terms]
-    return _leading(drift, others, least, own.size, n_replaced=len(own.terms))
+    near, gains = _near(drift, others, n_replaced=len(own.terms))
+    prices = PRICE * np.array([max(c.size - own.size, 0) for c in near])
+    return _leaders(near, gains - np.maximum(prices, least))
 
 
-def _leading(
-    drift: Drift, terms: Sequence[Candidate], least: float, size: int, n_replaced: int
-) -> list[Candidate]:
-    """Look at all terms on their grid, and at those that do best with finer numbers."""
+def _near(
+    drift: Drift, terms: Sequence[Candidate], n_replaced: int
+) -> tuple[list[Candidate], np.ndarray]:
+    """Return the terms that do best on their grid, also with finer numbers, and what they gain."""
     able = with_parents(terms, drift.model.design)
     ranked = _of_families(able, _gains(drift, able, n_replaced))
     leaders = [c for c, _ in ranked[:N_FAMILIES]]
     near = [*leaders, *(_scaled(c, factor) for c in leaders for factor in FACTORS)]
     near = list(dict.fromkeys(near))
-    prices = PRICE * np.maximum([c.size - size for c in near], 0)
-    net = _gains(drift, near, n_replaced) - np.maximum(prices, least)
-    return [c for c, gain in _of_families(near, net)[:N_LEADING] if gain > 0.0]
+    return near, _gains(drift, near, n_replaced)
+
+
+def _leaders(near: Sequence[Candidate], worth: np.ndarray) -> list[Candidate]:
+    """Return the best few that are worth something."""
+    return [c for c, value in _of_families(near, worth)[:N_LEADING] if value > 0.0]
 
 
 def _gains(drift: Drift, terms: Sequence[Candidate], n_replaced: int) -> np.ndarray:
