@@ -121,6 +121,6 @@ def test_a_step_never_makes_the_error_larger(drive):
     train, _, design = drive
     shooting = _begun(design, 1.02 * TRUTH, [train])
     assert _settled(shooting, [train]).error < shooting.error
-    exact = replace(shooting, x=shooting.part.z[:, :, :2].copy())
+    exact = shooting.aimed_at(shooting.shown)
     assert exact.error == 0.0
     assert _settled(exact, [train]).error == 0.0
