@@ -28,6 +28,7 @@ from .fitting.unfolding import paths_of
 from .free_runs.by_runs import find_by_runs
 from .free_runs.duels import held_against
 from .free_runs.sensor_limits import clipped_sensors
+from .free_runs.unnamed import find_unnamed
 from .free_runs.variants import Model
 from .given.design import Design
 from .given.limits import off_limits
@@ -90,13 +91,17 @@ class Search:
         return not self.declared.algebraic and not self.whole.tracks
 
     def run(self) -> None:
-        """Find named effects until none passes, then what only free runs show, then grown terms."""
+        """Find effects until none passes: names, what only runs show, then terms without a name."""
         self._look_through(self.findings)
         self._name()
         self._settle()
         if self.runs_tell_more:
             self._watch_runs()
         self._grow()
+        if self.runs_tell_more:
+            self._watch_for_unnamed()
+        if not self.findings:
+            self._see_structure()
         if self.runs_tell_more:
             self._hold()
             self._read()
@@ -176,8 +181,8 @@ class Search:
         child = self.rng.spawn(1)[0]
         if paths_of(self.design):  # whose state those runs do not have
             return
-        both, small = (self.plain, self.wide), self._small_terms()
-        look, pasts = find_by_runs(self.declared, self.findings, *both, small, self.rules, child)
+        both = self.plain, self.wide
+        look, pasts = find_by_runs(self.declared, self.findings, *both, self.rules, child)
         self.rejected = look.rejected or self.rejected
         if len(look.found) > len(self.findings):
             self.findings = list(look.found)
@@ -198,8 +203,14 @@ class Search:
             if not found:
                 break
             self.findings = [*self.findings, *_numbered(found, self.findings)]
-        if not self.findings:
-            self._see_structure()
+
+    def _watch_for_unnamed(self) -> None:
+        child = self.rng.spawn(1)[0]
+        if paths_of(self.design):
+            return
+        both, small = (self.plain, self.wide), self._small_terms()
+        look = find_unnamed(self.declared, self.findings, *both, small, self.rules, child)
+        self.rejected, self.findings = look.rejected or self.rejected, list(look.found)
 
     def _see_structure(self) -> None:
         chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)

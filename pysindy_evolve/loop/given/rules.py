@@ -65,8 +65,8 @@ class Rules:
 
     @property
     def level_of_runs(self) -> float:
-        """The same for limits, and for all else that free runs show: half of a look each."""
-        return self.level / 2.0
+        """The same for what free runs show: a third of a look for limits, names and other terms."""
+        return self.level / 3.0
 
 
 def _check_share(name: str, value: Any) -> None:

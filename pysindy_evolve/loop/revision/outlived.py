@@ -14,8 +14,8 @@ from ..evidence.scoring import MARGIN
 from ..fitting.fit import derivative_square, refit
 from ..fitting.linear import log_ratio
 from ..fitting.trial import settled
-from ..free_runs.by_runs import model_of
 from ..free_runs.drift import drift_of
+from ..free_runs.judging import model_of
 from ..free_runs.variants import Model
 from ..given.design import Design
 

@@ -14,8 +14,9 @@ from pysindy_evolve.loop.evidence.findings import Finding, LimitFinding, MemoryF
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.fitting.past import begun
 from pysindy_evolve.loop.fitting.runs import free_run
-from pysindy_evolve.loop.free_runs.by_runs import find_by_runs, matters, share_of_miss
+from pysindy_evolve.loop.free_runs.by_runs import find_by_runs
 from pysindy_evolve.loop.free_runs.drift import drift_of
+from pysindy_evolve.loop.free_runs.judging import matters, share_of_miss
 from pysindy_evolve.loop.free_runs.memory_tuning import tuned_memories
 from pysindy_evolve.loop.free_runs.state_limits import drift_from
 from pysindy_evolve.loop.free_runs.variants import Model
@@ -64,7 +65,7 @@ def found_in(record, declared=TANK, **options):
     design = design_of(declared, [record])
     rules = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
     rng = np.random.default_rng(options.get("seed", 0))
-    look, _ = find_by_runs(design, [], [record], widened([record]), [], rules, rng)
+    look, _ = find_by_runs(design, [], [record], widened([record]), rules, rng)
     return list(look.found)
 
 

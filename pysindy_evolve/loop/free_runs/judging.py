@@ -1,0 +1,211 @@
+"""What variants of a model gain by their runs, and whether that is more than chance.
+
+A variant counts if it predicts the stretches that it was not fitted to better than any does in the
+twins, matters, and does not make the derivative worse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..effects.missing import candidates, with_parents
+from ..evidence.findings import Finding, MemoryFinding, limits_in, memories_in, with_columns
+from ..evidence.rejected import Rejected
+from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.trace import Score
+from ..fitting.fit import refit
+from ..fitting.trial import settled
+from ..given.design import Design
+from ..given.limits import off_limits
+from ..given.rules import Rules
+from ..given.segments import ranges, segments, variables_of
+from ..memories.reach import exchanged
+from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models
+from .memory_tuning import tuned_memories
+from .state_limits import notable
+from .variants import Model, Variant
+
+__all__ = [
+    "N_SIGNS",
+    "as_rejected",
+    "best_of",
+    "matters",
+    "model_of",
+    "named_terms",
+    "share_of_miss",
+    "variants_of",
+]
+
+N_SIGNS = 999  # draws, which cost next to nothing
+
+SQUARES_HALVED = float(np.log(2.0))  # of the squares that the runs miss
+
+Judged = tuple[Variant, float, float]  # a variant, what it gains, and its chance
+
+
+def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
+    """Return a design with all findings, memories and limits among them."""
+    return Model(with_columns(declared, findings), memories_in(findings), limits_in(findings))
+
+
+def matters(finding: Finding, share: float, rules: Rules) -> bool:
+    """Tell whether a finding is more than a trace, or halves the squares that are left."""
+    return finding.score >= SQUARES_HALVED or share >= rules.min_share
+
+
+def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
+    """Return what share of the squares that the declared model's runs miss a finding removes.
+
+    As in the look at names, a memory is held against what the present model leaves: it makes no
+    equation longer.
+    """
+    removed = float(-np.expm1(-finding.score))
+    if isinstance(finding, MemoryFinding) or not declared.columns:
+        return removed
+    coef = refit(declared, drift.records, "derivative")
+    trial = Model(declared).trial(coef, drift.trial.scale, drift.records, drift.part)
+    (first,) = settled([trial])
+    if not np.isfinite(first.error):  # nothing to be compared with
+        return removed
+    return removed * min(drift.trial.error / max(first.error, 1e-300), 1.0)
+
+
+def named_terms(drift: Drift) -> list[Variant]:
+    """Return the effects of the vocabulary that may enter."""
+    design = drift.model.design
+    acted = drift.model.acted(drift.records)
+    variables = np.concatenate([variables_of(record) for record in acted])
+    return variants_of(drift, with_parents(candidates(design, *ranges(variables)), design))
+
+
+def variants_of(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:
+    """Return the present model with each of the terms in it."""
+    design, found = drift.model.design, []
+    for candidate in terms:
+        columns = columns_of(candidate, design)
+        wider = replace(drift.model, design=design.adding(columns))
+        found.append(Variant(candidate, wider, columns))
+    return found
+
+
+def best_of(
+    drift: Drift,
+    wide: Sequence[Record],
+    tried: Sequence[Variant],
+    gains: np.ndarray,
+    of_terms: np.ndarray,
+    signs: np.ndarray,
+    first: bool,
+    rules: Rules,
+) -> tuple[Finding, Model] | None:
+    """Return the plainest of the variants that gain most, with its chance.
+
+    Parameters
+    ----------
+    drift : Drift
+        The present model.
+    wide : sequence of Record
+        Training records with a higher cutoff, for the derivative.
+    tried : sequence of Variant
+        All variants; of memories that differ in numbers only, the best one is tested, as in the
+        twins, and those that pass are tuned.
+    gains : ndarray of shape (n_variants,)
+        What they gain on the record.
+    of_terms : ndarray of shape (n_draws,)
+        What the best of all terms gains in each twin.
+    signs : ndarray of shape (n_draws, n_stretches)
+        Of the twins.
+    first : bool
+        Whether runs have shown nothing yet; then a term must show in what is new as well.
+    rules : Rules
+        When an effect counts.
+
+    Returns
+    -------
+    tuple of Finding and Model, or None
+        None where nothing gains notably. Whether the chance is small is left to the caller.
+    """
+    heads = _heads(tried, gains, notable(rules))
+    heads = [(k, variant) for k, variant in heads if not _is_refuted(drift, wide, variant)]
+    if not heads:
+        return None
+    models = [v.model for v in tried if v.memory is not None]
+    models += [v.model for _, v in heads if first and v.memory is None]
+    twins = chance_of_models(drift, models, signs)
+    twins[0] = np.maximum(twins[0], of_terms)
+    judged = _judged(drift, [v for _, v in heads], gains[[k for k, _ in heads]], twins, first)
+    passing = [one for one in judged if one[2] <= rules.level_of_runs]
+    variant, gain, p_value = _plainest(drift, passing) if passing else judged[0]
+    own = (variant.candidate, variant.columns, gain, p_value, twins[0])
+    if variant.memory is not None:
+        return MemoryFinding(*own, by_runs=True, memory=variant.memory), variant.model
+    return Finding(*own, by_runs=True), variant.model
+
+
+def _heads(tried: Sequence[Variant], gains: np.ndarray, least: float) -> list[tuple[int, Variant]]:
+    """Return the best of each family that gains at least half as much as the best of all."""
+    found: dict[tuple[object, ...], int] = {}
+    for k in np.argsort(-gains).tolist():
+        if gains[k] >= max(least, 0.5 * gains.max()):
+            found.setdefault(tried[k].family, k)
+    return [(k, tried[k]) for k in found.values()]
+
+
+def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
+    """Tell whether the derivative is predicted worse with a variant than without it."""
+    design = drift.model.design
+    acted = drift.model.acted(wide)
+    part = off_limits(segments(acted, design.velocities), drift.model.limits)
+    if variant.memory is not None:
+        gain = exchanged([variant.memory], design, acted, part)[0].gain
+    elif variant.columns:
+        scores = score(design, part, [replace(variant.candidate, parents=())], pairs=False)
+        gain = scores[0].value if scores else 0.0
+    else:
+        gain = 0.0
+    return gain < -MARGIN
+
+
+def _judged(
+    drift: Drift, heads: Sequence[Variant], gains: np.ndarray, twins: np.ndarray, first: bool
+) -> list[Judged]:
+    """Return variants with their gains and chances.
+
+    What is new must show them as well: what an input answers to may look like a memory. Only a term
+    beside what is slow shows in nothing but the whole miss.
+    """
+    views = gains_of_models(drift, [variant.model for variant in heads])
+    views[0] = gains
+    views[1, [variant.memory is None and not first for variant in heads]] = np.inf
+    chances = [_p_value(view, twins) for view in views.T]
+    return list(zip(heads, gains.tolist(), chances, strict=True))
+
+
+def _p_value(gain: np.ndarray, twins: np.ndarray) -> float:
+    """Return the chance of a gain in the view that is less sure of it."""
+    n_better = np.sum(twins >= gain[:, None], axis=1)
+    return float(np.max(1 + n_better)) / (1 + twins.shape[1])
+
+
+def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
+    """Tune variants on long runs, and return the plainest of those that do as well as the best."""
+    long = drift_of(drift.model, drift.trial.coef, drift.records, LONG) or drift
+    variants = [one[0].with_model(tuned_memories(long, one[0].model)) for one in passing]
+    gains = gains_of_models(long, [variant.model for variant in variants])[0]
+    near = gains >= gains.max() - max(MARGIN, 0.01 * gains.max())
+    k = min(np.flatnonzero(near).tolist(), key=lambda k: variants[k].plainness)
+    return variants[k], passing[k][1], passing[k][2]
+
+
+def as_rejected(finding: Finding, share: float, drift: Drift, level: float) -> Rejected:
+    """Return what did not pass, for the report."""
+    design = drift.model.design
+    left = np.full(1, np.exp(-finding.score))
+    tried = Score((finding.candidate,), (), np.ones(1), left, finding.score)
+    names = (*design.states, *design.inputs, "t")
+    return Rejected(tried, share, finding.p_value, finding.twin_scores, names, level)

@@ -1,0 +1,110 @@
+"""Find terms without a name that only free runs show.
+
+This is the last look: what the derivative shows is grown from it, exactly, before the runs are
+asked which of some small terms comes closest to what is missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..evidence.findings import Finding, memories_in, next_step
+from ..evidence.scoring import columns_of
+from ..evidence.step import Look
+from ..given.design import Design
+from ..given.rules import Rules
+from ..twins.chance import draws_for
+from .drift import Drift, chance_of_terms, gains_of_terms
+from .judging import (
+    N_SIGNS,
+    as_rejected,
+    best_of,
+    matters,
+    model_of,
+    named_terms,
+    share_of_miss,
+    variants_of,
+)
+from .leading_terms import leading_terms
+from .state_limits import drift_from, notable
+
+__all__ = ["find_unnamed"]
+
+
+def find_unnamed(
+    declared: Design,
+    findings: Sequence[Finding],
+    records: Sequence[Record],
+    wide: Sequence[Record],
+    small: Sequence[Candidate],
+    rules: Rules,
+    rng: np.random.Generator,
+) -> Look:
+    """Return findings with small terms that free runs show besides, until none passes.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found before.
+    records : sequence of Record
+        Training records without memories.
+    wide : sequence of Record
+        The same with a higher cutoff, for the derivative.
+    small : sequence of Candidate
+        Terms that may be it.
+    rules : Rules
+        When an effect counts.
+    rng : numpy.random.Generator
+        Draws the twins.
+
+    Returns
+    -------
+    Look
+        All findings.
+    """
+    found, rejected = list(findings), None
+    while len(found) < rules.max_effects:
+        model = replace(model_of(declared, found), n_known=len(memories_in(found)))
+        drift = drift_from(model, records)
+        first = len(found) == len(findings)
+        finding = None if drift is None else _leading(drift, wide, small, first, rules, rng)
+        if drift is None or finding is None:
+            break
+        share = share_of_miss(finding, declared, drift)
+        if finding.p_value > rules.level_of_runs or not matters(finding, share, rules):
+            rejected = as_rejected(finding, share, drift, rules.level_of_runs)
+            break
+        found.append(replace(finding, step=next_step(found)))
+    return Look(tuple(found), rejected)
+
+
+def _leading(
+    drift: Drift,
+    wide: Sequence[Record],
+    small: Sequence[Candidate],
+    first: bool,
+    rules: Rules,
+    rng: np.random.Generator,
+) -> Finding | None:
+    """Return the plainest of the small terms that gain notably more than all that have a name."""
+    named = gains_of_terms(drift, [v.columns for v in named_terms(drift)])
+    least = notable(rules) + max(0.0, named.max(initial=0.0))
+    terms = variants_of(drift, leading_terms(drift, small, least))
+    if not terms:
+        return None
+    n_signs = draws_for(rules.level_of_runs, N_SIGNS)
+    signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
+    sought = [*(v.columns for v in terms), *(columns_of(c, drift.model.design) for c in small)]
+    gains, in_twins = (
+        gains_of_terms(drift, [v.columns for v in terms]),
+        chance_of_terms(drift, sought, signs),
+    )
+    best = best_of(drift, wide, terms, gains, in_twins, signs, first, rules)
+    return None if best is None else best[0]
