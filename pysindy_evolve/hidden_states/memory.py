@@ -39,6 +39,7 @@ __all__ = ["DELAY", "LAG", "VESSEL", "Memory", "acting", "balance", "preceded", 
 __all__ += ["raw_inputs", "remembered"]
 
 DELAY, LAG, VESSEL = "input delay", "actuator lag", "hidden state"
+REFINEMENT = 4  # steps in each sample of a lag's input, straight within them
 N_SUBSTEPS = 4  # of a vessel, in each sample
 OVERFLOW = 100.0  # rate at which a vessel runs over, in units of 1/T
 
@@ -192,13 +193,15 @@ def _delayed(t: np.ndarray, u: np.ndarray, delay: float) -> np.ndarray:
 
 
 def _lagging(t: np.ndarray, u: np.ndarray, time_constant: float) -> np.ndarray:
-    """Return w of T w' = u - w, exact for an input that is linear between samples."""
-    ratio = float(t[-1] - t[0]) / (len(t) - 1) / time_constant
+    """Return w of T w' = u - w for an input that is smooth between samples, by splines."""
+    fine = np.linspace(t[0], t[-1], REFINEMENT * (len(t) - 1) + 1)
+    smooth = CubicSpline(t, u)(fine)
+    ratio = float(t[-1] - t[0]) / (len(fine) - 1) / time_constant
     decay = np.exp(-ratio)
     new = 1.0 + np.expm1(-ratio) / ratio
     old = 1.0 - decay - new
-    driven = lfilter([new, old], [1.0, -decay], u - u[0])
-    return np.asarray(u[0] + driven)
+    driven = lfilter([new, old], [1.0, -decay], smooth - u[0])  # exact for what is straight
+    return np.asarray(u[0] + driven[::REFINEMENT])
 
 
 def _running_out(

@@ -22,6 +22,7 @@ from .given.limits import off_limits
 from .given.records import alike, check_records, split_records, widened
 from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
+from .report.doubtful import most_doubtful
 from .report.making import make_report
 from .report.report import LoopReport
 from .revision.contest import contested
@@ -127,8 +128,7 @@ def close_loop(
     basis = resolve(operators, "close_loop") if operators and not part.tracks else ()
     search = Search(design, fit_on, wide, part, rules, basis, rng)
     is_whole = _run(search) and len(search.findings) < rules.max_effects
-    findings, verdict = _with_alternatives(search), search.verdict
-    report = make_report(design, findings, search.plain, judge_on, verdict, is_whole, rules, rng)
+    report = _reported(search, judge_on, is_whole)
     return replace(report, rejected=search.rejected)
 
 
@@ -164,6 +164,18 @@ def _run(search: Search) -> bool:
             raise
         return False
     return True
+
+
+def _reported(search: Search, test: Sequence[Record], is_whole: bool) -> LoopReport:
+    """Report what was found, without effects that the final fit is not sure of."""
+    while True:
+        findings = _with_alternatives(search)
+        given = search.declared, findings, search.plain, test, search.verdict, is_whole
+        report = make_report(*given, search.rules, search.rng)
+        doubtful = most_doubtful(findings, report.effects)
+        if doubtful is None:
+            return report
+        search.withdraw(findings.index(doubtful))
 
 
 def _with_alternatives(search: Search) -> list[Finding]:

@@ -106,6 +106,13 @@ class Search:
             self._hold()
             self._read()
 
+    def withdraw(self, place: int) -> None:
+        """Take a finding back, and look for structure if none is left."""
+        self.findings = [f for k, f in enumerate(self.findings) if k != place]
+        self._look_through(self.findings)
+        if not self.findings:
+            self._see_structure()
+
     def _look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
         memories, limits = memories_in(findings), limits_in(findings)

@@ -135,6 +135,15 @@ def sensor_noise(y: Array, dt: float, cutoff: float | None) -> Array:
     return np.sqrt(np.maximum(np.min(floors, axis=0), rounding(y)))
 
 
+def input_noise(u: Array, dt: float, cutoff: float | None) -> Array:
+    """Return the standard deviation of the white noise on each input, u (n, k).
+
+    Zero for one that holds its values for a while: its steps reach as far up as noise does.
+    """
+    holds = np.mean(np.diff(u, axis=0) == 0, axis=0) >= DWELL
+    return np.where(holds, 0.0, sensor_noise(u, dt, cutoff))
+
+
 def noise_level(y: ArrayLike) -> Array | float:
     """Return the standard deviation of the white noise on each column.
 

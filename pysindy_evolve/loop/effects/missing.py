@@ -42,8 +42,9 @@ def candidates(
     -------
     list of Candidate
         Effects whose terms all stand in the equation already are left out, unless their coefficient
-        is known: what is known may be wrong. A known constant is not looked at again, for a free
-        one absorbs a part of whatever is missing.
+        is known: what is known may be wrong. A known constant force, such as a weight, is not
+        looked at again, for a free one absorbs a part of whatever is missing. Nor is what has one
+        value only: the sign of a temperature in kelvin.
     """
     taken = _fitted(design)
     apart = np.add.outer(scales, scales) if apart is None else apart
@@ -56,7 +57,21 @@ def candidates(
         if not all((state, bare(term)) in taken for term in candidate.terms)
         # A dead zone lies about zero, and a position that never is there knows nothing of it.
         and not (candidate.name == "dead zone" and candidate.terms[0].variables & free)
+        and not (candidate.variables <= free and _is_still(candidate, design, scales, middle))
     ]
+
+
+def _is_still(candidate: Candidate, design: Design, scales: np.ndarray, middle: np.ndarray) -> bool:
+    """Tell whether an effect of a variable that keeps its sign is constant, or that variable.
+
+    A friction of a body that moves one way only has a name all the same.
+    """
+    if candidate.name in ("Coulomb friction", "asymmetric Coulomb friction"):
+        return design.position_of(candidate.state) is None
+    if candidate.name != "saturation" or candidate.shape is None:
+        return False
+    (variable_,) = candidate.variables
+    return candidate.shape.values[0] <= 2.0 * abs(middle[variable_]) - scales[variable_]
 
 
 def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
@@ -75,7 +90,8 @@ def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
 def _fitted(design: Design) -> set[tuple[int, Sum]]:
     """Return equation and expression of what stands in a design, without known variable terms."""
     free = standing(replace(design, fixed=(Sum(()),) * len(design.states)))
-    return free | {(state, term) for state, term in standing(design) if term == OFFSET}
+    forces = {state for state in design.open_states if design.position_of(state) is not None}
+    return free | {(s, term) for s, term in standing(design) if term == OFFSET and s in forces}
 
 
 def standing(design: Design) -> set[tuple[int, Sum]]:

@@ -83,7 +83,8 @@ def rivals_of(
     able = with_parents(complete, design)
     if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
         able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
-    options = [c for c in dict.fromkeys(able) if c != candidate and not _is_form(c, candidate)]
+    rest = (c for c in dict.fromkeys(able) if not _brings(c, candidate))
+    options = [c for c in rest if not _is_form(c, candidate)]
     if part.tracks:
         return _by_twins(candidate, options, design, part, level, rng)
     everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
@@ -103,6 +104,11 @@ def rivals_of(
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
+
+
+def _brings(option: Candidate, candidate: Candidate) -> bool:
+    """Tell whether an option is the effect itself, perhaps with something beside it."""
+    return option.state == candidate.state and set(candidate.terms) <= set(option.terms)
 
 
 def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate:

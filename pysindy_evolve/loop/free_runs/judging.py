@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...signals import Record
+from ...signals import Preparation, Record
+from ...signals.spectral import gain as gain_of
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, with_parents
 from ..evidence.findings import Finding, MemoryFinding, limits_in, memories_in, with_columns
@@ -44,6 +45,8 @@ __all__ = [
 N_SIGNS = 999  # draws, which cost next to nothing
 
 SQUARES_HALVED = float(np.log(2.0))  # of the squares that the runs miss
+EXCESS = 3.0  # times the squares of the sensors' noise: these are a good part of what is missed
+N_FREQUENCIES = 1000
 
 Judged = tuple[Variant, float, float]  # a variant, what it gains, and its chance
 
@@ -121,7 +124,7 @@ def best_of(
     signs : ndarray of shape (n_draws, n_stretches)
         Of the twins.
     first : bool
-        Whether runs have shown nothing yet; then a term must show in what is new as well.
+        Whether a term must be clear, and show in what is new as well.
     rules : Rules
         When an effect counts.
 
@@ -132,6 +135,8 @@ def best_of(
     """
     heads = _heads(tried, gains, notable(rules))
     heads = [(k, variant) for k, variant in heads if not _is_refuted(drift, wide, variant)]
+    if first:
+        heads = [(k, v) for k, v in heads if v.memory is not None or _is_clear(drift, gains[k])]
     if not heads:
         return None
     models = [v.model for v in tried if v.memory is not None]
@@ -169,6 +174,31 @@ def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
     else:
         gain = 0.0
     return gain < -MARGIN
+
+
+def _is_clear(drift: Drift, gain: float) -> bool:
+    """Tell whether a term halves the squares that are missed, or leaves what the sensors do.
+
+    Where a force that nobody measured drives the runs apart, an input that answers it makes what
+    depends on the motion look like that force.
+    """
+    return gain >= SQUARES_HALVED or _over_noise(drift) * np.exp(-gain) <= EXCESS
+
+
+def _over_noise(drift: Drift) -> float:
+    """Return the squares that runs miss of what was measured, over those of the sensors' noise."""
+    made = [record.preparation for record in drift.records if record.preparation is not None]
+    if len(made) < len(drift.records) or any(np.any(one.noise == 0.0) for one in made):
+        return np.inf
+    missed = np.mean(drift.left[..., :: made[0].order] ** 2, axis=(0, 1))
+    return float(np.mean(missed / np.mean([_noise_of(one) ** 2 for one in made], axis=0)))
+
+
+def _noise_of(made: Preparation) -> np.ndarray:
+    """Return the standard deviation of the sensors' noise after the low-pass, one a column."""
+    frequencies = np.linspace(0.0, 0.5 / made.dt, N_FREQUENCIES)
+    passed = np.mean(gain_of(frequencies, made.cutoff, made.dt) ** 2)
+    return np.asarray(made.noise * np.sqrt(passed))
 
 
 def _judged(

@@ -73,8 +73,7 @@ def find_unnamed(
     while len(found) < rules.max_effects:
         model = replace(model_of(declared, found), n_known=len(memories_in(found)))
         drift = drift_from(model, records)
-        first = len(found) == len(findings)
-        finding = None if drift is None else _leading(drift, wide, small, first, rules, rng)
+        finding = None if drift is None else _leading(drift, wide, small, rules, rng)
         if drift is None or finding is None:
             break
         share = share_of_miss(finding, declared, drift)
@@ -89,7 +88,6 @@ def _leading(
     drift: Drift,
     wide: Sequence[Record],
     small: Sequence[Candidate],
-    first: bool,
     rules: Rules,
     rng: np.random.Generator,
 ) -> Finding | None:
@@ -106,5 +104,5 @@ def _leading(
         gains_of_terms(drift, [v.columns for v in terms]),
         chance_of_terms(drift, sought, signs),
     )
-    best = best_of(drift, wide, terms, gains, in_twins, signs, first, rules)
+    best = best_of(drift, wide, terms, gains, in_twins, signs, True, rules)
     return None if best is None else best[0]

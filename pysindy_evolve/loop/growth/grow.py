@@ -17,15 +17,15 @@ from ...breeding.generation import Settings
 from ...evolution import evolve
 from ...operators import Operator
 from ...signals import Record
-from ...terms import Product
-from ..effects.candidate import Candidate
+from ...terms import Product, variable
+from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates, standing, zeros_of
 from ..evidence.findings import Finding, with_columns
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.shares import view_gain
 from ..evidence.spectral import spectral_rows, spectral_weights
 from ..evidence.step import find
-from ..evidence.trace import EVOLVED
+from ..evidence.trace import EVOLVED, Score
 from ..fitting.fit import derivative_intervals
 from ..fitting.residual import forces
 from ..given.design import Design
@@ -162,22 +162,36 @@ class TermGrower:
         self.seen, self.fresh = part.every_other(0), part.every_other(1)
 
     def better(self, design: Design, found: Sequence[Finding]) -> list[Finding]:
-        """Return a grown term that does clearly better on fresh segments than named effects."""
+        """Return what does clearly better on fresh segments than named effects.
+
+        That is a grown term, or a leak k (x - x0) unless a grown one does clearly better than it.
+        """
         if self.pool is None:
             self.pool = self._grow(self.declared)
         names = [finding.candidate for finding in found]
-        fresh = [c for c in self.pool if c.name == EVOLVED]
-        if not fresh:
-            return []
-        grown = score(design, self.fresh, fresh, pairs=False)
         ours = score(design, self.fresh, [*names, *_zeros_beside(names, design)], pairs=True)
         named_scores = [len(s.group) * net(s) for s in ours if set(names) <= set(s.group)]
-        best = max(grown, key=net, default=None)
-        if best is None or net(best) <= BETTER * max(named_scores, default=0.0):
+        bar = BETTER * max(named_scores, default=0.0)
+        fresh = [c for c in self.pool if c.name == EVOLVED]
+        best = max(score(design, self.fresh, fresh, pairs=False), key=net, default=None)
+        leak = self._leak(design, names[0].state)
+        if leak is not None and 2.0 * net(leak) > max(bar, net(best) / BETTER if best else 0.0):
+            return self._test(design, list(leak.group))
+        if best is None or net(best) <= bar:
             return []
         if BETTER * net(best) <= self._of_two_names(design, best.group[0].state):
             return []
         return self._test(design, list(best.group))
+
+    def _leak(self, design: Design, state: int) -> Score | None:
+        """Return what a state and an offset gain together in its equation of the first order."""
+        known = candidates(design, *ranges(self.fresh.rows))
+        straight = ((variable(state),), (OFFSET,))
+        both = [c for c in known if c.state == state and c.terms in straight]
+        if design.position_of(state) is not None or len(both) < 2:
+            return None
+        pairs = (s for s in score(design, self.fresh, both, pairs=True) if len(s.group) == 2)
+        return next(pairs, None)
 
     def _of_two_names(self, design: Design, state: int) -> float:
         """Return what two names gain together in an equation: a leak k (p - p0) takes two looks."""

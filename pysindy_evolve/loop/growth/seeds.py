@@ -95,7 +95,8 @@ def _best(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
 
 
 def _of_one_variable(operators: Sequence[Operator], x: np.ndarray) -> tuple[list[Sum], list[Sum]]:
-    straight = [f for i in range(x.shape[1]) for f in _straight(operators, variable(i))]
+    signed = (x.min(axis=0) < 0.0) & (x.max(axis=0) > 0.0)
+    straight = [f for i, s in enumerate(signed) for f in _straight(operators, variable(i), bool(s))]
     curved = [
         f
         for i, size in enumerate(np.sqrt(np.mean(x**2, axis=0)))
@@ -104,12 +105,15 @@ def _of_one_variable(operators: Sequence[Operator], x: np.ndarray) -> tuple[list
     return straight, curved
 
 
-def _straight(operators: Sequence[Operator], x: Sum) -> Iterator[Sum]:
-    """Go through functions without a scale of their own; a root is one of the magnitude."""
+def _straight(operators: Sequence[Operator], x: Sum, signed: bool) -> Iterator[Sum]:
+    """Go through functions without a scale of their own; a root is one of the magnitude.
+
+    Magnitude and sign of what keeps its sign are nothing new.
+    """
     known = {operator.name: operator for operator in operators}
     yield x
     for name in ("abs", "sgn"):
-        if name in known:
+        if name in known and signed:
             yield call(known[name], x)
     if {"abs", "sqrt"} <= known.keys():
         yield call(known["sqrt"], call(known["abs"], x))

@@ -132,11 +132,13 @@ def _chance_of(
     probes = Probes(design, (rival, chosen))
     pieces = part.of([probes.extended(record) for record in records])
     wide = probes.widened(design)
-    there = _swapped(wide, probes.swap(0))
-    columns = [*there.columns, *_swapped(wide, probes.swap(1)).columns]
+    there, other = (_swapped(wide, probes.swap(k)) for k in (0, 1))
+    # What is known of the input acts through a memory as well.
+    known = Column("known", tuple(map(sub, other.fixed, there.fixed)))
+    columns = [*there.columns, *other.columns, known]
     n_own = len(wide.columns)
     grams = spectral_grams(pieces, there, columns)
-    return chance(grams, range(n_own), range(n_own, 2 * n_own), level, rng)
+    return chance(grams, range(n_own), range(n_own, len(columns)), level, rng)
 
 
 def _swapped(design: Design, swap: dict[int, Sum]) -> Design:

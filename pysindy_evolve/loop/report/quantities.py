@@ -12,6 +12,7 @@ from ...equations import Equations
 from ...hidden_states.hidden import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding, memories_in
+from ..fitting.linear import TINY
 from ..fitting.runs import free_run
 from ..free_runs.memory_tuning import intervals_by_runs
 from ..free_runs.variants import Model
@@ -32,10 +33,14 @@ __all__ = [
 
 
 def with_share_of_runs(effect: Effect, finding: Finding, before: Errors, after: Errors) -> Effect:
-    """Return an effect whose share is that of the error of the free runs."""
+    """Return an effect whose share is that of the error of the free runs.
+
+    Nothing where the model with it cannot be run over the held-out records.
+    """
     state = finding.candidate.state
-    ratio = after.simulation_error[state] / max(before.simulation_error[state], 1e-300)
-    return replace(effect, explained=float(1.0 - ratio**2), by_runs=True)
+    error, with_it = (errors.simulation_error[state] for errors in (before, after))
+    removed = 1.0 - (with_it / max(error, TINY)) ** 2 if np.isfinite(with_it) else 0.0
+    return replace(effect, explained=float(removed), by_runs=True)
 
 
 def with_limit(effect: Effect, finding: LimitFinding, train: Sequence[Record]) -> Effect:
@@ -77,7 +82,7 @@ def with_sensor(
         reading = shown(record.x, limits)[:, limit.state]
         for k, there in enumerate((run, shown(run, limits))):
             squares[k] += np.sum((there[:, limit.state] - reading) ** 2)
-    return replace(effect, explained=float(1.0 - squares[1] / max(squares[0], 1e-300)))
+    return replace(effect, explained=float(1.0 - squares[1] / max(squares[0], TINY)))
 
 
 def as_read(run: np.ndarray, states: Sequence[str], effects: Sequence[Effect]) -> np.ndarray:

@@ -1,0 +1,50 @@
+"""Effects of which the final fit does not say that they are there.
+
+That something is missing was tested where an effect came in. With all others beside it, and refined
+by the runs, nothing may be left of it; an effect whose own interval contains zero is withdrawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..evidence.findings import Finding, is_needed
+from .effect import Effect
+
+__all__ = ["most_doubtful"]
+
+
+def most_doubtful(findings: Sequence[Finding], effects: Sequence[Effect]) -> Finding | None:
+    """Return the finding that is least sure to differ from zero.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+        What was found.
+    effects : sequence of Effect
+        The same with their coefficients and 95 % intervals.
+
+    Returns
+    -------
+    Finding or None
+        None if each has a coefficient whose interval does not contain zero, is no term, or is
+        needed beside another.
+    """
+    doubts = {
+        k: _ratio(effect)
+        for k, (finding, effect) in enumerate(zip(findings, effects, strict=True))
+        if finding.columns and not is_needed(finding, [f for f in findings if f is not finding])
+    }
+    worst = min(doubts, key=lambda k: doubts[k], default=None)
+    return findings[worst] if worst is not None and doubts[worst] < 1.0 else None
+
+
+def _ratio(effect: Effect) -> float:
+    """Return how many times an interval's reach towards zero the surest coefficient is."""
+    values, ends = effect.coefficients, effect.confidence_intervals
+    towards = np.abs(values - np.where(values > 0.0, ends[:, 0], ends[:, 1]))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.abs(values) / towards
+    return float(np.max(np.nan_to_num(ratios, nan=np.inf), initial=0.0))
