@@ -129,7 +129,7 @@ def close_loop(
     search = Search(design, fit_on, wide, part, rules, basis, rng)
     is_whole = _run(search) and len(search.findings) < rules.max_effects
     report = _reported(search, judge_on, is_whole)
-    return replace(report, rejected=search.rejected)
+    return replace(report, rejected=search.rejected, chance_left=search.chance_left)
 
 
 def _checked(

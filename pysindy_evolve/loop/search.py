@@ -68,6 +68,7 @@ class Search:
     findings: list[Finding] = field(default_factory=list)
     rejected: Rejected | None = None  # the last one
     has_structure: bool = False
+    chance_left: float = 1.0  # of structure beside what was found
     relaxing: bool = True  # whether to look for relaxations
     records: list[Record] = field(init=False)
     part: Segments = field(init=False)
@@ -105,6 +106,8 @@ class Search:
         if self.runs_tell_more:
             self._hold()
             self._read()
+        if self.findings:
+            self.chance_left = self._structure()
 
     def withdraw(self, place: int) -> None:
         """Take a finding back, and look for structure if none is left."""
@@ -220,8 +223,11 @@ class Search:
         self.rejected, self.findings = look.rejected or self.rejected, list(look.found)
 
     def _see_structure(self) -> None:
-        chance = structure_chance(self.declared, self.records, self.part, self.rules, self.rng)
-        self.has_structure = chance <= self.rules.level
+        self.has_structure = self._structure() <= self.rules.level
+
+    def _structure(self) -> float:
+        """Return the chance that what is left only seems to depend on what was measured."""
+        return structure_chance(self.design, self.records, self.part, self.rules, self.rng)
 
     def _hold(self) -> None:
         self._drop()

@@ -20,6 +20,7 @@ __all__ = ["cautions", "held_delays"]
 
 HELD = 0.1  # sampling times by which a delay may differ from half of one
 WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
+GREW = 0.1  # percent of the standard deviation: a smaller rise is none
 TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
 NOTABLE = 20.0  # percent of the standard deviation: more than a small error of a parameter leaves
 RUNAWAY = 100.0  # the same
@@ -28,7 +29,8 @@ RUNAWAY = 100.0  # the same
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
     found = [*_doubted(report), *_known(report), *_held(report), *_turned(report)]
-    return [*found, *_worse(report), *_undefined(report), *_lines(report), *_missed(report)]
+    found += [*_worse(report), *_undefined(report), *_lines(report), *_missed(report)]
+    return [*found, *_left(report)]
 
 
 def _doubted(report: LoopReport) -> list[str]:
@@ -81,7 +83,7 @@ def _worse(report: LoopReport) -> list[str]:
     for kind, title in titles.items():
         sides = (getattr(errors, kind) for errors in (report.before, report.after))
         for state, before, after in zip(model.states, *sides, strict=False):
-            if before < RUNAWAY and not after <= WORSE * before:
+            if before < RUNAWAY and not after <= max(WORSE * before, before + GREW):
                 now = f"{after:.3g}" if np.isfinite(after) else "no finite value"
                 grown.append(f"{title.format(state)} from {before:.3g} to {now}")
     if not report.effects or not grown:
@@ -173,4 +175,15 @@ def _missed(report: LoopReport) -> list[str]:
         f"The free run still misses the record by {missed:.2g} %. To each effect that was tried, "
         "what remains looks like a random force. If no such force acts on the machine, something "
         "is missing that is not among these effects, or not clear in this record."
+    ]
+
+
+def _left(report: LoopReport) -> list[str]:
+    """Say that something is left beside the effects."""
+    if report.rules is None or report.chance_left > report.rules.level:
+        return []
+    return [
+        "What the corrected model leaves still depends on what was measured, by more than chance "
+        f"explains (p = {report.chance_left:.2g}). Something else is missing, or an effect stands "
+        "for another one that was not tried."
     ]

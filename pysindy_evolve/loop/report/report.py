@@ -54,6 +54,9 @@ class LoopReport:
         The settings.
     design : Design, optional
         The corrected model with its coefficients free.
+    chance_left : float
+        Of a residual of the corrected model that is predicted so well by what was measured, if it
+        were random; 1 where it is not predicted, or was not asked.
     """
 
     verdict: str
@@ -67,6 +70,7 @@ class LoopReport:
     rejected: Rejected | None = None
     rules: Rules | None = None
     design: Design | None = None
+    chance_left: float = 1.0
 
     @property
     def equations(self) -> Equations:

@@ -159,3 +159,26 @@ def test_a_term_with_a_known_coefficient_is_proposed_again_but_a_known_constant_
     assert "linear stiffness" in {name for name, _ in names}
     assert "viscous damping" not in {name for name, _ in names}  # its coefficient is free
     assert not [terms for _, terms in names if terms == (OFFSET,)]
+
+
+def test_the_sign_of_what_keeps_its_sign_is_no_friction_but_that_of_a_velocity():
+    for equations, inputs, friction in (
+        ({"h": "b*F"}, ("F",), False),
+        ({"q": "v", "v": "b*F"}, ("F",), True),
+    ):
+        design = design_of(equations, inputs)
+        n = len(design.states) + 2
+        always_positive = np.zeros(n, dtype=bool)
+        found = candidates(design, np.full(n, 3.0), always_positive, None, np.full(n, 2.0))
+        names = {candidate.name for candidate in found}
+        assert ("Coulomb friction" in names) is friction
+        # All readings lie between 1 and 3: a clip below 1 is a constant.
+        clips = [c.shape.values[0] for c in found if c.name == "saturation"]
+        assert clips
+        assert min(clips) > 1.0
+
+
+def test_a_known_constant_is_looked_at_again_where_it_is_no_force():
+    tank, weight = design_of({"T": "350 - T + b*F"}), design_of({"q": "v", "v": "b*F - 9.81"})
+    offered = [{c.name for c in proposed(design) if OFFSET in c.terms} for design in (tank, weight)]
+    assert offered == [{"constant offset"}, set()]

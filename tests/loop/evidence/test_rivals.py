@@ -15,7 +15,7 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
 from pysindy_evolve.loop.revision.contest import contested
 from pysindy_evolve.loop.twins.chance import draws_for, p_value_of
-from pysindy_evolve.terms import variable
+from pysindy_evolve.terms import power, variable
 
 N_SEGMENTS, N_ROWS, N_COLUMNS = 16, 60, 8
 
@@ -127,6 +127,15 @@ def test_a_rival_brings_the_offset_that_it_needs():
 
 
 DRAG = oscillator("quadratic drag", "- 0.05*v*abs(v)")
+
+
+def test_an_effect_with_an_offset_beside_it_is_no_alternative_of_itself():
+    hidden = oscillator("quadratic stiffness", "- 12*q^2", "-k*q - c*v + b*F", size=6.0)
+    design = design_of(hidden.model, [hidden.record()])
+    part = segments([hidden.record()], (1,))
+    square = Candidate("quadratic stiffness", 1, (power(variable(0), 2),))
+    found = rivals_of(square, design, part, 0.05, np.random.default_rng(0))
+    assert not [r for r in found if square.terms[0] in r.candidate.terms]
 
 
 def test_drag_and_cubic_damping_are_alternatives_in_a_noisy_record_and_not_in_a_good_one():

@@ -6,6 +6,7 @@ from loop_systems import levitated
 from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
+from pysindy_evolve.signals.noise import input_noise
 
 DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*u"}, inputs=["u"])
 
@@ -56,3 +57,42 @@ def test_a_forcing_with_few_periods_in_the_record_is_seen_as_structure(force, ve
     record = pse.prepare(t, solution.y[0] + noise, order=1)
     report = pse.close_loop(pse.DeclaredModel({"T": "-a*T + b"}), record, random_state=0)
     assert report.verdict == verdict, str(report)
+
+
+def coil(noise, n=6000, dt=0.005):
+    """Current of a coil, exactly as sampled, and its voltage as a noisy sensor reads it."""
+    t, rng = dt * np.arange(n), np.random.default_rng(3)
+    lines, phases = np.linspace(0.2, 12.0, 20), rng.uniform(0.0, 6.3, 20)
+    waves = np.exp(1j * (2 * np.pi * np.outer(t, lines) + phases))
+    answer = 1.0 / (0.05 * 2j * np.pi * lines + 1.2)
+    current, voltage = (waves @ answer).imag, waves.imag.sum(axis=1)
+    current = current + 0.002 * rng.standard_normal(n)
+    return pse.prepare(t, current, voltage + noise * rng.standard_normal(n), order=1)
+
+
+def test_noise_of_the_sensor_of_an_input_is_no_structure():
+    declared = pse.DeclaredModel({"i": "a*u - r*i"}, inputs=["u"])
+    for noise in (0.0, 0.02, 0.1):
+        report = pse.close_loop(declared, coil(noise), operators=(), random_state=0)
+        assert report.verdict == "complete", str(report)
+
+
+def test_an_input_that_is_held_has_no_noise_that_its_steps_could_be_taken_for():
+    rng = np.random.default_rng(0)
+    steps = np.repeat(rng.choice([-1.0, 1.0], 300), 20)
+    noisy = steps + 0.02 * rng.standard_normal(6000)
+    levels = input_noise(np.column_stack([steps, noisy]), 0.01, None)
+    assert levels[0] == 0.0
+    assert levels[1] >= 0.02
+
+
+def test_what_a_found_effect_leaves_is_said_to_depend_on_what_was_measured():
+    record = measured(0.15)
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q + b*u"}, inputs=["u"])
+    report = pse.close_loop(declared, record, operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == ["viscous damping"]
+    assert report.chance_left < 0.02
+    assert "still depends on what was measured" in str(report)
+    clean = pse.close_loop(declared, measured(0.0), operators=(), random_state=0)
+    assert clean.verdict == "traced"
+    assert "still depends on what was measured" not in str(clean)

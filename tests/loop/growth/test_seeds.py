@@ -40,6 +40,11 @@ def test_without_products_there_are_functions_only(x):
     ]  # fmt: skip
 
 
+def test_magnitude_and_sign_of_what_keeps_its_sign_are_nothing_new(x):
+    kelvin = x + np.array([10.0, 0.0])
+    assert small_names(("abs", "sgn"), kelvin) == ["q", "v", "abs(v)", "sgn(v)"]
+
+
 def test_the_term_that_explains_most_beside_the_fixed_columns_comes_first(x):
     rng = np.random.default_rng(1)
     root = np.sign(x[:, 1]) * np.sqrt(np.abs(x[:, 1]))

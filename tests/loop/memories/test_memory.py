@@ -43,6 +43,15 @@ def test_lag_follows_a_ramp_by_its_time_constant():
     assert lagging[-1] == pytest.approx(2.0 * (T[-1] - 0.5))
 
 
+def test_lag_of_a_fast_sine_is_that_of_the_sine_and_not_of_straight_lines():
+    t, time_constant, frequency = np.arange(0.0, 4.0, 0.01), 0.02, 12.0
+    omega = 2.0 * np.pi * frequency
+    shown = Memory("actuator lag", 0, (time_constant,)).response(t, np.sin(omega * t))
+    turn, size = np.arctan(omega * time_constant), np.hypot(1.0, omega * time_constant)
+    exact = np.sin(omega * t - turn) / size
+    assert np.abs(shown - exact)[50:-50].max() < 0.005 / size
+
+
 def test_lag_far_shorter_than_a_sample_changes_nothing():
     u = np.sin(3 * T)
     assert Memory("actuator lag", 0, (1e-6,)).response(T, u) == pytest.approx(u, abs=1e-5)
@@ -196,3 +205,12 @@ def test_in_a_closed_loop_a_held_input_is_a_delay_and_no_damping():
     report = pse.close_loop(declared, record, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == ["input delay"]
     assert report.effects[0].coefficients[0] == pytest.approx(5e-4, rel=0.02)
+
+
+def test_a_lag_of_an_input_that_is_known_is_found_in_a_model_without_parameters():
+    truth = Memory("actuator lag", 0, (0.2,))
+    record = record_with(truth)
+    sides = {"q": "v", "v": "-40*q - 0.8*v + F"}
+    report = pse.close_loop(pse.DeclaredModel(sides, inputs=["F"]), record, random_state=0)
+    assert report.effects[0].name == "actuator lag", str(report)
+    assert report.effects[0].coefficients == pytest.approx([0.2], rel=0.02)

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,11 @@ import pysindy_evolve as pse
 from pysindy_evolve.export import format_number
 from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.memory import Memory
+from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.report.doubtful import most_doubtful
+from pysindy_evolve.loop.report.quantities import with_share_of_runs
 from pysindy_evolve.loop.report.text import interval
+from pysindy_evolve.terms import variable
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
 
@@ -246,6 +251,35 @@ def test_an_effect_that_removes_nothing_by_itself_does_not_remove_less_than_noth
     idle = replace(report.effects[0], explained=-0.04)
     said = str(replace(report, effects=(idle, *report.effects[1:])))
     assert "by itself removes nothing of the held-out residual variance" in said
+
+
+def test_an_effect_with_which_nothing_can_be_run_removes_nothing(report):
+    (effect, *_), finding = report.effects, SimpleNamespace(candidate=SimpleNamespace(state=1))
+    never = replace(report.before, simulation_error=np.full(2, np.inf))
+    for before, after, removed in (
+        (never, never, 0.0),
+        (report.before, never, 0.0),
+        (never, report.after, 1.0),
+    ):
+        shown = with_share_of_runs(effect, finding, before, after)
+        assert shown.explained == pytest.approx(removed)
+        assert "held-out" in str(replace(report, effects=[shown]))
+
+
+def test_an_effect_whose_interval_holds_zero_is_the_most_doubtful(report):
+    effects = [e for e in report.effects if len(e.coefficients) == 1]
+    findings = [SimpleNamespace(columns=(object(),), candidate=_alone(k)) for k in range(2)]
+    sure = replace(effects[0], confidence_intervals=np.array([[-2.1, -1.9]]))
+    sure = replace(sure, coefficients=np.array([-2.0]))
+    doubtful = replace(sure, confidence_intervals=np.array([[-4.1, 0.1]]))
+    assert most_doubtful(findings, [sure, doubtful]) is findings[1]
+    assert most_doubtful(findings, [sure, sure]) is None
+    memory = SimpleNamespace(columns=(), candidate=_alone(1))
+    assert most_doubtful([findings[0], memory], [sure, doubtful]) is None
+
+
+def _alone(state):
+    return Candidate("viscous damping", state, (variable(state),))
 
 
 def test_a_declared_term_that_an_effect_holds_too_is_mentioned(report):
