@@ -70,8 +70,8 @@ def _is_still(candidate: Candidate, design: Design, scales: np.ndarray, middle: 
         return design.position_of(candidate.state) is None
     if candidate.name != "saturation" or candidate.shape is None:
         return False
-    (variable_,) = candidate.variables
-    return candidate.shape.values[0] <= 2.0 * abs(middle[variable_]) - scales[variable_]
+    (own,) = candidate.variables
+    return candidate.shape.values[0] <= 2.0 * abs(middle[own]) - scales[own]  # the least magnitude
 
 
 def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
@@ -88,7 +88,7 @@ def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
 
 
 def _fitted(design: Design) -> set[tuple[int, Sum]]:
-    """Return equation and expression of what stands in a design, without known variable terms."""
+    """Return equation and expression of what stands in a design, of what is known only forces."""
     free = standing(replace(design, fixed=(Sum(()),) * len(design.states)))
     forces = {state for state in design.open_states if design.position_of(state) is not None}
     return free | {(s, term) for s, term in standing(design) if term == OFFSET and s in forces}

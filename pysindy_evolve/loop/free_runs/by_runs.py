@@ -14,12 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...signals import Record
-from ..evidence.findings import (
-    Finding,
-    MemoryFinding,
-    memories_in,
-    next_step,
-)
+from ..evidence.findings import Finding, MemoryFinding, memories_in, next_step
 from ..evidence.rejected import Rejected
 from ..evidence.step import Look
 from ..given.design import Design

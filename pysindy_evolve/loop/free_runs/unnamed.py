@@ -100,9 +100,7 @@ def _leading(
     n_signs = draws_for(rules.level_of_runs, N_SIGNS)
     signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
     sought = [*(v.columns for v in terms), *(columns_of(c, drift.model.design) for c in small)]
-    gains, in_twins = (
-        gains_of_terms(drift, [v.columns for v in terms]),
-        chance_of_terms(drift, sought, signs),
-    )
+    gains = gains_of_terms(drift, [v.columns for v in terms])
+    in_twins = chance_of_terms(drift, sought, signs)
     best = best_of(drift, wide, terms, gains, in_twins, signs, True, rules)
     return None if best is None else best[0]
