@@ -172,7 +172,8 @@ def _reported(search: Search, test: Sequence[Record], is_whole: bool) -> LoopRep
         findings = _with_alternatives(search)
         given = search.declared, findings, search.plain, test, search.verdict, is_whole
         report = make_report(*given, search.rules, search.rng)
-        doubtful = most_doubtful(findings, report.effects)
+        whole = with_findings(search.declared, findings)
+        doubtful = most_doubtful(findings, report.effects, whole)
         if doubtful is None:
             return report
         search.withdraw(findings.index(doubtful))

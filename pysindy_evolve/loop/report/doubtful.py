@@ -1,7 +1,9 @@
 """Effects of which the final fit does not say that they are there.
 
 That something is missing was tested where an effect came in. With all others beside it, and refined
-by the runs, nothing may be left of it; an effect whose own interval contains zero is withdrawn.
+by the runs, nothing may be left of it; an effect whose own interval contains zero is withdrawn. Not
+so what remembers a motion: free runs have asked for it, and its value is hardly known apart from
+that of the friction beside it.
 """
 
 from __future__ import annotations
@@ -11,12 +13,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..evidence.findings import Finding, is_needed
+from ..given.design import Design
 from .effect import Effect
 
 __all__ = ["most_doubtful"]
 
 
-def most_doubtful(findings: Sequence[Finding], effects: Sequence[Effect]) -> Finding | None:
+def most_doubtful(
+    findings: Sequence[Finding], effects: Sequence[Effect], design: Design
+) -> Finding | None:
     """Return the finding that is least sure to differ from zero.
 
     Parameters
@@ -25,20 +30,28 @@ def most_doubtful(findings: Sequence[Finding], effects: Sequence[Effect]) -> Fin
         What was found.
     effects : sequence of Effect
         The same with their coefficients and 95 % intervals.
+    design : Design
+        The model with all of them.
 
     Returns
     -------
     Finding or None
-        None if each has a coefficient whose interval does not contain zero, is no term, or is
-        needed beside another.
+        None if each has a coefficient whose interval does not contain zero, is no term, remembers,
+        or is needed beside another.
     """
     doubts = {
         k: _ratio(effect)
         for k, (finding, effect) in enumerate(zip(findings, effects, strict=True))
-        if finding.columns and not is_needed(finding, [f for f in findings if f is not finding])
+        if finding.columns
+        and not is_needed(finding, [f for f in findings if f is not finding])
+        and not _remembers(finding, design)
     }
     worst = min(doubts, key=lambda k: doubts[k], default=None)
     return findings[worst] if worst is not None and doubts[worst] < 1.0 else None
+
+
+def _remembers(finding: Finding, design: Design) -> bool:
+    return len(design.dropping(finding.columns).paths) < len(design.paths)
 
 
 def _ratio(effect: Effect) -> float:

@@ -13,11 +13,13 @@ import pysindy_evolve as pse
 from pysindy_evolve.export import format_number
 from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.memory import Memory
+from pysindy_evolve.hidden_states.relaxing import relaxing
 from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.doubtful import most_doubtful
 from pysindy_evolve.loop.report.quantities import with_share_of_runs
 from pysindy_evolve.loop.report.text import interval
-from pysindy_evolve.terms import variable
+from pysindy_evolve.terms import power, variable
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
 
@@ -268,14 +270,26 @@ def test_an_effect_with_which_nothing_can_be_run_removes_nothing(report):
 
 def test_an_effect_whose_interval_holds_zero_is_the_most_doubtful(report):
     effects = [e for e in report.effects if len(e.coefficients) == 1]
-    findings = [SimpleNamespace(columns=(object(),), candidate=_alone(k)) for k in range(2)]
+    design, (column, *_) = report.design, report.design.columns
+    findings = [SimpleNamespace(columns=(column,), candidate=_alone(k)) for k in range(2)]
     sure = replace(effects[0], confidence_intervals=np.array([[-2.1, -1.9]]))
     sure = replace(sure, coefficients=np.array([-2.0]))
     doubtful = replace(sure, confidence_intervals=np.array([[-4.1, 0.1]]))
-    assert most_doubtful(findings, [sure, doubtful]) is findings[1]
-    assert most_doubtful(findings, [sure, sure]) is None
+    assert most_doubtful(findings, [sure, doubtful], design) is findings[1]
+    assert most_doubtful(findings, [sure, sure], design) is None
     memory = SimpleNamespace(columns=(), candidate=_alone(1))
-    assert most_doubtful([findings[0], memory], [sure, doubtful]) is None
+    assert most_doubtful([findings[0], memory], [sure, doubtful], design) is None
+
+
+def test_what_remembers_a_motion_is_not_doubted_for_the_width_of_its_interval(report):
+    q, v, t = (variable(k) for k in (0, 1, 3))
+    memory = in_state("hidden state", relaxing(q, t, 0.4), 1, 2)
+    wide = {"coefficients": np.ones(1), "confidence_intervals": np.array([[-1.0, 3.0]])}
+    for column, doubted in ((memory, False), (in_state("drag", power(v, 5), 1, 2), True)):
+        design = report.design.adding([column])
+        finding = SimpleNamespace(columns=(column,), candidate=_alone(1))
+        found = most_doubtful([finding], [SimpleNamespace(**wide)], design)
+        assert (found is finding) is doubted
 
 
 def _alone(state):
