@@ -14,6 +14,7 @@ from .effects.candidate import Candidate
 from .effects.relaxation import relaxations_of
 from .evidence.findings import (
     Finding,
+    SensorFinding,
     limits_in,
     memories_in,
     next_step,
@@ -67,8 +68,7 @@ class Search:
     rng: np.random.Generator
     findings: list[Finding] = field(default_factory=list)
     rejected: Rejected | None = None  # the last one
-    has_structure: bool = False
-    chance_left: float = 1.0  # of structure beside what was found
+    chance_left: float = 1.0  # that what is left only seems to depend on what was measured
     relaxing: bool = True  # whether to look for relaxations
     records: list[Record] = field(init=False)
     part: Segments = field(init=False)
@@ -77,7 +77,9 @@ class Search:
     @property
     def verdict(self) -> str:
         """What may be said of the declared model by now."""
-        if self.has_structure:  # beside what sensors do not show
+        if any(not isinstance(finding, SensorFinding) for finding in self.findings):
+            return "traced"
+        if self.chance_left <= self.rules.level:  # beside what sensors do not show
             return "untraced"
         return "traced" if self.findings else "complete"
 
@@ -101,20 +103,15 @@ class Search:
         self._grow()
         if self.runs_tell_more:
             self._watch_for_unnamed()
-        if not self.findings:
-            self._see_structure()
-        if self.runs_tell_more:
             self._hold()
             self._read()
-        if self.findings:
-            self.chance_left = self._structure()
+        self._look_at_rest()
 
     def withdraw(self, place: int) -> None:
-        """Take a finding back, and look for structure if none is left."""
+        """Take a finding back, and look at what is left without it."""
         self.findings = [f for k, f in enumerate(self.findings) if k != place]
         self._look_through(self.findings)
-        if not self.findings:
-            self._see_structure()
+        self._look_at_rest()
 
     def _look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
@@ -222,20 +219,15 @@ class Search:
         look = find_unnamed(self.declared, self.findings, *both, small, self.rules, child)
         self.rejected, self.findings = look.rejected or self.rejected, list(look.found)
 
-    def _see_structure(self) -> None:
-        self.has_structure = self._structure() <= self.rules.level
-
-    def _structure(self) -> float:
-        """Return the chance that what is left only seems to depend on what was measured."""
-        return structure_chance(self.design, self.records, self.part, self.rules, self.rng)
+    def _look_at_rest(self) -> None:
+        seen = self.records, self.part, self.rules, self.rng
+        self.chance_left = structure_chance(self.design, *seen)
 
     def _hold(self) -> None:
         self._drop()
         if paths_of(self.design):
             found = with_numbers_of_runs(self.declared, self.findings, self.records)
             self.findings = needed_by_runs(self.declared, found, self.records)
-            if not self.findings:
-                self._see_structure()
             return
         model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
         grown = [c for c in self.grower.grown if c.name == EVOLVED]

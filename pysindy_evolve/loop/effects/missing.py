@@ -55,17 +55,18 @@ def candidates(
         for state in design.open_states
         for candidate in of_equation(design, state, scales, apart, middle)
         if not all((state, bare(term)) in taken for term in candidate.terms)
-        # A dead zone lies about zero, and a position that never is there knows nothing of it.
-        and not (candidate.name == "dead zone" and candidate.terms[0].variables & free)
-        and not (candidate.variables <= free and _is_still(candidate, design, scales, middle))
+        and not (candidate.variables & free and _is_idle(candidate, design, scales, middle))
     ]
 
 
-def _is_still(candidate: Candidate, design: Design, scales: np.ndarray, middle: np.ndarray) -> bool:
+def _is_idle(candidate: Candidate, design: Design, scales: np.ndarray, middle: np.ndarray) -> bool:
     """Tell whether an effect of a variable that keeps its sign is constant, or that variable.
 
-    A friction of a body that moves one way only has a name all the same.
+    A dead zone lies about zero, and what never is there knows nothing of it. A friction of a body
+    that moves one way only has a name all the same.
     """
+    if candidate.name == "dead zone":
+        return True
     if candidate.name in ("Coulomb friction", "asymmetric Coulomb friction"):
         return design.position_of(candidate.state) is None
     if candidate.name != "saturation" or candidate.shape is None:

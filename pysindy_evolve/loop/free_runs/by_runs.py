@@ -20,17 +20,8 @@ from ..evidence.step import Look
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import segments
-from ..twins.chance import draws_for
 from .drift import Drift, chance_of_terms, gains_of_models, gains_of_terms
-from .judging import (
-    N_SIGNS,
-    as_rejected,
-    best_of,
-    matters,
-    model_of,
-    named_terms,
-    share_of_miss,
-)
+from .judging import best_of, model_of, named_terms, refused, signs_for
 from .state_limits import drift_from, needed, notable, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
 
@@ -87,11 +78,10 @@ def find_by_runs(
         best = _memory_or_term(drift, wide, not new, rules, rng)
         if best is None:
             break
-        finding, share = best[0], share_of_miss(best[0], declared, drift)
-        if finding.p_value > rules.level_of_runs or not matters(finding, share, rules):
-            rejected = as_rejected(finding, share, drift, rules.level_of_runs)
+        rejected = refused(best[0], declared, drift, rules)
+        if rejected is not None:
             break
-        new, pasts = _retuned([*new, finding], best[1]), best[1].pasts
+        new, pasts = _retuned([*new, best[0]], best[1]), best[1].pasts
     whole = replace(model_of(declared, [*before, *new]), pasts=pasts)
     kept = needed(whole, stops, records, rules)
     memories = [f for f in new if isinstance(f, MemoryFinding)]
@@ -115,8 +105,7 @@ def _memory_or_term(
     rng: np.random.Generator,
 ) -> tuple[Finding, Model] | None:
     """Return the plainest memory or term of those that gain most, with its chance."""
-    n_signs = draws_for(rules.level_of_runs, N_SIGNS)
-    signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
+    signs = signs_for(drift, rules, rng)
     memories = memories_beside(drift.model, drift.records, segments(drift.records))
     terms = [v for v in named_terms(drift) if not first or _is_of_motion(v, drift)]
     by_terms = gains_of_terms(drift, [v.columns for v in terms])

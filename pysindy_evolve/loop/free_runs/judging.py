@@ -11,8 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...signals import Preparation, Record
-from ...signals.spectral import gain as gain_of
+from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, with_parents
 from ..evidence.findings import Finding, MemoryFinding, limits_in, memories_in, with_columns
@@ -20,25 +19,28 @@ from ..evidence.rejected import Rejected
 from ..evidence.scoring import MARGIN, columns_of, score
 from ..evidence.trace import Score
 from ..fitting.fit import refit
+from ..fitting.linear import TINY
 from ..fitting.trial import settled
 from ..given.design import Design
 from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import ranges, segments, variables_of
+from ..given.sticking import noise_of
 from ..memories.reach import exchanged
+from ..twins.chance import draws_for, p_value_of
 from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models
 from .memory_tuning import tuned_memories
 from .state_limits import notable
 from .variants import Model, Variant
 
 __all__ = [
-    "N_SIGNS",
-    "as_rejected",
     "best_of",
     "matters",
     "model_of",
     "named_terms",
+    "refused",
     "share_of_miss",
+    "signs_for",
     "variants_of",
 ]
 
@@ -46,7 +48,6 @@ N_SIGNS = 999  # draws, which cost next to nothing
 
 SQUARES_HALVED = float(np.log(2.0))  # of the squares that the runs miss
 EXCESS = 3.0  # times the squares of the sensors' noise: these are a good part of what is missed
-N_FREQUENCIES = 1000
 
 Judged = tuple[Variant, float, float]  # a variant, what it gains, and its chance
 
@@ -54,6 +55,20 @@ Judged = tuple[Variant, float, float]  # a variant, what it gains, and its chanc
 def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
     """Return a design with all findings, memories and limits among them."""
     return Model(with_columns(declared, findings), memories_in(findings), limits_in(findings))
+
+
+def signs_for(drift: Drift, rules: Rules, rng: np.random.Generator) -> np.ndarray:
+    """Draw the signs of the stretches of twins, (n_draws, n_stretches), enough for the level."""
+    n_draws = draws_for(rules.level_of_runs, N_SIGNS)
+    return rng.choice([-1.0, 1.0], size=(n_draws, len(drift.part.z)))
+
+
+def refused(finding: Finding, declared: Design, drift: Drift, rules: Rules) -> Rejected | None:
+    """Return what the report says of a finding that does not pass; None if it does."""
+    share = share_of_miss(finding, declared, drift)
+    if finding.p_value <= rules.level_of_runs and matters(finding, share, rules):
+        return None
+    return _as_rejected(finding, share, drift, rules.level_of_runs)
 
 
 def matters(finding: Finding, share: float, rules: Rules) -> bool:
@@ -75,7 +90,7 @@ def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
     (first,) = settled([trial])
     if not np.isfinite(first.error):  # nothing to be compared with
         return removed
-    return removed * min(drift.trial.error / max(first.error, 1e-300), 1.0)
+    return removed * min(drift.trial.error / max(first.error, TINY), 1.0)
 
 
 def named_terms(drift: Drift) -> list[Variant]:
@@ -187,18 +202,13 @@ def _is_clear(drift: Drift, gain: float) -> bool:
 
 def _over_noise(drift: Drift) -> float:
     """Return the squares that runs miss of what was measured, over those of the sensors' noise."""
-    made = [record.preparation for record in drift.records if record.preparation is not None]
-    if len(made) < len(drift.records) or any(np.any(one.noise == 0.0) for one in made):
+    made = drift.records[0].preparation
+    states = range(0, drift.left.shape[-1], 1 if made is None else made.order)
+    noise = np.array([[noise_of(record, state) for state in states] for record in drift.records])
+    if np.any(noise == 0.0):  # that is not known
         return np.inf
-    missed = np.mean(drift.left[..., :: made[0].order] ** 2, axis=(0, 1))
-    return float(np.mean(missed / np.mean([_noise_of(one) ** 2 for one in made], axis=0)))
-
-
-def _noise_of(made: Preparation) -> np.ndarray:
-    """Return the standard deviation of the sensors' noise after the low-pass, one a column."""
-    frequencies = np.linspace(0.0, 0.5 / made.dt, N_FREQUENCIES)
-    passed = np.mean(gain_of(frequencies, made.cutoff, made.dt) ** 2)
-    return np.asarray(made.noise * np.sqrt(passed))
+    missed = np.mean(drift.left[..., list(states)] ** 2, axis=(0, 1))
+    return float(np.mean(missed / np.mean(noise**2, axis=0)))
 
 
 def _judged(
@@ -212,14 +222,8 @@ def _judged(
     views = gains_of_models(drift, [variant.model for variant in heads])
     views[0] = gains
     views[1, [variant.memory is None and not first for variant in heads]] = np.inf
-    chances = [_p_value(view, twins) for view in views.T]
+    chances = [max(map(p_value_of, view, twins)) for view in views.T]  # the view less sure of it
     return list(zip(heads, gains.tolist(), chances, strict=True))
-
-
-def _p_value(gain: np.ndarray, twins: np.ndarray) -> float:
-    """Return the chance of a gain in the view that is less sure of it."""
-    n_better = np.sum(twins >= gain[:, None], axis=1)
-    return float(np.max(1 + n_better)) / (1 + twins.shape[1])
 
 
 def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
@@ -232,7 +236,7 @@ def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
     return variants[k], passing[k][1], passing[k][2]
 
 
-def as_rejected(finding: Finding, share: float, drift: Drift, level: float) -> Rejected:
+def _as_rejected(finding: Finding, share: float, drift: Drift, level: float) -> Rejected:
     """Return what did not pass, for the report."""
     design = drift.model.design
     left = np.full(1, np.exp(-finding.score))

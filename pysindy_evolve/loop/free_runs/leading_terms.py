@@ -21,6 +21,7 @@ __all__ = ["leading_terms", "stand_ins"]
 
 N_FAMILIES = 12  # of terms, whose numbers are looked at more closely
 FACTORS = (0.55, 0.67, 0.82, 1.22, 1.5, 1.8)  # of these numbers, which stand on a coarse grid
+NODE = 0.1  # of a term's gain, that each of its nodes must be worth
 N_LEADING = 3  # that are worth runs of their own
 
 
@@ -43,7 +44,7 @@ def leading_terms(drift: Drift, terms: Sequence[Candidate], least: float) -> lis
         numbers only, and none where no term gains so much.
     """
     near, gains = _near(drift, terms, n_replaced=0)
-    worth = gains * (1.0 - PRICE * np.array([c.size for c in near]))
+    worth = gains * (1.0 - NODE * np.array([c.size for c in near]))
     return _leaders(near, np.where(gains >= least, worth, -np.inf))
 
 

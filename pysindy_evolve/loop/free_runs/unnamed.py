@@ -18,18 +18,8 @@ from ..evidence.scoring import columns_of
 from ..evidence.step import Look
 from ..given.design import Design
 from ..given.rules import Rules
-from ..twins.chance import draws_for
 from .drift import Drift, chance_of_terms, gains_of_terms
-from .judging import (
-    N_SIGNS,
-    as_rejected,
-    best_of,
-    matters,
-    model_of,
-    named_terms,
-    share_of_miss,
-    variants_of,
-)
+from .judging import best_of, model_of, named_terms, refused, signs_for, variants_of
 from .leading_terms import leading_terms
 from .state_limits import drift_from, notable
 
@@ -76,9 +66,8 @@ def find_unnamed(
         finding = None if drift is None else _leading(drift, wide, small, rules, rng)
         if drift is None or finding is None:
             break
-        share = share_of_miss(finding, declared, drift)
-        if finding.p_value > rules.level_of_runs or not matters(finding, share, rules):
-            rejected = as_rejected(finding, share, drift, rules.level_of_runs)
+        rejected = refused(finding, declared, drift, rules)
+        if rejected is not None:
             break
         found.append(replace(finding, step=next_step(found)))
     return Look(tuple(found), rejected)
@@ -97,8 +86,7 @@ def _leading(
     terms = variants_of(drift, leading_terms(drift, small, least))
     if not terms:
         return None
-    n_signs = draws_for(rules.level_of_runs, N_SIGNS)
-    signs = rng.choice([-1.0, 1.0], size=(n_signs, len(drift.part.z)))
+    signs = signs_for(drift, rules, rng)
     sought = [*(v.columns for v in terms), *(columns_of(c, drift.model.design) for c in small)]
     gains = gains_of_terms(drift, [v.columns for v in terms])
     in_twins = chance_of_terms(drift, sought, signs)

@@ -90,11 +90,9 @@ def driven(record: Record) -> Record:
     if made is None or made.cutoff is None or made.u is None:
         return record
     if made.decimation == 1:
-        u = made.u[made.trim : made.t.size - made.trim]
-    else:
-        wide = float(np.clip(0.5 / (OVER * record.dt), made.cutoff, WIDER * made.cutoff))
-        (u,) = SpectralFilter(made.t.size, made.dt, wide, made.decimation, made.trim)(made.u)
-    return replace(record, u=u[slice(*made.rows)])
+        return replace(record, u=made.u[made.trim : made.t.size - made.trim][slice(*made.rows)])
+    wide = float(np.clip(0.5 / (OVER * record.dt), made.cutoff, WIDER * made.cutoff))
+    return replace(record, u=replace(made, cutoff=wide).lowpass(made.u))
 
 
 def straightened(record: Record) -> Record:

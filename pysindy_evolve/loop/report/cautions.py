@@ -180,7 +180,9 @@ def _missed(report: LoopReport) -> list[str]:
 
 def _left(report: LoopReport) -> list[str]:
     """Say that something is left beside the effects."""
-    if report.rules is None or report.chance_left > report.rules.level:
+    if report.verdict != "traced" or report.rules is None:
+        return []
+    if report.chance_left > report.rules.level:
         return []
     return [
         "What the corrected model leaves still depends on what was measured, by more than chance "

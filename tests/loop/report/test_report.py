@@ -281,6 +281,13 @@ def test_an_effect_whose_interval_holds_zero_is_the_most_doubtful(report):
     assert most_doubtful([findings[0], memory], [sure, doubtful], design) is None
 
 
+def test_only_a_corrected_model_is_said_to_leave_structure(report, complete):
+    said = "What the corrected model leaves still depends on what was measured"
+    assert said not in str(report)
+    assert said in str(replace(report, chance_left=0.001))
+    assert said not in str(replace(complete, chance_left=0.001))
+
+
 def test_what_remembers_a_motion_is_not_doubted_for_the_width_of_its_interval(report):
     q, v, t = (variable(k) for k in (0, 1, 3))
     memory = in_state("hidden state", relaxing(q, t, 0.4), 1, 2)
