@@ -39,6 +39,7 @@ from .growth.grow import TermGrower
 from .growth.naming import small_candidates
 from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
+from .revision.errors_in_inputs import without_errors_in_inputs
 from .revision.outlived import without_outlived
 from .revision.revise import exchange, merged, prune
 from .revision.thinning import thinned
@@ -104,6 +105,7 @@ class Search:
         if self.runs_tell_more:
             self._watch_for_unnamed()
             self._hold()
+            self._doubt_inputs()
             self._read()
         self._look_at_rest()
 
@@ -234,6 +236,11 @@ class Search:
         small = self._small_terms()
         kept = held_against(model, self.findings, grown, small, self.plain, self.part, self.rules)
         self.findings = prune(self.declared, kept, self.part)
+
+    def _doubt_inputs(self) -> None:
+        both = self.records, self.part
+        found = without_errors_in_inputs(self.declared, self.findings, *both, self.rng.spawn(1)[0])
+        self.findings = prune(self.declared, found, self.part)
 
     def _small_terms(self) -> list[Candidate]:
         return small_candidates(self.design, self.part, self.operators)

@@ -64,7 +64,7 @@ class Gram:
     @property
     def scale(self) -> np.ndarray:
         """RMS of each column; one where a column is zero."""
-        size = np.sqrt(np.diag(self.xx) / self.n)
+        size = np.sqrt(np.maximum(np.diag(self.xx), 0.0) / self.n)  # rounding may be below zero
         return np.where(size > 0.0, size, 1.0)
 
     def scaled(self, scale: np.ndarray) -> Gram:

@@ -94,3 +94,8 @@ def test_an_inverse_exists_for_equal_columns_and_for_none(sparse_problem):
 def test_an_indefinite_matrix_is_inverted_by_its_eigenvalues():
     indefinite = Gram(np.diag([1.0, -0.5]), np.ones(2), 1.0, 1)
     np.testing.assert_allclose(inverse(indefinite), np.diag([1.0, -2.0]), rtol=1e-9)
+
+
+def test_what_rounding_leaves_of_a_column_without_rows_has_no_scale():
+    emptied = Gram(np.diag([16.0, -1e-18]), np.zeros(2), 1.0, 4)
+    assert emptied.scale.tolist() == [2.0, 1.0]

@@ -21,7 +21,7 @@ from scipy.ndimage import fourier_gaussian
 
 from ...equations import Equations
 from ...signals import Preparation, Record
-from ...signals.noise import input_noise
+from ..given.input_errors import input_error
 from ..given.sensor import as_observed
 from .paths import Path, follow
 
@@ -73,7 +73,8 @@ class TwinMaker:
             if made is None:
                 return None
             noisier = made.apply(made.t, made.y + made.noise * rng.standard_normal(made.y.shape))
-            u = record.u if made.u is None else record.u + _noise_of_inputs(made, made.u, rng)
+            error = input_error(record, rng)
+            u = record.u if error is None or record.u is None else record.u + error
             rates = self.equations.evaluate(noisier.x, u, noisier.t)
             found.append(as_observed(record, noisier.x_dot - rates) - residual)
         return found
@@ -105,11 +106,6 @@ class TwinMaker:
         share = np.sqrt(left / np.maximum(residual.var(axis=0), 1e-300))
         disturbed = rates + explained + share * shuffle_signs(residual, rng, memory)
         return replace(twin, x_dot=disturbed)
-
-
-def _noise_of_inputs(made: Preparation, u: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Draw the noise of the inputs' sensors, filtered as the inputs were."""
-    return made.lowpass(input_noise(u, made.dt, made.cutoff) * rng.standard_normal(u.shape))
 
 
 def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
