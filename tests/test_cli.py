@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -144,6 +145,22 @@ def test_columns_may_have_other_names_and_another_delimiter(capsys, tmp_path):
     code, out, _ = run(capsys, "fit", str(path), *options)
     assert code == 0
     assert "level' = -level\n" in out
+
+
+@pytest.mark.parametrize("position", ["q={q}", "q={q},v={v}"])
+def test_columns_with_long_names_get_short_ones_for_the_equations(
+    capsys, oscillator, tmp_path, position
+):
+    path = tmp_path / "long.csv"
+    rows = Path(oscillator).read_text().removeprefix("t,q,v,F,acc")
+    path.write_text("Time [s],Angle [rad],Rate (rad/s),Force / N,acc" + rows)
+    sides = ("--equation", "q = v", "--equation", "v = -k*q - c*v + b*F", "--max-effects", "1")
+    held = position.format(q="Angle [rad]", v="Rate (rad/s)")
+    names = ("--time", "Time [s]", "--position", held, "--inputs", "F=Force / N")
+    code, out, _ = run(capsys, "loop", str(path), *names, *sides)
+    assert code == 0
+    short = ("--position", position.format(q="q", v="v"), "--inputs", "F")
+    assert out == run(capsys, "loop", oscillator, *short, *sides)[1]
 
 
 def test_records_may_have_decimal_commas(capsys, tmp_path):
@@ -360,7 +377,7 @@ def test_the_examples_of_the_help_are_commands_that_parse(capsys):
     text = "\n".join([*texts, reproduction.EXAMPLES])
     lines = text.replace("\\\n", " ").splitlines()
     shown = [line.strip() for line in lines if line.strip().startswith("pysindy-evolve ")]
-    assert len(shown) == 13
+    assert len(shown) == 14
     parser = options.make_parser(dict.fromkeys(("demo", "fit", "loop", "paper")))
     for line in shown:
         assert parser.parse_args(shlex.split(line)[1:]).command in line

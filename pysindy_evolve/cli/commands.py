@@ -70,7 +70,7 @@ def fit(given: Namespace) -> bool:
             "Name the measured positions, or leave it out."
         )
     given.order = (given.order or 2) if given.position else 1
-    states = given.states or derived_names(given.position, given.order)
+    states = tuple(given.states) or derived_names(tuple(given.position), given.order)
     train, test = read_split(given, states)
     library = EvolvingLibrary(
         operators=given.operators,
@@ -105,8 +105,8 @@ def loop(given: Namespace) -> bool:
             f"{', '.join(sides)}. Join the terms of a state in one equation."
         )
     check_names(given)
-    declared = DeclaredModel(sides, inputs=given.inputs, known=dict(given.known))
-    given.order = order_of(declared, given.position)
+    declared = DeclaredModel(sides, inputs=tuple(given.inputs), known=dict(given.known))
+    given.order = order_of(declared, tuple(given.position))
     train, test = read_all(given, given.files, sides), read_all(given, given.test, sides)
     say(f"Free parameters: {', '.join(declared.parameters) or 'none'}\n")
     report = close_loop(

@@ -11,6 +11,7 @@ from typing import NoReturn
 from ..library import OPERATORS
 from ..operators import BUILTIN
 from . import reproduction
+from .readers import columns as columns_of
 from .readers import constants, count, cutoff, names, pair, pairs
 
 __all__ = ["PROGRAM", "make_parser"]
@@ -60,6 +61,9 @@ examples:
   All states were measured, so there is no --position:
     pysindy-evolve loop tanks.csv --inputs u \\
         --equation "h1 = a*u - b*sqrt(h1)" --equation "h2 = c*sqrt(h1) - d*sqrt(h2)"
+  The columns have long names, and are called q and F in the equations:
+    pysindy-evolve loop rig.csv --time "Time [s]" --position "q=Position [mm]" \\
+        --inputs "F=Force (N)" --equation "q = v" --equation "v = -k*q - c*v + b*F"
 
 In an equation, names that are neither a state, an input, t nor known are free parameters. They
 are fitted and must enter linearly; they are listed before the search begins.
@@ -135,12 +139,12 @@ def _add_fit(parser: argparse.ArgumentParser) -> None:
     columns = _add_columns(parser)
     states = columns.add_mutually_exclusive_group(required=True)
     states.add_argument(
-        "--states", type=names, default=(), metavar="q,v", help="columns of measured states"
+        "--states", type=columns_of, default={}, metavar="q,v", help="columns of measured states"
     )
     states.add_argument(
         "--position",
-        type=names,
-        default=(),
+        type=columns_of,
+        default={},
         metavar="q,...",
         help="columns of positions, to be differentiated",
     )
@@ -185,11 +189,12 @@ def _add_loop(parser: argparse.ArgumentParser) -> None:
     )
     _add_columns(parser).add_argument(
         "--position",
-        type=names,
-        default=(),
+        type=columns_of,
+        default={},
         metavar="q,...",
         help="columns of positions, to be differentiated; without it every state is a column",
     )
+    parser.set_defaults(states={})  # those of the equations
     parser.add_argument("--report", type=Path, metavar="FOLDER", help="save report and picture")
     search = parser.add_argument_group("search")
     for name, kind, default, text in (
@@ -219,7 +224,11 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     columns = parser.add_argument_group("columns")
     columns.add_argument("--time", default="t", metavar="NAME", help="column of time (t)")
     columns.add_argument(
-        "--inputs", type=names, default=(), metavar="F,...", help="columns of inputs"
+        "--inputs",
+        type=columns_of,
+        default={},
+        metavar="F,...",
+        help="columns of inputs; F=NAME calls a column F, here and with states and positions",
     )
     columns.add_argument(
         "--target",

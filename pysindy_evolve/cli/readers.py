@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Sequence
 
-__all__ = ["choices", "constants", "count", "cutoff", "names", "pair", "pairs"]
+__all__ = ["choices", "columns", "constants", "count", "cutoff", "names", "pair", "pairs"]
 
 
 def names(text: str) -> tuple[str, ...]:
@@ -14,6 +14,14 @@ def names(text: str) -> tuple[str, ...]:
     if not all(found) or len(set(found)) < len(found):
         raise argparse.ArgumentTypeError(f"must be different names with commas; got {text!r}")
     return found
+
+
+def columns(text: str) -> dict[str, str]:
+    """Read names with commas between, each a column or, as in ``q=Position [mm]``, one for it."""
+    parts = [part.partition("=") for part in text.split(",")]
+    found = names(",".join(name for name, _, _ in parts))
+    held = (column.strip() if sign else name.strip() for name, sign, column in parts)
+    return dict(zip(found, held, strict=True))
 
 
 def choices(known: Sequence[str]) -> Callable[[str], tuple[str, ...]]:

@@ -30,9 +30,10 @@ def check_names(given: Namespace) -> None:
     blamed for it.
     """
     held = column_names(given.files[0], given.delimiter)
-    options = {"--time": [given.time], "--position": given.position, "--inputs": given.inputs}
+    options = {"--time": [given.time]}
+    options |= {f"--{one}": vars(given)[one].values() for one in ("position", "inputs")}
     for option, names in options.items():
-        for name in (one for one in names or () if one not in held):
+        for name in (one for one in names if one not in held):
             raise ValueError(
                 f"{option} must name columns of {str(given.files[0])!r}; got {name!r}. "
                 f"The file holds {', '.join(map(repr, held))}."
@@ -78,12 +79,13 @@ def read_all(given: Namespace, paths: Iterable[Path], states: Iterable[str]) -> 
 
 
 def _read(path: Path, given: Namespace, states: tuple[str, ...]) -> Record:
-    targets, measured = dict(given.target), given.position or states
-    wanted = dict.fromkeys([given.time, *measured, *given.inputs, *targets.values()])
+    targets, inputs = dict(given.target), tuple(given.inputs) or None
+    measured = given.position or given.states or {state: state for state in states}
+    held = [*measured.values(), *given.inputs.values(), *targets.values()]
+    wanted = dict.fromkeys([given.time, *held])
     columns = read_csv(path, list(wanted), given.delimiter, given.decimal)
-    t, y = columns[given.time], np.column_stack([columns[name] for name in measured])
-    u = np.column_stack([columns[name] for name in given.inputs]) if given.inputs else None
-    inputs = tuple(given.inputs) or None
+    t, y = columns[given.time], np.column_stack([columns[name] for name in measured.values()])
+    u = np.column_stack([columns[name] for name in given.inputs.values()]) if inputs else None
     if given.cutoff == "auto" and set(targets) == set(states) == set(measured):
         # Everything was measured: there is nothing to derive, so nothing to filter for.
         x_dot = np.column_stack([columns[targets[state]] for state in states])
