@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["TINY", "log_ratio", "solve", "solve_gram"]
+__all__ = ["RIDGE", "TINY", "log_ratio", "solve", "solve_gram", "solve_many"]
 
 TINY = 1e-300  # what nothing is divided by less than
 RIDGE = 1e-10  # relative; keeps a column that repeats another one from blowing up
@@ -24,9 +24,26 @@ def solve(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
     -------
     ndarray of shape (..., p)
     """
-    size = np.sqrt(np.maximum(np.diagonal(xx, axis1=-2, axis2=-1), TINY))
-    scaled = xx / (size[..., :, None] * size[..., None, :]) + RIDGE * np.eye(xx.shape[-1])
-    return np.linalg.solve(scaled, (xy / size)[..., None])[..., 0] / size
+    return solve_many(xx, xy[..., None])[..., 0]
+
+
+def solve_many(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
+    """Solve normal equations for several targets, with columns brought to one size first.
+
+    Parameters
+    ----------
+    xx : ndarray of shape (..., p, p)
+        Inner products of the columns.
+    xy : ndarray of shape (..., p, n_targets)
+        Inner products with the targets.
+
+    Returns
+    -------
+    ndarray of shape (..., p, n_targets)
+    """
+    size = np.sqrt(np.maximum(np.diagonal(xx, axis1=-2, axis2=-1), TINY))[..., None]
+    scaled = xx / (size * np.swapaxes(size, -1, -2)) + RIDGE * np.eye(xx.shape[-1])
+    return np.asarray(np.linalg.solve(scaled, xy / size) / size)
 
 
 def solve_gram(gram: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..evidence.trace import is_new
-from ..fitting.linear import solve
+from ..fitting.linear import solve_many
 from ..fitting.trial import Trial
 from .whitening import Whitener
 
@@ -76,11 +76,10 @@ class HeldOut:
             held = self.folds == fold
             rest = grams[~held]
             xy = rest[:, :p, p].sum(axis=0) + signs[:, ~held] @ rest[:, :p, p + 1]
-            xx = np.broadcast_to(rest[:, :p, :p].sum(axis=0), (len(signs), p, p))
-            coef = solve(xx, xy)
+            coef = solve_many(rest[:, :p, :p].sum(axis=0), xy.T).T
             for gram, sign in zip(grams[held], signs[:, held].T, strict=True):
                 left = np.column_stack([coef, -np.ones(len(signs)), -sign])
-                total += np.einsum("di,ij,dj->d", left, gram, left)
+                total += np.sum((left @ gram) * left, axis=1)
         return np.maximum(total, 1e-300)
 
     def is_new(self, own: int, columns: Sequence[int]) -> bool:

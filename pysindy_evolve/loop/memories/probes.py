@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -251,7 +252,7 @@ def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -
     places = []
     for swap in swaps:
         new = {
-            k: _swapped(column, swap)
+            k: _swapped(column, tuple(swap.items()))
             for k, column in enumerate((*design.columns, Column("known", design.fixed)))
             if any(set(swap) & p.variables for p in column.parts)
         }
@@ -272,8 +273,9 @@ def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -
     return found
 
 
-def _swapped(column: Column, swap: dict[int, Sum]) -> Column:
-    return replace(column, parts=tuple(substituted(part, swap) for part in column.parts))
+@lru_cache(maxsize=4096)  # each twin asks for the same ones
+def _swapped(column: Column, swap: tuple[tuple[int, Sum], ...]) -> Column:
+    return replace(column, parts=tuple(substituted(part, dict(swap)) for part in column.parts))
 
 
 def _with_target(grams: np.ndarray, place: int) -> np.ndarray:
