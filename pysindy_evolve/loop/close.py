@@ -14,10 +14,13 @@ from ..signals import Record
 from .evidence.findings import Finding, limits_in, memories_in, with_findings
 from .evidence.offers import awaited
 from .evidence.witness import witnessed
+from .fitting.unfolding import paths_of
+from .free_runs.refuted import unrefuted
 from .free_runs.state_limits import may_stop_itself
 from .given.algebraic import as_algebraic
 from .given.declared import DeclaredModel, design_of, doubted
 from .given.design import Design
+from .given.input_errors import as_held
 from .given.limits import off_limits
 from .given.records import alike, check_records, split_records, widened
 from .given.rules import Rules, generator
@@ -143,7 +146,7 @@ def _checked(
     is_cut = not test and (isinstance(train, Record) or len(train) == 1)
     whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
     check_records(design, [*fit_on, *judge_on], whole)
-    fit_on, judge_on = alike(fit_on, judge_on)
+    fit_on, judge_on = (list(map(as_held, records)) for records in alike(fit_on, judge_on))
     if design.algebraic:
         fit_on, judge_on = ([as_algebraic(r) for r in rs] for rs in (fit_on, judge_on))
         return design, fit_on, judge_on
@@ -185,4 +188,7 @@ def _with_alternatives(search: Search) -> list[Finding]:
     acted = search.whole.of([remembered(record, memories_in(found)) for record in search.wide])
     acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)), search.wide)
     child = search.rng.spawn(1)[0]
-    return told_by_slopes(design, contested(design, found, acted, rules.significance, child), acted)
+    rivals = contested(design, found, acted, rules.significance, child)
+    if search.runs_tell_more and not paths_of(search.design):
+        rivals = unrefuted(design, rivals, search.plain)
+    return told_by_slopes(design, rivals, acted)

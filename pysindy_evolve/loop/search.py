@@ -238,8 +238,8 @@ class Search:
         self.findings = prune(self.declared, kept, self.part)
 
     def _doubt_inputs(self) -> None:
-        both = self.records, self.part
-        found = without_errors_in_inputs(self.declared, self.findings, *both, self.rng.spawn(1)[0])
+        seen = self.wide, self.records, self.part, self.rng.spawn(1)[0]
+        found = without_errors_in_inputs(self.declared, self.findings, *seen)
         self.findings = prune(self.declared, found, self.part)
 
     def _small_terms(self) -> list[Candidate]:

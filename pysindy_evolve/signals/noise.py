@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import fft
+from scipy.stats import norm
 
 from . import checks
 from .spectral import Array, Extension, gain
@@ -21,6 +22,8 @@ NOISE_PRICE = 10.0
 N_CANDIDATES = 200
 # Share of readings equal to the one before from which on a column counts as coarse.
 DWELL = 0.1
+# Share of the steps of an input that are noise alone, whatever the input does.
+SMALLEST = 0.2
 # Fewest periods of the cutoff in a record.
 FEWEST_PERIODS = 4.0
 # Median of a chi-square variable with two degrees of freedom over its mean.
@@ -138,10 +141,13 @@ def sensor_noise(y: Array, dt: float, cutoff: float | None) -> Array:
 def input_noise(u: Array, dt: float, cutoff: float | None) -> Array:
     """Return the standard deviation of the white noise on each input, u (n, k).
 
-    Zero for one that holds its values for a while: its steps reach as far up as noise does.
+    Zero for one that holds its values for a while: its steps reach as far up as noise does. Of one
+    that jumps, and is read with noise, the smallest steps say how large that is at most.
     """
-    holds = np.mean(np.diff(u, axis=0) == 0, axis=0) >= DWELL
-    return np.where(holds, 0.0, sensor_noise(u, dt, cutoff))
+    steps = np.abs(np.diff(u, axis=0))
+    at_most = np.quantile(steps, SMALLEST, axis=0) / (np.sqrt(2.0) * norm.ppf(0.5 + SMALLEST / 2))
+    holds = np.mean(steps == 0, axis=0) >= DWELL
+    return np.where(holds, 0.0, np.minimum(sensor_noise(u, dt, cutoff), at_most))
 
 
 def noise_level(y: ArrayLike) -> Array | float:

@@ -14,13 +14,14 @@ from ...operators import BUILTIN
 from ...terms import Sum, call, constant, mul, variable
 from .candidate import Candidate, CandidateMaker, Shape
 
-__all__ = ["lines_of", "periodic_candidates", "ripple_candidates"]
+__all__ = ["FEWEST_FREQUENCIES", "lines_of", "periodic_candidates", "ripple_candidates"]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
 HALF = FINENESS // 2  # of these make half of what the record resolves
 AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
 SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
+FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know the noise about a line
 PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
 PERIODS_IN_SPACE = 4  # fewer within the stroke look like a spring or a slope
 SAMPLES_PER_BIN = 8  # of the stroke, on average: as fine as the record can tell

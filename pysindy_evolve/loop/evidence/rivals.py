@@ -96,6 +96,8 @@ def rivals_of(
         first = places[-1][-1] + 1
     own, *others = places
     ours, *theirs = explained(grams, base, places)
+    if ours <= 0.0:  # it explains nothing beside the others any more, and so does anything
+        return ()
     best: dict[str, Rival] = {}
     for option, place, squares in zip(options, others, theirs, strict=True):
         if squares < EXPLAINED * ours:

@@ -30,6 +30,7 @@ __all__ = ["Look", "find"]
 
 # Score of an effect that halves the error: no trace, whatever its share.
 ERROR_HALVED = float(np.log(4.0))
+NEARLY = 0.98  # of what a term with a number in it removes
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +91,7 @@ def find(
     if not worthy and (design.columns != declared.columns or not gaining):
         light = [Rejected(s, shares.of(s), variables=names) for s in gaining]
         return Look(rejected=light[0] if light else None)
-    best = plainest(worthy or gaining)
+    best = _without_numbers(plainest(worthy or gaining), worthy, shares)
     maker = DriftingTwins.of(design, records) if part.tracks else TwinMaker.of(equations, records)
     statistic = partial(_best_score, design=design, proposer=proposer)
     observed = min(best.value, searched[0].value)
@@ -126,6 +127,26 @@ def _tuned_group(
 def _matters(score: Score, shares: Shares, rules: Rules) -> bool:
     """Tell whether a group is more than a trace of something."""
     return score.value >= ERROR_HALVED or shares.of(score) >= rules.min_share
+
+
+def _without_numbers(best: Score, worthy: Sequence[Score], shares: Shares) -> Score:
+    """Return a term without numbers in it that removes nearly as much as one with a number.
+
+    A saturation that hardly comes in is a gain: what it does better may be the ringing of a filter.
+    """
+    (one, *more) = best.group
+    if more or one.shape is None:
+        return best
+    plainer = (
+        s
+        for s in worthy
+        if len(s.group) == 1
+        and (s.group[0].shape, s.group[0].state) == (None, one.state)
+        and s.group[0].variables == one.variables
+        and s.group[0].size < one.size
+        and shares.of(s) >= NEARLY * shares.of(best)
+    )
+    return next(plainer, best)
 
 
 def _is_one_of(zeros: set[tuple[int, Sum]], score: Score) -> bool:

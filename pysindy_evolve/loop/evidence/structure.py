@@ -27,9 +27,10 @@ from ..given.segments import Segments
 from ..twins.chance import p_value_of
 from ..twins.testing import twin_values
 from ..twins.twins import TwinMaker
+from .noise_floor import EXCESS, NoiseFloor
 from .scoring import quick_fit
 from .shares import is_exact
-from .spectral import spectral_grams, spectral_rows
+from .spectral import spectral_grams
 from .trace import fold_errors
 
 __all__ = ["structure_chance"]
@@ -37,9 +38,6 @@ __all__ = ["structure_chance"]
 MAX_COLUMNS = 60
 LAGS = (1, 2, 4, 8)  # in eighths of the width of the windows
 NOTABLE = 0.05  # log error that the generic model must gain
-N_NOISE = 4  # twins with nothing but the noise of the sensors
-EXCESS = 1.5  # times the power that these leave in a band; less may be a matter of chance
-N_BANDS, FEWEST = 16, 4  # bands, and frequencies in each
 
 
 @dataclass(frozen=True)
@@ -115,22 +113,8 @@ def _exceeds_noise(
     In a closed loop the input answers the noise of the sensor, and so tells what that was. What is
     predicted by it then is noise, and no twin, whose noise nobody answered, shows the same.
     """
-    drawn = [maker.noise_alone(child) for child in rng.spawn(N_NOISE)]
-    noise = [columns for columns in drawn if columns is not None]
-    if not noise:
-        return True
-    left, *alone = (_power(columns, design, part) for columns in (maker.residuals, *noise))
-    return bool(np.any(left > EXCESS * np.mean(alone, axis=0)))
-
-
-def _power(columns: Sequence[np.ndarray], design: Design, part: Segments) -> np.ndarray:
-    """Return the power of residuals in bands of frequency, (n_bands, n_open)."""
-    length = part.z.shape[1]
-    pieces = np.stack([columns[i][start : start + length] for i, start in part.places])
-    rows = spectral_rows(part, (pieces * part.weight)[:, :, list(design.open_states)])
-    power = np.mean(np.abs(rows) ** 2, axis=0)
-    n_bands = max(1, min(N_BANDS, len(power) // FEWEST))
-    return np.array([band.mean(axis=0) for band in np.array_split(power, n_bands)])
+    floor = NoiseFloor.of(maker.equations, design, maker.records, part, rng)
+    return floor is None or floor.excess(maker.equations) > EXCESS
 
 
 def _gain_in_twin(

@@ -86,8 +86,9 @@ def _without(
 
     All matrices have the shape (n_folds, p + 1, p + 1).
     """
-    sizes = np.maximum(np.diagonal(rest, axis1=1, axis2=2), TINY)
-    ridged = rest + RIDGE * sizes[:, :, None] * np.diag([*np.ones(rest.shape[1] - 1), 0.0])
+    ridge = RIDGE * np.maximum(np.diagonal(rest, axis1=1, axis2=2), TINY / RIDGE)
+    ridge[:, -1] = 0.0  # the target is no column
+    ridged = rest + ridge[:, :, None] * np.eye(rest.shape[1])
     fits = solve_many(rest[:, shared[:, None], shared], rest[:, shared])
     left = np.broadcast_to(np.eye(rest.shape[1]), rest.shape).copy()
     left[:, shared] -= fits

@@ -37,7 +37,7 @@ from .leading_terms import stand_ins
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
-__all__ = ["held_against"]
+__all__ = ["STEADY", "STRETCHES", "begun_with", "fitted_with", "held_against"]
 
 N_RIVALS = 5  # that come closest in the spectral view
 STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
@@ -98,7 +98,7 @@ def _winner(
 ) -> Finding:
     """Return a finding, or the one that takes its place in a model without it."""
     own = finding.candidate
-    drift = drift_of(*_fitted(model, own, records), records, STRETCHES, STEADY)
+    drift = drift_of(*fitted_with(model, own, records), records, STRETCHES, STEADY)
     if drift is None:
         return finding
     acted = model.acted(records)
@@ -106,9 +106,10 @@ def _winner(
     able = [one for one in grown if have_values(one.terms, acted)]
     shown = [c for c in stand_ins(drift, own, small, matter) if have_values(c.terms, acted)]
     rivals = list(dict.fromkeys([*_closest(model, own, able, part), *shown]))
-    begun = [_begun(model, rival, drift, records) for rival in rivals]
-    fitted = map(Contender, rivals, settled(begun))
-    tuned = tuned_by_runs([Contender(own, drift.trial), *fitted], model, drift, records)
+    begun = [begun_with(model, rival, drift, records) for rival in rivals]
+    # The effect itself was fitted in other units of the errors.
+    fitted = map(Contender, [own, *rivals], settled([drift.trial, *begun]))
+    tuned = tuned_by_runs(list(fitted), model, drift, records)
     best = _best(tuned, matter, rules.significance / max(len(rivals), 1))
     columns = columns_of(best.candidate, model.design)
     return replace(finding, candidate=best.candidate, columns=columns)
@@ -162,7 +163,7 @@ def _closest(
     return [s.group[0] for s in scores[:N_RIVALS]]
 
 
-def _fitted(
+def fitted_with(
     model: Model, candidate: Candidate, records: Sequence[Record]
 ) -> tuple[Model, np.ndarray]:
     """Return a model with an effect, and the coefficients that the derivative gives."""
@@ -170,8 +171,11 @@ def _fitted(
     return whole, refit(whole.design, model.acted(records), "derivative")
 
 
-def _begun(model: Model, candidate: Candidate, drift: Drift, records: Sequence[Record]) -> Trial:
-    whole, coef = _fitted(model, candidate, records)
+def begun_with(
+    model: Model, candidate: Candidate, drift: Drift, records: Sequence[Record]
+) -> Trial:
+    """Return a trial of a model with an effect, begun where the derivative says."""
+    whole, coef = fitted_with(model, candidate, records)
     return whole.trial(coef, drift.trial.scale, records, drift.part)
 
 

@@ -34,10 +34,12 @@ from .state_limits import notable
 from .variants import Model, Variant
 
 __all__ = [
+    "EXCESS",
     "best_of",
     "matters",
     "model_of",
     "named_terms",
+    "over_noise",
     "refused",
     "share_of_miss",
     "signs_for",
@@ -197,10 +199,10 @@ def _is_clear(drift: Drift, gain: float) -> bool:
     Where a force that nobody measured drives the runs apart, an input that answers it makes what
     depends on the motion look like that force.
     """
-    return gain >= SQUARES_HALVED or _over_noise(drift) * np.exp(-gain) <= EXCESS
+    return gain >= SQUARES_HALVED or over_noise(drift) * np.exp(-gain) <= EXCESS
 
 
-def _over_noise(drift: Drift) -> float:
+def over_noise(drift: Drift) -> float:
     """Return the squares that runs miss of what was measured, over those of the sensors' noise."""
     made = drift.records[0].preparation
     states = range(0, drift.left.shape[-1], 1 if made is None else made.order)

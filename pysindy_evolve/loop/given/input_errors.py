@@ -1,24 +1,54 @@
 """What a record does not know of its inputs: the noise of their sensors, and the time in between.
 
-An input that jumps between levels is held from one sample to the next, and is recorded at best as
-the mean of the values before and after each sample. A motion that follows from it is a little
-quicker, by the share (omega dt)^2 / 6 at the frequency omega.
+An input that jumps between levels is held from one sample to the next. It is recorded at best as
+the mean of the values before and after each sample; a motion that follows from it is a little
+quicker, by the share (omega dt)^2 / 6 at the frequency omega. That can be made up for. Where the
+value itself is recorded that begins at a sample, the motion is late by half a sample besides, which
+is a delay like any other. An input that runs smoothly is known between its samples as well.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-from scipy.ndimage import correlate1d
+from scipy.ndimage import label
 
 from ...signals import Record
 from ...signals.noise import input_noise
 
-__all__ = ["input_error"]
+__all__ = ["as_held", "input_error", "known_up_to"]
 
-HELD = 1.0 / 6.0  # of the second difference: by so much an input may differ from what was recorded
+STILL = 0.2  # share of the steps from sample to sample that are small, if an input is held ...
+SMALL = 0.1  # ... in sizes of all its steps: of a sine that runs on a fifth are below 0.4
+LARGE = 0.25  # of the largest step: these are its jumps
+QUICKER = 1.0 / 6.0  # of the second difference
+DOUBT = 0.05  # of a held input: more of it is not known at the frequencies that are looked at
 
 
-def input_error(record: Record, rng: np.random.Generator) -> np.ndarray | None:
+def as_held(record: Record) -> Record:
+    """Return a record whose held inputs, recorded as means about the samples, act as they did."""
+    made = record.preparation
+    if made is None or made.u is None:
+        return record
+    means = _samples_of_jumps(made.u) == 2
+    if not means.any():
+        return record
+    held = made.u - np.where(means, QUICKER * _bend(made.u), 0.0)
+    return replace(record, u=made.lowpass(held), preparation=replace(made, u=held))
+
+
+def known_up_to(record: Record) -> float:
+    """Return the frequency up to which inputs are known well, cycles per unit of t."""
+    made = record.preparation
+    if made is None or made.u is None or not _samples_of_jumps(made.u).any():
+        return np.inf
+    return float(np.sqrt(DOUBT / QUICKER) / (2.0 * np.pi * made.dt))
+
+
+def input_error(
+    record: Record, rng: np.random.Generator, columns: frozenset[int] | None = None
+) -> np.ndarray | None:
     """Draw by what the inputs of a record may differ from those that drove the machine.
 
     Parameters
@@ -27,6 +57,8 @@ def input_error(record: Record, rng: np.random.Generator) -> np.ndarray | None:
         Made from raw data, or nothing is known of its inputs.
     rng : numpy.random.Generator
         Draws the noise.
+    columns : frozenset of int, optional
+        The inputs in question; by default all.
 
     Returns
     -------
@@ -37,5 +69,32 @@ def input_error(record: Record, rng: np.random.Generator) -> np.ndarray | None:
     if made is None or made.u is None:
         return None
     noise = input_noise(made.u, made.dt, made.cutoff) * rng.standard_normal(made.u.shape)
-    between = HELD * correlate1d(made.u, [1.0, -2.0, 1.0], axis=0, mode="nearest")
-    return made.lowpass(noise + between)
+    asked = range(made.u.shape[1]) if columns is None else columns
+    at_work = np.isin(np.arange(made.u.shape[1]), list(asked))
+    return made.lowpass((noise + _between(made.u)) * at_work)
+
+
+def _between(u: np.ndarray) -> np.ndarray:
+    """Return by how much held inputs, (n_raw, n_inputs), may differ from their records."""
+    jumps = _samples_of_jumps(u)
+    late = 0.5 * np.diff(u, axis=0, prepend=u[:1])
+    return np.where(jumps > 0, -QUICKER * _bend(u), 0.0) - np.where(jumps == 1, late, 0.0)
+
+
+def _bend(u: np.ndarray) -> np.ndarray:
+    """Return the second differences of columns, of the same shape."""
+    return np.diff(u, n=2, axis=0, prepend=u[:1], append=u[-1:])
+
+
+def _samples_of_jumps(u: np.ndarray) -> np.ndarray:
+    """Return how many steps a jump takes: 1, or 2 of a mean; 0 for inputs that are not held."""
+    return np.array([_samples_of_jump(column) for column in u.T])
+
+
+def _samples_of_jump(u: np.ndarray) -> int:
+    steps = np.abs(np.diff(u))
+    if np.quantile(steps, STILL) >= SMALL * np.sqrt(np.mean(steps**2)):
+        return 0
+    places, n_jumps = label(steps > LARGE * steps.max())
+    length = int(np.median(np.bincount(places.ravel())[1:])) if n_jumps else 0
+    return length if length <= 2 else 0

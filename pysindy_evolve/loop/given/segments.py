@@ -14,6 +14,7 @@ from ...signals import Record, Windows, choose_windows
 from ...signals.checks import LARGEST
 from ...terms import Sum
 from .band import Band
+from .input_errors import known_up_to
 from .sensor import limits_of_states, missed
 from .sticking import moving
 
@@ -171,7 +172,8 @@ def segments(
     if windows.width > length // 2:
         windows = Windows(width=max(1, length // 2), stride=max(1, length // 8))
     slowest = FEWEST_FREQUENCIES / (length * records[0].dt)
-    cutoff = min(_band(record, slowest) for record in records)
+    known = max(slowest, min(known_up_to(record) for record in records))
+    cutoff = min(known, *(_band(record, slowest) for record in records))
     return Segments(
         z,
         x_dot,

@@ -8,11 +8,12 @@ import numpy as np
 
 from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
-from ..effects.periodic import lines_of
+from ..effects.periodic import FEWEST_FREQUENCIES, lines_of
 from ..given.kinematics import disagreement
 from .left import residual_of
 
 if TYPE_CHECKING:
+    from ...signals import Record
     from .effect import Effect
     from .report import LoopReport
 
@@ -141,7 +142,7 @@ def _undefined(report: LoopReport) -> list[str]:
 def _lines(report: LoopReport) -> list[str]:
     """Name the frequencies at which the residuals of all of several records have a line."""
     model, records = report.after.model, report.train
-    if len(records) < 2 or model.n_algebraic:
+    if len(records) < 2 or model.n_algebraic or not all(map(_knows_its_noise, records)):
         return []
     said = []
     for state in range(len(report.before.model.states)):
@@ -160,6 +161,13 @@ def _lines(report: LoopReport) -> list[str]:
                     "a forcing whose phase differs between records, which no fixed term can be."
                 )
     return said
+
+
+def _knows_its_noise(record: Record) -> bool:
+    """Tell whether the low-pass of a record left frequencies enough to know a line from noise."""
+    made = record.preparation
+    cutoff = 0.5 / record.dt if made is None or made.cutoff is None else made.cutoff
+    return bool(cutoff * (record.t[-1] - record.t[0]) >= FEWEST_FREQUENCIES)
 
 
 def _missed(report: LoopReport) -> list[str]:

@@ -18,6 +18,7 @@ from ...signals import Record
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import quick_fit
 from ..evidence.spectral import spectral_rows
+from ..fitting.linear import TINY
 from ..given.design import Design
 from ..given.input_errors import input_error
 from ..given.segments import Segments
@@ -25,12 +26,13 @@ from ..given.segments import Segments
 __all__ = ["without_errors_in_inputs"]
 
 N_DRAWS = 4  # of the noise
-EXCESS = 1.5  # times the power of these errors; less may be a matter of chance
+EXCESS = 1.25  # times the power of these errors; less may be a matter of chance
 
 
 def without_errors_in_inputs(
     declared: Design,
     findings: Sequence[Finding],
+    raw: Sequence[Record],
     records: Sequence[Record],
     part: Segments,
     rng: np.random.Generator,
@@ -43,8 +45,10 @@ def without_errors_in_inputs(
         The model at the start.
     findings : sequence of Finding
         What was found.
-    records : sequence of Record
+    raw : sequence of Record
         Training records.
+    records : sequence of Record
+        The same with the memories among the findings, which would take noise off the inputs.
     part : Segments
         Pieces of them.
     rng : numpy.random.Generator
@@ -60,9 +64,11 @@ def without_errors_in_inputs(
     rest = with_findings(declared, [f for f in kept if f not in suspects])
     if not suspects:
         return kept
-    errors = _power_of_errors(quick_fit(rest, part), records, part, rng)
+    equations, drawn = quick_fit(rest, part), rng.spawn(N_DRAWS)
+    pairs = list(zip(raw, records, strict=True))
+    errors = {f: _power_of_errors(equations, f, pairs, part, drawn) for f in suspects}
     while suspects:
-        worth = [_worth(f, declared, kept, part) / errors[f.candidate.state] for f in suspects]
+        worth = [_worth(f, declared, kept, part) / max(errors[f], TINY) for f in suspects]
         least = int(np.argmin(worth))
         if worth[least] > EXCESS:
             break
@@ -97,19 +103,30 @@ def _left(equations: Equations, part: Segments) -> np.ndarray:
 
 
 def _power_of_errors(
-    equations: Equations, records: Sequence[Record], part: Segments, rng: np.random.Generator
+    equations: Equations,
+    finding: Finding,
+    pairs: Sequence[tuple[Record, Record]],
+    part: Segments,
+    drawn: Sequence[np.random.Generator],
+) -> float:
+    """Return the power that errors of its inputs leave in the equation of a finding."""
+    length, n_states = part.z.shape[1], part.n_states
+    inputs = frozenset(v - n_states for v in finding.candidate.variables)
+    powers = []
+    for rng in drawn:
+        left = [_of_record(equations, *pair, inputs, rng) for pair in pairs]
+        powers.append(_power(np.stack([left[i][s : s + length] for i, s in part.places]), part))
+    return float(np.mean(powers, axis=0)[finding.candidate.state])
+
+
+def _of_record(
+    equations: Equations,
+    raw: Record,
+    record: Record,
+    inputs: frozenset[int],
+    rng: np.random.Generator,
 ) -> np.ndarray:
-    """Return the power that the errors of the inputs leave, (n_states,)."""
-    length = part.z.shape[1]
-    drawn = []
-    for child in rng.spawn(N_DRAWS):
-        left = [_of_record(equations, record, child) for record in records]
-        drawn.append(_power(np.stack([left[i][s : s + length] for i, s in part.places]), part))
-    return np.asarray(np.mean(drawn, axis=0))
-
-
-def _of_record(equations: Equations, record: Record, rng: np.random.Generator) -> np.ndarray:
-    error = input_error(record, rng)
+    error = input_error(raw, rng, inputs)
     if error is None or record.u is None:
         return np.zeros_like(record.x_dot)
     moved = equations.evaluate(record.x, record.u + error, record.t)

@@ -21,7 +21,6 @@ from scipy.ndimage import fourier_gaussian
 
 from ...equations import Equations
 from ...signals import Preparation, Record
-from ..given.input_errors import input_error
 from ..given.sensor import as_observed
 from .paths import Path, follow
 
@@ -61,23 +60,6 @@ class TwinMaker:
         simulated = tuple(follow(equations, record) for record in records)
         memories = tuple(memory_of(residual) for residual in residuals)
         return cls(equations, tuple(records), simulated, residuals, memories)
-
-    def noise_alone(self, rng: np.random.Generator) -> list[np.ndarray] | None:
-        """Return what the noise of the sensors alone leaves of each record, drawn once more.
-
-        Shape (n_samples, n_states) each; None if the sensors of a record are not known.
-        """
-        found = []
-        for record, residual in zip(self.records, self.residuals, strict=True):
-            made = record.preparation
-            if made is None:
-                return None
-            noisier = made.apply(made.t, made.y + made.noise * rng.standard_normal(made.y.shape))
-            error = input_error(record, rng)
-            u = record.u if error is None or record.u is None else record.u + error
-            rates = self.equations.evaluate(noisier.x, u, noisier.t)
-            found.append(as_observed(record, noisier.x_dot - rates) - residual)
-        return found
 
     def make(self, rng: np.random.Generator) -> list[Record]:
         """Return one twin of each record."""

@@ -222,3 +222,11 @@ def test_a_rival_is_refuted_at_a_level_that_the_usual_draws_cannot_tell():
     rows = np.concatenate([x, target], axis=-1)
     grams = np.einsum("sni,snj->sij", rows, rows)
     assert chance(grams, (0,), [1], 0.0002, rng) <= 0.0002
+
+
+def test_what_explains_nothing_beside_the_rest_has_no_alternatives():
+    record = oscillator("nothing", "").record()
+    design = design_of(oscillator("nothing", "").model, [record])
+    again = Candidate("evolved term", 1, (variable(1),))  # stands in the model already
+    part, rng = segments([record], design.velocities), np.random.default_rng(0)
+    assert rivals_of(again, design, part, 0.01, rng) == ()

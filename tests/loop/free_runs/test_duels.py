@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from loop_systems import oscillator
+from loop_systems import measured, oscillator
 
+import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.findings import Finding
@@ -97,3 +98,27 @@ def test_of_what_does_clearly_better_that_wins_which_does_best():
     winner = held(slack, sign, noise=2e-3)
     assert winner.name == "dead zone"
     assert winner.shape.values == pytest.approx([0.25], rel=0.03)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_gain_that_was_declared_too_large_does_not_saturate(seed):
+    truth = {"q": "v", "v": "F - 0.8*v"}
+    records = [measured(truth, size=2.0, seed=seed + 10 * k, duration=30.0) for k in range(3)]
+    sides = {"q": "v", "v": "b*F - c*v"}
+    declared = pse.DeclaredModel(sides, inputs=["F"], known={"b": 1.02})
+    report = pse.close_loop(declared, records[:2], records[2:], operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == ["input gain"]
+
+
+@pytest.mark.parametrize("noise", [2e-4, 2e-3])
+def test_runs_refute_drag_in_free_decays_with_dry_friction(noise):
+    rng, t, records = np.random.default_rng(0), np.arange(0.0, 8.0, 0.005), []
+    sides = {"q": "v", "v": "-90*q - 0.4*v - 3*sgn(v)"}
+    for amplitude in (1.0, 0.7, 0.5, 0.3, 0.2):
+        x = pse.simulate(pse.DeclaredModel(sides).design().equations([]), [amplitude, 0.0], t)
+        records.append(pse.prepare(t, x[:, 0] + noise * rng.standard_normal(len(t))))
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})
+    report = pse.close_loop(declared, records[:4], records[4:], operators=(), random_state=0)
+    (friction,) = report.effects
+    assert friction.name == "Coulomb friction"
+    assert not {"quadratic drag", "nonlinear damping"} & set(friction.alternatives)

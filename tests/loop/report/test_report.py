@@ -354,3 +354,19 @@ def test_a_line_whose_phase_differs_between_records_is_told_and_not_named(terms)
     lines = re.findall(r"has a line at (\S+) cycles per unit of t", " ".join(str(found).split()))
     assert found.effects == []
     assert [float(line) for line in lines] == pytest.approx([21.3 / (2 * np.pi)] * any(terms), 1e-2)
+
+
+def test_no_line_is_told_of_a_record_too_short_to_know_its_noise():
+    truth = pse.DeclaredModel({"S": "-0.4*S*I", "I": "0.4*S*I - 0.1*I"}).design().equations([])
+    t, records = np.linspace(0.0, 120.0, 600), []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        x = pse.simulate(truth, [0.99 - 0.02 * (seed % 2), 0.01], t)
+        records.append(
+            pse.prepare(t, x + 0.005 * x.std(axis=0) * rng.standard_normal(x.shape), order=1)
+        )
+    declared = pse.DeclaredModel({"S": "-a*S*I", "I": "b*S*I - c*I"})
+    for first in range(0, 12, 2):  # more than half of such pairs had a common one
+        pair = records[first : first + 2]
+        report = pse.close_loop(declared, pair, pair[:1], operators=(), random_state=0)
+        assert "has a line at" not in str(report)

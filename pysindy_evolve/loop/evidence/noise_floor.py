@@ -1,0 +1,104 @@
+"""What the noise of the sensors alone leaves of the records, band by band of frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...equations import Equations
+from ...signals import Record
+from ..given.design import Design
+from ..given.input_errors import input_error
+from ..given.segments import Segments
+from ..given.sensor import as_observed
+from .spectral import spectral_rows
+
+__all__ = ["EXCESS", "NoiseFloor"]
+
+N_DRAWS = 4  # of the noise
+EXCESS = 1.5  # times the power that this leaves in a band; less may be a matter of chance
+N_BANDS, FEWEST = 16, 4  # bands, and frequencies in each
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseFloor:
+    """The power that noise leaves of records, (n_bands, n_open)."""
+
+    design: Design
+    records: tuple[Record, ...]
+    part: Segments
+    power: np.ndarray
+
+    @classmethod
+    def of(
+        cls,
+        equations: Equations,
+        design: Design,
+        records: Sequence[Record],
+        part: Segments,
+        rng: np.random.Generator,
+    ) -> NoiseFloor | None:
+        """Put the noise of the sensors, of states and inputs, on the records once more.
+
+        Parameters
+        ----------
+        equations : Equations
+            A model of the machine.
+        design : Design
+            Says which equations are looked at.
+        records : sequence of Record
+            Training records.
+        part : Segments
+            Pieces of them.
+        rng : numpy.random.Generator
+            Draws the noise.
+
+        Returns
+        -------
+        NoiseFloor or None
+            None if the sensors of a record are not known.
+        """
+        powers = []
+        for child in rng.spawn(N_DRAWS):
+            drawn = [_noise_alone(equations, record, child) for record in records]
+            known = [columns for columns in drawn if columns is not None]
+            if len(known) < len(drawn):
+                return None
+            powers.append(_power(known, design, part))
+        return cls(design, tuple(records), part, np.mean(powers, axis=0))
+
+    def excess(self, equations: Equations) -> float:
+        """Return how many times this power a model leaves in the band where it leaves most."""
+        left = [_left(equations, record) for record in self.records]
+        power = _power(left, self.design, self.part)
+        return float(np.max(power / np.maximum(self.power, 1e-300)))
+
+
+def _left(equations: Equations, record: Record) -> np.ndarray:
+    return as_observed(record, record.x_dot - equations.evaluate(record.x, record.u, record.t))
+
+
+def _noise_alone(
+    equations: Equations, record: Record, rng: np.random.Generator
+) -> np.ndarray | None:
+    """Return what the noise of the sensors changes in what is left, (n_samples, n_states)."""
+    made = record.preparation
+    if made is None:
+        return None
+    noisier = made.apply(made.t, made.y + made.noise * rng.standard_normal(made.y.shape))
+    error = input_error(record, rng)
+    u = record.u if error is None or record.u is None else record.u + error
+    rates = equations.evaluate(noisier.x, u, noisier.t)
+    return as_observed(record, noisier.x_dot - rates) - _left(equations, record)
+
+
+def _power(columns: Sequence[np.ndarray], design: Design, part: Segments) -> np.ndarray:
+    """Return the power of residuals in bands of frequency, (n_bands, n_open)."""
+    length = part.z.shape[1]
+    pieces = np.stack([columns[i][start : start + length] for i, start in part.places])
+    rows = spectral_rows(part, (pieces * part.weight)[:, :, list(design.open_states)])
+    power = np.mean(np.abs(rows) ** 2, axis=0)
+    n_bands = max(1, min(N_BANDS, len(power) // FEWEST))
+    return np.array([band.mean(axis=0) for band in np.array_split(power, n_bands)])

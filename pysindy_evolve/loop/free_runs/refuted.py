@@ -1,0 +1,65 @@
+"""Alternatives that free runs refute.
+
+What tells a friction from a drag in a free decay happens in its first moments, on too few pieces of
+the derivative for a test by signs. But where the runs of a model miss a record by little more than
+the noise of its sensors, a model whose runs miss it by much more is not the cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...signals import Record
+from ..evidence.findings import Finding
+from ..fitting.trial import settled
+from ..given.design import Design
+from .drift import drift_of
+from .duels import STEADY, STRETCHES, begun_with, fitted_with
+from .judging import EXCESS, model_of, over_noise
+from .shape_tuning import Contender, tuned_by_runs
+
+__all__ = ["unrefuted"]
+
+FARTHER = 2.0  # times the squares that the runs of an effect miss
+
+
+def unrefuted(
+    declared: Design, findings: Sequence[Finding], records: Sequence[Record]
+) -> list[Finding]:
+    """Return findings with the alternatives only that runs do not refute.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found, with its rivals.
+    records : sequence of Record
+        Training records, without memories.
+
+    Returns
+    -------
+    list of Finding
+    """
+    return [_unrefuted(declared, findings, one, records) for one in findings]
+
+
+def _unrefuted(
+    declared: Design, findings: Sequence[Finding], finding: Finding, records: Sequence[Record]
+) -> Finding:
+    if not finding.rivals:
+        return finding
+    without = model_of(declared, [f for f in findings if f is not finding])
+    whole, coef = fitted_with(without, finding.candidate, records)
+    drift = drift_of(whole, coef, records, STRETCHES, STEADY)
+    if drift is None or over_noise(drift) > EXCESS:
+        return finding
+    rivals = [rival.candidate for rival in finding.rivals]
+    begun = [begun_with(without, rival, drift, records) for rival in rivals]
+    own, *trials = settled([drift.trial, *begun])
+    fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
+    tuned = tuned_by_runs(fitted, without, drift, records)
+    pairs = zip(finding.rivals, tuned, strict=True)
+    kept = [rival for rival, one in pairs if one.error <= FARTHER * own.error]
+    return replace(finding, rivals=tuple(kept))
