@@ -92,9 +92,11 @@ def _samples_of_jumps(u: np.ndarray) -> np.ndarray:
 
 
 def _samples_of_jump(u: np.ndarray) -> int:
-    steps = np.abs(np.diff(u))
-    if np.quantile(steps, STILL) >= SMALL * np.sqrt(np.mean(steps**2)):
+    steps = np.diff(u)
+    sizes = np.abs(steps)
+    if np.quantile(sizes, STILL) >= SMALL * np.sqrt(np.mean(steps**2)):
         return 0
-    places, n_jumps = label(steps > LARGE * steps.max())
-    length = int(np.median(np.bincount(places.ravel())[1:])) if n_jumps else 0
-    return length if length <= 2 else 0
+    least = LARGE * sizes.max()
+    lengths = [np.bincount(label(way > least)[0])[1:] for way in (steps, -steps)]
+    median = int(np.median(np.concatenate(lengths)))
+    return median if median <= 2 else 0
