@@ -44,7 +44,7 @@ from ..twins.chance import draws_for, p_value_of
 __all__ = ["Left", "chance", "explained"]
 
 N_SIGNS = 999
-NEW = 1e-8  # share of a column's square that must be left for it to be new
+NEW = 1e-6  # share of a column's square that must be left for it to be new
 
 
 @dataclass(frozen=True, eq=False)
