@@ -146,11 +146,10 @@ def _checked(
     is_cut = not test and (isinstance(train, Record) or len(train) == 1)
     whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
     check_records(design, [*fit_on, *judge_on], whole)
-    fit_on, judge_on = (list(map(as_held, records)) for records in alike(fit_on, judge_on))
-    if design.algebraic:
-        fit_on, judge_on = ([as_algebraic(r) for r in rs] for rs in (fit_on, judge_on))
-        return design, fit_on, judge_on
-    return doubted(design, fit_on), fit_on, judge_on
+    # A force that nothing integrates follows a held input at once.
+    made = as_algebraic if design.algebraic else as_held
+    fit_on, judge_on = (list(map(made, records)) for records in alike(fit_on, judge_on))
+    return (design if design.algebraic else doubted(design, fit_on)), fit_on, judge_on
 
 
 def _believed(records: Sequence[Record]) -> list[Record]:

@@ -80,11 +80,8 @@ def _is_of_inputs(finding: Finding, declared: Design) -> bool:
     """Tell whether a finding is a term of inputs and nothing else."""
     first = len(declared.states)
     inputs = set(range(first, first + len(declared.inputs)))
-    return (
-        bool(finding.columns)
-        and bool(finding.candidate.variables)
-        and (finding.candidate.variables <= inputs)
-    )
+    variables = finding.candidate.variables
+    return bool(finding.columns) and bool(variables) and variables <= inputs
 
 
 def _worth(finding: Finding, declared: Design, found: Sequence[Finding], part: Segments) -> float:
