@@ -108,11 +108,17 @@ def _winner(
     rivals = list(dict.fromkeys([*_closest(model, own, able, part), *shown]))
     begun = [begun_with(model, rival, drift, records) for rival in rivals]
     # The effect itself was fitted in other units of the errors.
-    fitted = map(Contender, [own, *rivals], settled([drift.trial, *begun]))
-    tuned = tuned_by_runs(list(fitted), model, drift, records)
+    fitted = list(map(Contender, [own, *rivals], settled([drift.trial, *begun])))
+    tuned = list(map(_as_named, fitted, tuned_by_runs(fitted, model, drift, records)))
     best = _best(tuned, matter, rules.significance / max(len(rivals), 1))
     columns = columns_of(best.candidate, model.design)
     return replace(finding, candidate=best.candidate, columns=columns)
+
+
+def _as_named(fitted: Contender, tuned: Contender) -> Contender:
+    """Return sin(q) as it is, unless another number than one in it does clearly better."""
+    has_numbers = any(term.constants for term in fitted.candidate.terms)
+    return tuned if has_numbers or tuned.error < np.exp(-MARGIN) * fitted.error else fitted
 
 
 def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:

@@ -110,6 +110,18 @@ def test_a_gain_that_was_declared_too_large_does_not_saturate(seed):
     assert [effect.name for effect in report.effects] == ["input gain"]
 
 
+def test_a_sine_of_an_angle_stays_one_where_no_other_number_in_it_does_clearly_better():
+    truth = {"q": "v", "v": "-39.2*sin(q) - 0.5*v"}
+    records = [measured(truth, order=2, x0=(q0, 0.0), duration=20.0, seed=k, noise=2e-3)
+               for k, q0 in enumerate((1.2, 0.8, 1.0))]  # fmt: skip
+    declared = pse.DeclaredModel(
+        {"q": "v", "v": "-k*sin(q) - c*v"}, inputs=["F"], known={"k": 40.4}
+    )
+    report = pse.close_loop(declared, records[:2], records[2:], operators=(), random_state=0)
+    assert [str(effect.term) for effect in report.effects] == ["sin(q)"]
+    assert "the record asks for\n-39.2" in str(report)
+
+
 @pytest.mark.parametrize("noise", [2e-4, 2e-3])
 def test_runs_refute_drag_in_free_decays_with_dry_friction(noise):
     rng, t, records = np.random.default_rng(0), np.arange(0.0, 8.0, 0.005), []
