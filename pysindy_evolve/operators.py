@@ -124,6 +124,11 @@ BUILTIN: dict[str, Operator] = _table(
     Operator("abs", np.abs, 1, sympy.Abs),
     Operator("sgn", np.sign, 1, sympy.sign),
     Operator("tanh", np.tanh, 1, sympy.tanh),
+    Operator("sinh", np.sinh, 1, sympy.sinh),
+    Operator("cosh", np.cosh, 1, sympy.cosh),
+    Operator("asin", np.arcsin, 1, sympy.asin),
+    Operator("acos", np.arccos, 1, sympy.acos),
+    Operator("atan", np.arctan, 1, sympy.atan),
     Operator("softsign", lambda a: a / (1.0 + np.abs(a)), 1, _softsign),
 )
 

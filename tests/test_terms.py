@@ -34,6 +34,8 @@ UNARY = (
     "abs",
     "sgn",
     "tanh",
+    "cosh",
+    "atan",
     "softsign",
     "neg",
     "square",

@@ -24,7 +24,10 @@ __all__ = ["Genetics"]
 MAX_SPLIT = 6  # a tree that falls into more terms than this is taken for noise
 NODES_PER_LEVEL = 4  # a term of full depth may have four times as many nodes: thin, not bushy
 TOURNAMENT = 3  # as usual in genetic programming: mild pressure
-CURVED = ("sin", "cos", "tan", "exp", "log", "tanh", "softsign")
+CURVED = (
+    *("sin", "cos", "tan", "asin", "acos", "atan", "exp", "log"),
+    *("sinh", "cosh", "tanh", "softsign"),
+)
 LINEAR = ("add", "sub", "mul", "neg", "square", "cube", "abs", "sgn")  # numbers mean little here
 
 

@@ -113,7 +113,8 @@ long register restrict return short signed sizeof static struct switch typedef u
 volatile while end function global otherwise parfor persistent begin baremodule export let local
 macro module quote using algorithm annotation block class connector der discrete each equation flow
 input model output package parameter record then time type state rate t numpy pi e i j im sin cos
-tan exp log sqrt abs fabs sign tanh pow max min y0 y1 yn j0 j1 jn gamma main
+tan exp log sqrt abs fabs sign tanh sinh cosh asin acos atan pow max min y0 y1 yn j0 j1 jn gamma
+main
 """
 _RESERVED = frozenset(keyword.kwlist) | frozenset(_RESERVED_TEXT.split())
 

@@ -22,12 +22,15 @@ from .names import advise_function, advise_parameter, check_known
 
 __all__ = ["FUNCTIONS", "RightHandSide", "parse", "real_power"]
 
-# Arithmetic is written with its signs; Abs and sign are what sympy prints.
+# Arithmetic is written with its signs; Abs and sign are what sympy prints, arctan what numpy says.
 FUNCTIONS: dict[str, Operator] = {
     name: operator
     for name, operator in BUILTIN.items()
     if name not in ("add", "sub", "mul", "div", "neg")
-} | {"Abs": BUILTIN["abs"], "sign": BUILTIN["sgn"], "ln": BUILTIN["log"]}
+} | {
+    "Abs": BUILTIN["abs"], "sign": BUILTIN["sgn"], "ln": BUILTIN["log"],
+    "arcsin": BUILTIN["asin"], "arccos": BUILTIN["acos"], "arctan": BUILTIN["atan"],
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

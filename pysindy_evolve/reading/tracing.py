@@ -35,6 +35,7 @@ _UFUNCS: dict[np.ufunc, Callable[..., Sum]] = {
 for _name, _ufunc in {
     "square": np.square, "sin": np.sin, "cos": np.cos, "tan": np.tan, "exp": np.exp,
     "log": np.log, "sqrt": np.sqrt, "abs": np.absolute, "sgn": np.sign, "tanh": np.tanh,
+    "sinh": np.sinh, "cosh": np.cosh, "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan,
 }.items():  # fmt: skip
     _UFUNCS[_ufunc] = lambda a, operator=BUILTIN[_name]: terms.call(operator, a)
 

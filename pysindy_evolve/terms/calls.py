@@ -14,7 +14,8 @@ from .sums import Atom, Sum, as_sum
 
 __all__ = ["call"]
 
-_ODD = ("sin", "tan", "tanh", "softsign")
+_ODD = ("sin", "tan", "tanh", "sinh", "asin", "atan", "softsign")
+_EVEN = ("cos", "cosh")
 _ARITHMETIC: dict[str, Callable[..., Sum]] = {
     "add": add,
     "sub": sub,
@@ -51,7 +52,7 @@ def call(operator: Operator, *args: Sum) -> Sum:
         return _magnitude_or_sign(operator, argument)
     if operator.name in _ODD and argument.parts[0][0] < 0:
         return neg(as_sum(Call(operator, (neg(argument),))))
-    if operator.name == "cos" and argument.parts[0][0] < 0:
+    if operator.name in _EVEN and argument.parts[0][0] < 0:
         argument = neg(argument)
     return as_sum(Call(operator, (argument,)))
 

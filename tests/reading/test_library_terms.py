@@ -78,6 +78,7 @@ LIBRARIES = {
             lambda q: 2 * q + 1,
             lambda q, v: q**2 * np.sign(v) / (1 + v**2),
             lambda q: np.sqrt(np.abs(q)),
+            lambda q: np.arctan(q / 0.3),
             lambda q: -np.exp(-((q / 0.3) ** 2)),
         ],
         include_bias=True,

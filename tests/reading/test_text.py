@@ -56,6 +56,7 @@ def test_parameter_that_occurs_twice_is_one_parameter():
         ("1.5e-5*F + .5", 3e-5 + 0.5),
         ("Abs(v) + sign(v) + ln(F)", 1.3 - 1 + math.log(2)),
         ("square(v) - cube(v)", 1.69 + 2.197),
+        ("atan(v) + arcsin(q) - cosh(v)", math.atan(-1.3) + math.asin(0.7) - math.cosh(1.3)),
         ("(q + v)**40", 0.6**40),
         ("q\n  + v", -0.6),
         ("q/(1 + F)*v", 0.7 / 3 * -1.3),

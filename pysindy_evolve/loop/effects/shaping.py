@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -10,9 +11,10 @@ from ...breeding.genetics import CURVED
 from ...terms import Call, Product, Sum, constant, mul, simplified
 from .candidate import Candidate, Shape
 
-__all__ = ["shape_of"]
+__all__ = ["shape_of", "with_ones"]
 
 MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
+NEAR = 0.1  # of one: what noise in an angle makes of the one in sin(q)
 
 
 def shape_of(candidate: Candidate) -> Shape | None:
@@ -39,6 +41,32 @@ def shape_of(candidate: Candidate) -> Shape | None:
         return None
     build = partial(_built, term, np.sign(numbers))
     return Shape(tuple(np.abs(numbers).tolist()), (build,))
+
+
+def with_ones(candidate: Candidate) -> Candidate | None:
+    """Return an effect with ones in the place of numbers close to it, as in sin(0.99 q).
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Of the vocabulary or grown.
+
+    Returns
+    -------
+    Candidate or None
+        None if there is no such number, or if it says where something begins, such as the width of
+        a dead zone.
+    """
+    parts = [part for term in candidate.terms for part in term.parts]
+    if candidate.shape is not None or len(parts) != 1:
+        return None
+    weight, term = parts[0]
+    numbers = np.array(term.constants)
+    near = np.abs(np.abs(numbers) - 1.0) <= NEAR
+    if not near.any():
+        return None
+    rounded = np.where(near, np.sign(numbers), numbers)
+    return replace(candidate, terms=(Sum(((weight, term.with_constants(rounded.tolist())),)),))
 
 
 def _with_numbers(term: Product) -> Product:

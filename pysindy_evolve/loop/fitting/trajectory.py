@@ -109,7 +109,14 @@ class _Course:
 
     @cached_property
     def grams(self) -> np.ndarray:
-        return np.sum([r.T @ whitening(len(r), self.order).weights @ r for r in self.rows], axis=0)
+        # The columns of other equations are zero in this one.
+        acting = np.flatnonzero(np.concatenate(self.rows).any(axis=0))
+        own = [rows[:, acting] for rows in self.rows]
+        part = np.sum([r.T @ whitening(len(r), self.order).weights @ r for r in own], axis=0)
+        n_columns = self.rows[0].shape[1]
+        grams = np.zeros((len(part), n_columns, n_columns))
+        grams[:, acting[:, None], acting] = part
+        return grams
 
     @cached_property
     def logdets(self) -> np.ndarray:

@@ -24,7 +24,7 @@ from tqdm.auto import tqdm
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
-from ..effects.shaping import shape_of
+from ..effects.shaping import shape_of, with_ones
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of, score
 from ..evidence.trace import EVOLVED
@@ -108,17 +108,15 @@ def _winner(
     rivals = list(dict.fromkeys([*_closest(model, own, able, part), *shown]))
     begun = [begun_with(model, rival, drift, records) for rival in rivals]
     # The effect itself was fitted in other units of the errors.
-    fitted = list(map(Contender, [own, *rivals], settled([drift.trial, *begun])))
-    tuned = list(map(_as_named, fitted, tuned_by_runs(fitted, model, drift, records)))
+    fitted = map(Contender, [own, *rivals], settled([drift.trial, *begun]))
+    tuned = tuned_by_runs(list(fitted), model, drift, records)
     best = _best(tuned, matter, rules.significance / max(len(rivals), 1))
+    plain = with_ones(best.candidate)
+    if plain is not None:  # sin(q), unless another number than one in it does clearly better
+        (trial,) = settled([begun_with(model, plain, drift, records)])
+        best = Contender(plain, trial) if trial.error <= np.exp(matter) * best.error else best
     columns = columns_of(best.candidate, model.design)
     return replace(finding, candidate=best.candidate, columns=columns)
-
-
-def _as_named(fitted: Contender, tuned: Contender) -> Contender:
-    """Return sin(q) as it is, unless another number than one in it does clearly better."""
-    has_numbers = any(term.constants for term in fitted.candidate.terms)
-    return tuned if has_numbers or tuned.error < np.exp(-MARGIN) * fitted.error else fitted
 
 
 def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
@@ -155,6 +153,8 @@ def _is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
     """Tell whether the log error is less by so much, on more stretches than chance explains."""
     if not one.error < np.exp(-least) * other.error:  # so too where both are zero
         return False
+    if not np.isfinite(other.error):  # its runs leave every number behind
+        return True
     closer = _squares(other) - _squares(one)
     return bool(wilcoxon(closer, alternative="greater").pvalue <= level)
 

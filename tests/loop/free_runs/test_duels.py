@@ -7,6 +7,7 @@ from loop_systems import measured, oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.effects.shaping import with_ones
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.free_runs.duels import held_against
@@ -15,6 +16,7 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import ranges, segments
 from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.reading.text import parse
 from pysindy_evolve.terms import call, constant, mul, variable
 
 RULES = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
@@ -108,6 +110,33 @@ def test_a_gain_that_was_declared_too_large_does_not_saturate(seed):
     declared = pse.DeclaredModel(sides, inputs=["F"], known={"b": 1.02})
     report = pse.close_loop(declared, records[:2], records[2:], operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == ["input gain"]
+
+
+def test_no_rival_whose_runs_diverge_takes_the_place_of_a_grown_term():
+    rates = {"x": "1 - 4.03*x + 3.1*x**2*y", "y": "3.03*x - 3.1*x**2*y"}
+    starts = ((0.7, 1.4), (2.1, 1.3), (1.2, 0.5))
+    records = [measured(rates, order=1, x0=x0, duration=12.0, noise=5e-3, seed=k)
+               for k, x0 in enumerate(starts)]  # fmt: skip
+    declared = pse.DeclaredModel({"x": "a - b*x + c*x**2*y", "y": "d*x"}, inputs=["F"])
+    report = pse.close_loop(declared, records[:2], records[2:], operators=("mul",), random_state=0)
+    assert [(e.state, str(e.term)) for e in report.effects] == [("y", "x**2*y")]
+
+
+@pytest.mark.parametrize(
+    ("written", "rounded"),
+    [("sin(0.98*q)", "sin(q)"), ("cos(1.02*q)*tanh(3*v)", "cos(q)*tanh(3*v)")],
+)
+def test_numbers_close_to_one_are_made_one(written, rounded):
+    before, after = (
+        Candidate("evolved term", 1, (parse(text, ("q", "v")).known,))
+        for text in (written, rounded)
+    )
+    assert with_ones(before) == after
+    assert with_ones(after) in (after, None)
+
+
+def test_numbers_far_from_one_stay():
+    assert with_ones(Candidate("evolved term", 1, (parse("tanh(3*v)", ("q", "v")).known,))) is None
 
 
 def test_a_sine_of_an_angle_stays_one_where_no_other_number_in_it_does_clearly_better():
