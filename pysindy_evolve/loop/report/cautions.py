@@ -11,6 +11,7 @@ from ...hidden_states.memory import DELAY
 from ..effects.periodic import FEWEST_FREQUENCIES, lines_of
 from ..given.kinematics import disagreement
 from .left import residual_of
+from .ranges import beyond
 
 if TYPE_CHECKING:
     from ...signals import Record
@@ -30,7 +31,8 @@ RUNAWAY = 100.0  # the same
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
     found = [*_doubted(report), *_known(report), *_held(report), *_turned(report)]
-    found += [*_worse(report), *_undefined(report), *_lines(report), *_missed(report)]
+    found += [*_worse(report), *_undefined(report), *_lines(report), *beyond(report)]
+    found += _missed(report)
     return [*found, *_left(report)]
 
 
@@ -172,18 +174,25 @@ def _knows_its_noise(record: Record) -> bool:
 
 def _missed(report: LoopReport) -> list[str]:
     missed = np.max(report.after.simulation_error)
-    if not missed < RUNAWAY:
-        return [
+    if missed < NOTABLE or (missed < RUNAWAY and report.verdict == "untraced"):
+        return []
+    if missed < RUNAWAY:
+        said = (
+            f"The free run still misses the record by {missed:.2g} %. To each effect that was "
+            "tried, what remains looks like a random force. If no such force acts on the machine, "
+            "something is missing that is not among these effects, or not clear in this record."
+        )
+    else:
+        said = (
             "The free run leaves the record by more than the record varies. Such a run amplifies "
             "the smallest difference, or something is still missing: judge by the derivative."
-        ]
-    if missed < NOTABLE or report.verdict == "untraced":
-        return []
-    return [
-        f"The free run still misses the record by {missed:.2g} %. To each effect that was tried, "
-        "what remains looks like a random force. If no such force acts on the machine, something "
-        "is missing that is not among these effects, or not clear in this record."
-    ]
+        )
+    if report.rules is not None and report.rules.by_trajectory:
+        said += (
+            " The training data is too short for its frequencies to grow terms on, so only effects "
+            "with names were tried: measure longer, or more often."
+        )
+    return [said]
 
 
 def _left(report: LoopReport) -> list[str]:

@@ -249,6 +249,28 @@ def test_a_free_run_that_misses_the_record_is_mentioned(complete):
     assert "still misses" not in str(complete)
 
 
+def test_short_records_say_that_no_terms_grew_on_them(complete):
+    missing = replace(complete.after, simulation_error=np.array([46.0, np.nan]))
+    short = replace(complete.rules, by_trajectory=True)
+    for rules, is_said in ((complete.rules, False), (short, True)):
+        said = " ".join(str(replace(complete, after=missing, rules=rules)).split())
+        assert "leaves the record by more than the record varies" in said
+        assert ("too short for its frequencies to grow terms on" in said) == is_said
+
+
+def test_held_out_data_beyond_the_training_data_is_mentioned_where_the_model_errs_there():
+    truth = {"q": "v", "v": "-40*q - 2*v - 300*q**3 + F"}
+    small, other, large = (measured(truth, size=s, seed=k) for k, s in enumerate((1.0, 1.0, 60.0)))
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    near, far = (
+        " ".join(str(pse.close_loop(declared, small, test, operators=(), random_state=0)).split())
+        for test in (other, large)
+    )
+    assert "goes where no training data was" not in near
+    assert re.search(r"goes where no training data was \(q from -\S+ to \S+, trained on", far)
+    assert re.search(r"errs there: dv/dt by [2-9]\d %, by 0\.\d+ % in the training data", far)
+
+
 def test_an_effect_that_removes_nothing_by_itself_does_not_remove_less_than_nothing(report):
     idle = replace(report.effects[0], explained=-0.04)
     said = str(replace(report, effects=(idle, *report.effects[1:])))
