@@ -77,11 +77,11 @@ def without_errors_in_inputs(
 
 
 def _is_of_inputs(finding: Finding, declared: Design) -> bool:
-    """Tell whether a finding is a term of inputs and nothing else."""
+    """Tell whether a finding is a function of inputs alone that bends: a gain hides no noise."""
     first = len(declared.states)
     inputs = set(range(first, first + len(declared.inputs)))
-    variables = finding.candidate.variables
-    return bool(finding.columns) and bool(variables) and variables <= inputs
+    bent, variables = not finding.candidate.is_straight, finding.candidate.variables
+    return bool(finding.columns) and bent and bool(variables) and variables <= inputs
 
 
 def _worth(finding: Finding, declared: Design, found: Sequence[Finding], part: Segments) -> float:

@@ -38,6 +38,26 @@ def test_an_input_that_does_saturate_is_named_beside_its_noise():
     assert report.effects[0].term.subs(u, 2.0) == pytest.approx(0.7, abs=0.02)
 
 
+def converter(gain, seed):
+    """A state that a duty cycle drives, which jumps between its samples, and by its own product."""
+    rng, t, finer = np.random.default_rng(seed), np.arange(0.0, 15.0, 1e-3), slice(None, None, 10)
+    jumps = np.cumsum(rng.uniform(0.3, 0.7, 60))
+    duty = rng.uniform(0.3, 0.7, 61)[np.searchsorted(jumps, t)]
+    truth = pse.DeclaredModel({"x": f"10 - x - 3*d*x + {gain}*d"}, inputs=["d"])
+    x = pse.simulate(truth.design().equations([]), [5.0], t, duty)[finer, 0]
+    y = x + 0.003 * x.std() * rng.standard_normal(len(x))
+    return pse.prepare(t[finer], y, duty[finer], order=1)
+
+
+@pytest.mark.parametrize("gain", [5.0, -5.0])
+def test_a_missing_gain_is_no_error_of_an_input_that_jumps(gain):
+    records = [converter(gain, seed) for seed in range(3)]
+    declared = pse.DeclaredModel({"x": "k - a*x - b*d*x"}, inputs=["d"])
+    report = pse.close_loop(declared, records[:2], records[2:], operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == ["input gain"]
+    assert report.effects[0].coefficients == pytest.approx([gain], rel=0.05)
+
+
 def sampled(u, duration=50.0, seed=0):
     """A record of which only the input matters."""
     t = np.linspace(0.0, duration, len(u))
