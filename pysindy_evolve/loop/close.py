@@ -128,7 +128,7 @@ def close_loop(
         fit_on, judge_on, wide = map(_believed, (fit_on, judge_on, wide))
     part = witnessed(design, wide)
     rules = replace(rules, by_trajectory=bool(part.tracks))
-    basis = resolve(operators, "close_loop") if operators and not part.tracks else ()
+    basis = resolve(operators, "close_loop") if operators else ()
     search = Search(design, fit_on, wide, part, rules, basis, rng)
     is_whole = _run(search) and len(search.findings) < rules.max_effects
     report = _reported(search, judge_on, is_whole)

@@ -37,6 +37,7 @@ from .given.rules import Rules
 from .given.segments import Segments
 from .growth.grow import TermGrower
 from .growth.naming import small_candidates
+from .growth.short import find_small, is_better
 from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
 from .revision.errors_in_inputs import without_errors_in_inputs
@@ -101,7 +102,10 @@ class Search:
         self._settle()
         if self.runs_tell_more:
             self._watch_runs()
-        self._grow()
+        if self.part.tracks:
+            self._grow_short()
+        else:
+            self._grow()
         if self.runs_tell_more:
             self._watch_for_unnamed()
             self._hold()
@@ -198,6 +202,16 @@ class Search:
             if pasts:
                 self.plain, self.wide = ([*map(preceded, records, pasts)] for records in both)
             self._look_through(self.findings)
+
+    def _grow_short(self) -> None:
+        """Let a small term come in where no name did, or where it does better than all of them."""
+        if not self.operators or self.rules.max_effects == 0:
+            return
+        seen = self.records, self.part, self.rules, self.operators, self.rng
+        found = find_small(self.declared, *seen)
+        if found and is_better(self.declared, found, self.findings, self.part):
+            self.findings = _numbered(found, [])
+            self._name()
 
     def _grow(self) -> None:
         n_searches = 1

@@ -41,7 +41,7 @@ def ends_well(action):
         ({"max_effects": -1}, r"max_effects=\.\.\.\) must be at least 0; got -1"),
         ({"refine": "both"}, r"refine=\.\.\.\) must be one of auto, derivative, simulation"),
         ({"n_jobs": 0}, r"n_jobs=\.\.\.\) must not be 0; got 0"),
-        ({"operators": ("sinh",)}, r"operators=\.\.\.\) must name built-in operators"),
+        ({"operators": ("sinus",)}, r"operators=\.\.\.\) must name built-in operators"),
     ],
 )
 def test_setting_out_of_range_is_refused(options, message):

@@ -29,6 +29,7 @@ __all__ = ["twin_chance"]
 N_TWINS = 99
 FEWEST = 19  # after so many a rival is refuted if none of them comes near ...
 CLEAR = 2.0  # ... which is to say, within this factor
+FAR = 5.0  # log error that chance never gives: a miss twelve times as large needs no twins
 
 
 def twin_chance(
@@ -60,10 +61,11 @@ def twin_chance(
     -------
     float
     """
-    observed = _lead(rival, design, options, records)
+    observed, n_twins = _lead(rival, design, options, records), draws_for(level, N_TWINS)
+    if observed > FAR:
+        return 1.0 / (1 + n_twins)
     maker = DriftingTwins.of(design.adding(columns_of(rival, design)), records)
     leads: list[float] = []
-    n_twins = draws_for(level, N_TWINS)
     for child in rng.spawn(n_twins):
         leads.append(_lead(rival, design, options, maker.make(child)))
         stands = np.sum(np.array(leads) >= observed) > level * (n_twins + 1)

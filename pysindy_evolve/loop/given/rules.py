@@ -26,7 +26,7 @@ class Rules:
     progress: bool = False
     refine: str = "auto"
     by_trajectory: bool = False  # as the records say, see witness.py
-    n_looks: int = N_LOOKS
+    n_looks: float = N_LOOKS
 
     def __post_init__(self) -> None:
         _check_share("significance", self.significance)
@@ -53,10 +53,19 @@ class Rules:
     def at(self, n_found: int) -> Rules:
         """Return the rules for the next look at names, after so many effects.
 
-        A trajectory is looked at for nothing else, so the first of them has all the chance; what
-        may stand beside it shares the chance that anything false does.
+        A trajectory is looked at for names and for small terms alone. The first of them has four
+        fifths of the chance; what may stand beside it shares the chance that anything false does.
         """
-        return replace(self, n_looks=1) if self.by_trajectory and n_found == 0 else self
+        return replace(self, n_looks=1.25) if self.by_trajectory and n_found == 0 else self
+
+    @property
+    def for_small_terms(self) -> Rules:
+        """The rules for the look at small terms along trajectories, which has the last fifth.
+
+        With few twins it asks that none of them comes near.
+        """
+        n_looks = min(5.0, self.significance * (self.n_twins + 1))
+        return replace(self, by_trajectory=False, n_looks=n_looks)
 
     @property
     def level(self) -> float:

@@ -206,7 +206,7 @@ class TermGrower:
         return self._test(design, list(dict.fromkeys(grown)))
 
     def _grow(self, design: Design) -> list[Candidate]:
-        if not self.operators or len(self.fresh.z) < MIN_FRESH:
+        if not self.operators or self.seen.tracks or len(self.fresh.z) < MIN_FRESH:
             return []
         known = standing(design)
         grown = grow(design, self.seen, self.operators, self.rng)

@@ -189,8 +189,8 @@ def _missed(report: LoopReport) -> list[str]:
         )
     if report.rules is not None and report.rules.by_trajectory:
         said += (
-            " The training data is too short for its frequencies to grow terms on, so only effects "
-            "with names were tried: measure longer, or more often."
+            " The training data is too short to search for terms: beside effects with names only "
+            "small ones were tried. Measure longer, or more often."
         )
     return [said]
 

@@ -1,0 +1,132 @@
+"""Grown terms on short records, whose trajectories bear witness.
+
+A search would have to be tested on pieces that it has not seen, and a short record has none to
+spare. So a fixed list of small terms is looked through instead, in the record and in each twin, as
+the vocabulary is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from ...equations import Equations
+from ...operators import Operator
+from ...signals import Record
+from ...terms import Product, mul, variable
+from ..effects.candidate import Candidate
+from ..effects.missing import candidates, standing
+from ..effects.shaping import shape_of
+from ..evidence.findings import Finding, with_columns
+from ..evidence.step import find
+from ..evidence.trace import EVOLVED
+from ..fitting.linear import log_ratio
+from ..fitting.trajectory import Trajectories
+from ..given.design import Design
+from ..given.rules import Rules
+from ..given.segments import Segments, ranges, variables_of
+from .naming import named, shifted
+from .seeds import small_terms
+
+__all__ = ["find_small", "is_better"]
+
+MOST = 300  # terms in all equations together, the smallest ones
+BETTER = 0.1  # log error for each node that a term has more than the names whose place it takes
+
+
+def find_small(
+    declared: Design,
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+    operators: Sequence[Operator],
+    rng: np.random.Generator,
+) -> list[Finding]:
+    """Look for a small term that the declared model lacks.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    records : sequence of Record
+        Training records.
+    part : Segments
+        Pieces of them, with their tracks.
+    rules : Rules
+        Significance and twins.
+    operators : sequence of Operator
+        Basis functions.
+    rng : numpy.random.Generator
+        Draws the twins.
+
+    Returns
+    -------
+    list of Finding
+        One, or none if none passes.
+    """
+    proposer = partial(_proposed, operators=operators)
+    look = find(declared, declared, records, part, rules.for_small_terms, rng, proposer)
+    return list(map(_plain, look.found))
+
+
+def is_better(
+    declared: Design, found: Sequence[Finding], names: Sequence[Finding], part: Segments
+) -> bool:
+    """Tell whether a small term does clearly better than all that names say together.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    found, names : sequence of Finding
+        The term, and the effects with names.
+    part : Segments
+        Pieces of the training records, with their tracks.
+
+    Returns
+    -------
+    bool
+        It has to pay for each node that it has more, and for one at least.
+    """
+    errors = [_error(with_columns(declared, those), part) for those in (names, found)]
+    sizes = [sum(one.candidate.size for one in those) for those in (names, found)]
+    return not names or log_ratio(*errors) > BETTER * max(sizes[1] - sizes[0], 1)
+
+
+def _error(design: Design, part: Segments) -> float:
+    every = np.arange(len(design.columns))[None, :]
+    return float(Trajectories(part.tracks, design, design.columns).errors(every)[0, 0])
+
+
+def _proposed(
+    design: Design, _: Equations, records: Sequence[Record], *, operators: Sequence[Operator]
+) -> list[Candidate]:
+    """Return the small terms that are not in the vocabulary; each is scored by itself."""
+    rows = np.concatenate([variables_of(record) for record in records])
+    terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: term.size)
+    terms = terms[: MOST // len(design.open_states)]
+    largest, signed, *others = ranges(rows)
+    known, present = candidates(design, largest, signed, *others), standing(design)
+    found = []
+    for state in design.open_states:
+        anywhere = shifted(design, state, signed)
+        grown = [named(term, state, known, rows[:, :-1], anywhere) for term in terms]
+        found += [c for c in grown if c.name == EVOLVED and (state, c.terms[0]) not in present]
+    return [replace(c, parents=(), shape=shape_of(c), alone=True) for c in found]
+
+
+def _terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
+    """Return products of two functions of one variable, and of three variables."""
+    found = small_terms(operators, x)
+    if any(operator.name == "mul" for operator in operators):
+        triples = combinations_with_replacement(map(variable, range(x.shape[1])), 3)
+        found += [mul(mul(a, b), c).parts[0][1] for a, b, c in triples]
+    return list(dict.fromkeys(found))
+
+
+def _plain(finding: Finding) -> Finding:
+    return replace(finding, candidate=replace(finding.candidate, shape=None, alone=False))
