@@ -39,12 +39,11 @@ def beyond(report: LoopReport) -> list[str]:
     if model.n_algebraic:
         return []
     fitted, judged = _errors(report, report.train), _errors(report, report.test)
-    if not np.any((judged > MISSED) & (judged > TIMES * fitted)):
-        return []
-    wider = _wider(report, (*model.states, *model.inputs))
+    times = np.where(judged > MISSED, judged / np.maximum(fitted, 1e-9), 0.0)
+    worst = int(np.argmax(times))
+    wider = _wider(report, (*model.states, *model.inputs)) if times[worst] > TIMES else []
     if not wider:
         return []
-    worst = int(np.argmax(judged / np.maximum(fitted, 1e-9)))
     return [
         f"The held-out data goes where no training data was ({', '.join(wider)}), and the model "
         f"errs there: d{model.states[worst]}/dt by {judged[worst]:.2g} %, by {fitted[worst]:.2g} % "
