@@ -17,7 +17,7 @@ from scipy.ndimage import label
 from ...signals import Record
 from ...signals.noise import input_noise
 
-__all__ = ["as_held", "input_error", "known_up_to"]
+__all__ = ["as_held", "input_error", "known_up_to", "untimely"]
 
 STILL = 0.2  # share of the steps from sample to sample that are small, if an input is held ...
 SMALL = 0.1  # ... in sizes of all its steps: of a sine that runs on a fifth are below 0.4
@@ -72,6 +72,33 @@ def input_error(
     asked = range(made.u.shape[1]) if columns is None else columns
     at_work = np.isin(np.arange(made.u.shape[1]), list(asked))
     return made.lowpass((noise + _between(made.u)) * at_work)
+
+
+def untimely(record: Record, rng: np.random.Generator) -> np.ndarray | None:
+    """Draw by what inputs differ from their record that jump at any time between two samples.
+
+    Parameters
+    ----------
+    record : Record
+        Made from raw data, or nothing is known of its inputs.
+    rng : numpy.random.Generator
+        Draws the time of each jump.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_inputs) or None
+        Units of u, after the low-pass of the record. None where no input jumps in one step.
+    """
+    made = record.preparation
+    if made is None or made.u is None:
+        return None
+    jumping = _samples_of_jumps(made.u) == 1
+    if not jumping.any():
+        return None
+    steps = np.diff(made.u, axis=0) * jumping
+    moved = rng.uniform(-0.5, 0.5, len(steps))[:, None] * steps  # samples times height: an area
+    nothing = np.zeros((1, made.u.shape[1]))
+    return made.lowpass(0.5 * (np.vstack([moved, nothing]) + np.vstack([nothing, moved])))
 
 
 def _between(u: np.ndarray) -> np.ndarray:

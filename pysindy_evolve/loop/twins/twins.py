@@ -21,6 +21,8 @@ from scipy.ndimage import fourier_gaussian
 
 from ...equations import Equations
 from ...signals import Preparation, Record
+from ..fitting.linear import TINY
+from ..given.input_errors import untimely
 from ..given.sensor import as_observed
 from .paths import Path, follow
 
@@ -84,10 +86,33 @@ class TwinMaker:
         rates = self.equations.evaluate(twin.x, twin.u, twin.t)
         if twin is not record:
             explained = as_observed(twin, twin.x_dot - rates)
+        explained = explained + self._untimely(twin, rates, residual, explained.var(axis=0), rng)
         left = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
-        share = np.sqrt(left / np.maximum(residual.var(axis=0), 1e-300))
+        share = np.sqrt(left / np.maximum(residual.var(axis=0), TINY))
         disturbed = rates + explained + share * shuffle_signs(residual, rng, memory)
         return replace(twin, x_dot=disturbed)
+
+    def _untimely(
+        self,
+        twin: Record,
+        rates: np.ndarray,
+        residual: np.ndarray,
+        noise: np.ndarray,
+        rng: np.random.Generator,
+    ) -> np.ndarray:
+        """Return what jumps of the inputs at other times change, as far as the residual has it.
+
+        All of it is at the few jumps, where the noise is no stronger than elsewhere.
+        """
+        error = untimely(twin, rng)
+        if error is None or twin.u is None:
+            return np.zeros_like(rates)
+        moved = self.equations.evaluate(twin.x, twin.u + error, twin.t)
+        change = as_observed(twin, moved - rates)
+        there = change**2 / np.maximum(np.sum(change**2, axis=0), TINY)
+        unexplained = np.sum(there * residual**2, axis=0) - noise
+        expected = np.maximum(np.sum(there * change**2, axis=0), TINY)
+        return np.asarray(change * np.sqrt(np.clip(unexplained / expected, 0.0, 1.0)))
 
 
 def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
