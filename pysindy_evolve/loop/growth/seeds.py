@@ -19,11 +19,12 @@ from ...breeding.dictionary import Problem, build_dictionary
 from ...breeding.genetics import CURVED
 from ...operators import Operator
 from ...sparse.regression import gains
-from ...terms import Product, Sum, call, constant, mul, variable
+from ...terms import Product, Sum, call, constant, mul, power, variable
 
 __all__ = ["functions", "screened", "small_terms"]
 
 SCALES = (0.5, 1.0, 3.0)  # numbers in a curved function, over the size of the variable
+AWAY = 0.1  # of its largest magnitude, by which a variable below the line keeps away from zero
 CHUNK = 200  # terms that are evaluated at a time, so that memory does not grow with them
 
 
@@ -46,7 +47,8 @@ def small_terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
     if any(operator.name == "mul" for operator in operators):
         found += [mul(a, b) for a, b in combinations_with_replacement(straight, 2)]
         found += [mul(a, b) for a in straight for b in curved]
-    return list(dict.fromkeys(term for one in found for _, term in one.parts))
+    terms = (term for one in found for _, term in one.parts)
+    return list(dict.fromkeys(term for term in terms if term.variables))
 
 
 def functions(operators: Sequence[Operator], x: np.ndarray) -> list[Sum]:
@@ -95,8 +97,7 @@ def _best(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
 
 
 def _of_one_variable(operators: Sequence[Operator], x: np.ndarray) -> tuple[list[Sum], list[Sum]]:
-    signed = (x.min(axis=0) < 0.0) & (x.max(axis=0) > 0.0)
-    straight = [f for i, s in enumerate(signed) for f in _straight(operators, variable(i), bool(s))]
+    straight = [f for i, column in enumerate(x.T) for f in _straight(operators, i, column)]
     curved = [
         f
         for i, size in enumerate(np.sqrt(np.mean(x**2, axis=0)))
@@ -105,16 +106,19 @@ def _of_one_variable(operators: Sequence[Operator], x: np.ndarray) -> tuple[list
     return straight, curved
 
 
-def _straight(operators: Sequence[Operator], x: Sum, signed: bool) -> Iterator[Sum]:
+def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iterator[Sum]:
     """Go through functions without a scale of their own; a root is one of the magnitude.
 
-    Magnitude and sign of what keeps its sign are nothing new.
+    Magnitude and sign of what keeps its sign are nothing new, and only what keeps away from zero
+    can stand below the line.
     """
-    known = {operator.name: operator for operator in operators}
+    known, x = {operator.name: operator for operator in operators}, variable(i)
     yield x
-    for name in ("abs", "sgn"):
-        if name in known and signed:
-            yield call(known[name], x)
+    least, largest = float(column.min()), float(column.max())
+    if least < 0.0 < largest:
+        yield from (call(known[name], x) for name in ("abs", "sgn") if name in known)
+    elif "div" in known and min(abs(least), abs(largest)) > AWAY * max(abs(least), abs(largest)):
+        yield power(x, -1)
     if {"abs", "sqrt"} <= known.keys():
         yield call(known["sqrt"], call(known["abs"], x))
 

@@ -45,6 +45,15 @@ def test_magnitude_and_sign_of_what_keeps_its_sign_are_nothing_new(x):
     assert small_names(("abs", "sgn"), kelvin) == ["q", "v", "abs(v)", "sgn(v)"]
 
 
+def test_only_what_keeps_away_from_zero_may_stand_below_the_line(x):
+    gap = 1.0 - 0.2 * np.tanh(x[:, 0])
+    near = np.abs(x[:, 1]) + 0.01  # keeps its sign, but comes too close
+    found = small_names(("mul", "div"), np.column_stack([gap, near]))
+    assert {"1/q", "1/q^2", "v/q"} <= set(found)
+    assert not {"1", "1/v", "q/v"} & set(found)
+    assert not any("/" in name for name in small_names(("mul",), gap[:, None]))
+
+
 def test_the_term_that_explains_most_beside_the_fixed_columns_comes_first(x):
     rng = np.random.default_rng(1)
     root = np.sign(x[:, 1]) * np.sqrt(np.abs(x[:, 1]))
