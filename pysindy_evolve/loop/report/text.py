@@ -191,7 +191,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
 def without_rivals(effect: Effect) -> str:
     """Say why no alternative of an effect is named."""
     if effect.contested:
-        return "this record refutes every alternative that was tried"
+        return "all alternatives that were tried do worse on this record, by more than chance"
     return "no other effect was tried in its place"
 
 
