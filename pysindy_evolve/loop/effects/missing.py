@@ -12,7 +12,7 @@ from ..given.design import Design
 from .candidate import OFFSET, Candidate, bare
 from .vocabulary import of_equation
 
-__all__ = ["candidates", "standing", "with_parents", "zeros_of"]
+__all__ = ["candidates", "fitted", "standing", "with_parents", "zeros_of"]
 
 
 def candidates(
@@ -42,14 +42,14 @@ def candidates(
     -------
     list of Candidate
         Effects whose terms all stand in the equation already are left out, unless their coefficient
-        is known: what is known may be wrong. A known constant force, such as a weight, is not
-        looked at again, for a free one absorbs a part of whatever is missing. Nor is what has one
-        value only: the sign of a temperature in kelvin.
+        is known: what is known may be wrong. The weight of what only falls is not looked at again,
+        for a free one absorbs a part of whatever is missing. Nor is what has one value only: the
+        sign of a temperature in kelvin.
     """
-    taken = _fitted(design)
     apart = np.add.outer(scales, scales) if apart is None else apart
     middle = np.zeros_like(scales) if middle is None else middle
     free = set() if signed is None else {int(v) for v in np.flatnonzero(~signed)}
+    taken = _taken(design, free)
     return [
         _freed(candidate, design, free)
         for state in design.open_states
@@ -88,11 +88,19 @@ def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
     return replace(candidate, parents=kept)
 
 
-def _fitted(design: Design) -> set[tuple[int, Sum]]:
-    """Return equation and expression of what stands in a design, of what is known only forces."""
-    free = standing(replace(design, fixed=(Sum(()),) * len(design.states)))
-    forces = {state for state in design.open_states if design.position_of(state) is not None}
-    return free | {(s, term) for s, term in standing(design) if term == OFFSET and s in forces}
+def _taken(design: Design, free: set[int]) -> set[tuple[int, Sum]]:
+    """Return equation and expression of what need not be looked at again in a design.
+
+    That is what is fitted, and a known constant force on what moves one way only.
+    """
+    falling = {s for s in design.open_states if s in free and design.position_of(s) is not None}
+    weights = {(s, term) for s, term in standing(design) if term == OFFSET and s in falling}
+    return fitted(design) | weights
+
+
+def fitted(design: Design) -> set[tuple[int, Sum]]:
+    """Return equation and expression, without its coefficient, of all that has a free one."""
+    return standing(replace(design, fixed=(Sum(()),) * len(design.states)))
 
 
 def standing(design: Design) -> set[tuple[int, Sum]]:

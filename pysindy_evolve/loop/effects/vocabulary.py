@@ -15,6 +15,7 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
+from .angles import between_angles
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .hysteresis import remembering, rounded, yields
 
@@ -97,7 +98,9 @@ def of_equation(
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, state, other)
+            yield from _differences(effect, design, state, other)
             yield from _between(effect, design, state, other, apart)
+            yield from between_angles(effect, design, state, other)
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
@@ -160,6 +163,23 @@ def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candi
     yield effect("coupling", w)
     yield effect("coupling", mul(own, w), parents=(OFFSET,))
     yield effect("coupling", power(w, 2), parents=(OFFSET,))
+
+
+def _differences(
+    effect: CandidateMaker, design: Design, state: int, other: int
+) -> Iterator[Candidate]:
+    """Go through what flows or pulls in proportion to a difference: one coefficient, not two.
+
+    Where an equation has a coefficient for its own part already, the other one alone says as much.
+    """
+    position = design.position_of(state)
+    own = state
+    if position is not None and design.derivative_of(other) is not None:
+        own = position
+    elif (design.position_of(other) is None) != (position is None):
+        return
+    if variable(own) not in (bare(c.parts[state]) for c in design.columns if c.parts[state].parts):
+        yield effect("coupling", sub(variable(other), variable(own)))
 
 
 def _between(

@@ -19,7 +19,7 @@ from ...operators import Operator
 from ...signals import Record
 from ...terms import Product, variable
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import candidates, standing, zeros_of
+from ..effects.missing import candidates, fitted, standing, zeros_of
 from ..evidence.findings import Finding, with_columns
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.shares import view_gain
@@ -208,7 +208,7 @@ class TermGrower:
     def _grow(self, design: Design) -> list[Candidate]:
         if not self.operators or self.seen.tracks or len(self.fresh.z) < MIN_FRESH:
             return []
-        known = standing(design)
+        known = fitted(design)  # what is known may be wrong
         grown = grow(design, self.seen, self.operators, self.rng)
         fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
         new = [c for c in fresh if have_values(c.terms, self.records)]

@@ -19,7 +19,7 @@ from ...operators import Operator
 from ...signals import Record
 from ...terms import Product, mul, variable
 from ..effects.candidate import Candidate
-from ..effects.missing import candidates, standing
+from ..effects.missing import candidates, fitted
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, with_columns
 from ..evidence.step import find
@@ -110,7 +110,7 @@ def _proposed(
     terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: term.size)
     terms = terms[: MOST // len(design.open_states)]
     largest, signed, *others = ranges(rows)
-    known, present = candidates(design, largest, signed, *others), standing(design)
+    known, present = candidates(design, largest, signed, *others), fitted(design)
     found = []
     for state in design.open_states:
         anywhere = shifted(design, state, signed)

@@ -8,6 +8,7 @@ from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates, standing
 from pysindy_evolve.loop.effects.vocabulary import VOCABULARY
 from pysindy_evolve.loop.given.design import in_state
+from pysindy_evolve.terms import sub, variable
 
 ONE_MASS = {"q": "v", "v": "-k*q - c*v"}
 TWO_MASSES = {"a": "va", "va": "-k*a", "b": "vb", "vb": "-m*b"}
@@ -97,7 +98,7 @@ def test_stribeck_friction_needs_coulomb_friction_first():
 
 
 def test_effects_that_stand_in_the_equation_are_not_proposed_again():
-    design = design_of({"q": "v", "v": "-k*q - c*v - f*sgn(v) + 9.81 + b*F"})
+    design = design_of({"q": "v", "v": "-k*q - c*v - f*sgn(v) + o + b*F"})
     names = {c.name for c in proposed(design)}
     assert not names & {
         "linear stiffness",
@@ -154,11 +155,10 @@ def test_first_order_state_gets_no_springs():
     assert not names & {"linear stiffness", "cubic stiffness", "gravity", "dead zone"}
 
 
-def test_a_term_with_a_known_coefficient_is_proposed_again_but_a_known_constant_is_not():
-    names = {(c.name, c.terms) for c in proposed(design_of({"q": "v", "v": "-33*q - c*v - 9.81"}))}
-    assert "linear stiffness" in {name for name, _ in names}
-    assert "viscous damping" not in {name for name, _ in names}  # its coefficient is free
-    assert not [terms for _, terms in names if terms == (OFFSET,)]
+def test_a_term_with_a_known_coefficient_is_proposed_again():
+    names = {c.name for c in proposed(design_of({"q": "v", "v": "-33*q - c*v - 9.81"}))}
+    assert {"linear stiffness", "constant offset"} <= names
+    assert "viscous damping" not in names  # its coefficient is free
 
 
 def test_the_sign_of_what_keeps_its_sign_is_no_friction_but_that_of_a_velocity():
@@ -178,7 +178,42 @@ def test_the_sign_of_what_keeps_its_sign_is_no_friction_but_that_of_a_velocity()
         assert min(clips) > 1.0
 
 
-def test_a_known_constant_is_looked_at_again_where_it_is_no_force():
+def test_a_known_constant_is_looked_at_again_unless_it_is_the_weight_of_what_only_falls():
     tank, weight = design_of({"T": "350 - T + b*F"}), design_of({"q": "v", "v": "b*F - 9.81"})
-    offered = [{c.name for c in proposed(design) if OFFSET in c.terms} for design in (tank, weight)]
-    assert offered == [{"constant offset"}, set()]
+    falls = np.array([True, False, True, True])
+    for design, signed, names in (
+        (tank, None, {"constant offset"}),
+        (weight, None, {"constant offset"}),
+        (weight, falls, set()),
+    ):
+        scales = np.full(len(design.states) + 2, 3.0)
+        offered = candidates(design, scales, signed)
+        assert {c.name for c in offered if OFFSET in c.terms} == names
+
+
+def test_a_difference_is_offered_where_its_own_part_has_no_coefficient_of_its_own():
+    w, own = variable(1), variable(0)
+    rest = {"w": "c*(w - y)", "y": "d*w - e*y"}
+    tied = design_of({"x": "a*F - b*(x - y)", **rest})
+    alone = design_of({"x": "a*F - b*x", **rest})
+    for design, offered in ((tied, True), (alone, False)):
+        found = [c.terms for c in proposed(design) if c.name == "coupling" and c.state == 0]
+        assert ((sub(w, own),) in found) == offered
+        assert (w,) in found
+
+
+def test_what_stands_inside_a_sine_is_an_angle_and_acts_on_other_angles_by_their_difference():
+    rotors = {"a": "w - b*sin(a - p)", "p": "u - b*sin(p - a)", "y": "r*a - s*y"}
+    found = {
+        (c.state, c.terms[0].name(("a", "p", "y", "t")))
+        for c in proposed(DeclaredModel(rotors).design())
+        if c.name == "coupling" and "sin" in c.terms[0].name(("a", "p", "y", "t"))
+    }
+    assert len(found) == 2 * 1  # the sine of twice the difference in both equations
+    assert {state for state, _ in found} == {0, 1}
+    springs = design_of({"a": "va", "va": "-k*a", "p": "vp", "vp": "-k*p + F"})
+    assert not [c for c in proposed(springs) if c.name == "coupling" and _waves(c)]
+
+
+def _waves(candidate):
+    return "sin" in candidate.terms[0].name(("a", "va", "p", "vp", "F", "t"))

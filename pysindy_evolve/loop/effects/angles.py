@@ -1,0 +1,63 @@
+"""Forces between what turns: functions of the difference of two angles, the same after a turn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...operators import BUILTIN
+from ...terms import Call, Sum, call, constant, mul, sub, variable
+from ..given.design import Design
+from .candidate import OFFSET, Candidate, CandidateMaker
+
+__all__ = ["angles_of", "between_angles"]
+
+WAVES = (BUILTIN["sin"], BUILTIN["cos"])
+
+
+def angles_of(design: Design) -> frozenset[int]:
+    """Return the variables that are angles: they stand in a sine or cosine of the model."""
+    sides = [*design.fixed, *(part for column in design.columns for part in column.parts)]
+    return frozenset().union(*map(_in_waves, sides))
+
+
+def _in_waves(expression: Sum) -> frozenset[int]:
+    found: frozenset[int] = frozenset()
+    for _, term in expression.parts:
+        for atom, _ in term.factors:
+            if isinstance(atom, Call) and atom.operator in WAVES:
+                found |= atom.variables
+            elif isinstance(atom, Call):
+                found = found.union(*map(_in_waves, atom.args))
+            elif isinstance(atom, Sum):
+                found |= _in_waves(atom)
+    return found
+
+
+def between_angles(
+    effect: CandidateMaker, design: Design, state: int, other: int
+) -> Iterator[Candidate]:
+    """Go through what acts between two angles.
+
+    Parameters
+    ----------
+    effect : CandidateMaker
+        Makes the effects of the equation.
+    design : Design
+        The model so far.
+    state : int
+        Whose equation it is: that of an angle, or of the velocity of one.
+    other : int
+        The other state.
+
+    Yields
+    ------
+    Candidate
+    """
+    position = design.position_of(state)
+    own = state if position is None else position
+    if not {own, other} <= angles_of(design):
+        return
+    apart = sub(variable(other), variable(own))
+    yield effect("coupling", call(BUILTIN["sin"], apart))
+    yield effect("coupling", call(BUILTIN["cos"], apart), parents=(OFFSET,), whole=True)
+    yield effect("coupling", call(BUILTIN["sin"], mul(constant(2.0), apart)))

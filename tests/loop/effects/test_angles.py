@@ -1,0 +1,40 @@
+"""What acts between two angles is found whatever turns they have made."""
+
+import numpy as np
+import pytest
+
+import pysindy_evolve as pse
+
+ROTORS = {
+    "a": "1 + 0.35*sin(b - a) + 0.35*sin(c - a)",
+    "b": "1.9 + 0.35*sin(a - b) + 0.35*sin(c - b)",
+    "c": "3.1 + 0.35*sin(a - c) + 0.35*sin(b - c)",
+}
+DECLARED = pse.DeclaredModel(
+    {
+        "a": "u + K*sin(b - a) + K*sin(c - a)",
+        "b": "v + K*sin(a - b) + K*sin(c - b)",
+        "c": "w + K*sin(a - c) + K*sin(b - c)",
+    }
+)
+
+
+def records_of(rates):
+    """Three oscillators that run away from each other, three times."""
+    model, t = pse.DeclaredModel(rates).design().equations([]), np.linspace(0.0, 25.0, 1000)
+    rng, records = np.random.default_rng(0), []
+    for _ in range(3):
+        x = pse.simulate(model, list(rng.uniform(-3.0, 3.0, 3)), t, tolerance=1e-9)
+        y = x + 2e-3 * rng.standard_normal(x.shape)
+        records.append(pse.prepare(t, y, order=1))
+    return records
+
+
+@pytest.mark.parametrize("harmonic", ["", " + 0.1*sin(2*b - 2*a)"])
+def test_a_second_harmonic_of_a_coupling_is_found_where_it_is(harmonic):
+    records = records_of(ROTORS | {"a": ROTORS["a"] + harmonic})
+    report = pse.close_loop(DECLARED, records[:2], records[2], random_state=0)
+    found = [(e.name, e.state, str(e.term).lstrip("-")) for e in report.effects]
+    assert found == ([("coupling", "a", "sin(2*a - 2*b)")] if harmonic else [])
+    if harmonic:
+        assert abs(report.effects[0].coefficients[0]) == pytest.approx(0.1, rel=0.02)
