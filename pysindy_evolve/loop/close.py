@@ -187,7 +187,8 @@ def _with_alternatives(search: Search) -> list[Finding]:
     acted = search.whole.of([remembered(record, memories_in(found)) for record in search.wide])
     acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)), search.wide)
     child = search.rng.spawn(1)[0]
-    rivals = contested(design, found, acted, rules.significance, child)
+    grown = search.grower.grown
+    rivals = contested(design, found, acted, rules.significance, child, grown)
     if search.runs_tell_more and not paths_of(search.design):
         rivals = unrefuted(design, rivals, search.plain)
     return told_by_slopes(design, rivals, acted)

@@ -8,7 +8,7 @@ from functools import reduce
 
 import numpy as np
 
-from ...terms import Call, Sum, add, as_sum, constant, mul, power
+from ...terms import Call, Product, Sum, add, as_sum, constant, mul, power
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
 from ..effects.missing import candidates, standing, with_parents
@@ -18,6 +18,7 @@ from .drifting_rivals import twin_chance
 from .encompassing import chance, explained
 from .scoring import columns_of
 from .spectral import spectral_grams
+from .trace import EVOLVED
 
 __all__ = ["Rival", "rivals_of"]
 
@@ -25,6 +26,8 @@ ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the
 # Share of what an effect explains that a rival must explain in its place. Where much is missing,
 # anything could hide in the rest, and a test alone refutes nothing.
 EXPLAINED = 1.0 / 3.0
+STEADY = 0.1  # of its mean, that a term varies by if it is a constant
+MORE = 2  # nodes that another form of a grown term may have
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +57,7 @@ def rivals_of(
     part: Segments,
     level: float,
     rng: np.random.Generator,
+    grown: Sequence[Candidate] = (),
 ) -> tuple[Rival, ...]:
     """Return the effects that could stand in the place of one.
 
@@ -69,6 +73,8 @@ def rivals_of(
         A rival with a smaller p-value is refuted.
     rng : numpy.random.Generator
         Draws the signs.
+    grown : sequence of Candidate
+        Terms that grew as well; of a grown term they are other forms.
 
     Returns
     -------
@@ -78,11 +84,12 @@ def rivals_of(
     """
     known = standing(design)
     proposed = candidates(design, *ranges(part.rows))
-    proposed += _rounded(candidate, part)
+    proposed += [*_rounded(candidate, part), *_grown_forms(candidate, grown)]
     complete = [_with_offset(c, known) for c in proposed]
     able = with_parents(complete, design)
     if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
         able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
+        able = [c for c in able if not _hardly_varies(c, part)]
     rest = (c for c in dict.fromkeys(able) if not _brings(c, candidate))
     options = [c for c in rest if not _is_form(c, candidate)]
     if part.tracks:
@@ -146,6 +153,30 @@ def _is_form(one: Candidate, other: Candidate) -> bool:
     """Tell whether two candidates differ in the number of their shape only."""
     shapes = one.shape, other.shape
     return None not in shapes and (one.name, one.state) == (other.name, other.state)
+
+
+def _hardly_varies(candidate: Candidate, part: Segments) -> bool:
+    """Tell whether an effect is a constant by another name, as cos(q) of small angles is."""
+    columns = [term.evaluate(part.rows) for term in candidate.terms]
+    return all(column.std() < STEADY * abs(column.mean()) for column in columns)
+
+
+def _grown_forms(candidate: Candidate, grown: Sequence[Candidate]) -> list[Candidate]:
+    """Return the other forms of a grown term that grew beside it, and have hardly more nodes."""
+    if candidate.name != EVOLVED:
+        return []
+    return [
+        one
+        for one in grown
+        if (one.name, one.state) == (EVOLVED, candidate.state)
+        and one.size <= candidate.size + MORE
+        and _form(one) != _form(candidate)
+    ]
+
+
+def _form(candidate: Candidate) -> tuple[Product, ...]:
+    """Return the products of a candidate whatever the numbers in them."""
+    return tuple(term.skeleton for one in candidate.terms for _, term in one.parts)
 
 
 def _rounded(candidate: Candidate, part: Segments) -> list[Candidate]:

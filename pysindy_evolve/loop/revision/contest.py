@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,17 +27,19 @@ def contested(
     part: Segments,
     significance: float,
     rng: np.random.Generator,
+    grown: Sequence[Candidate] = (),
 ) -> list[Finding]:
     """Note with each effect those that could stand in its place beside all the others.
 
-    One that a later effect needs has no rivals: both would have to go.
+    Of a grown term, others that grew are among them. One that a later effect needs has no rivals:
+    both would have to go.
     """
-    judged = []
+    judged, level = [], REFUTED * significance
     for finding in findings:
         rest = [f for f in findings if f is not finding]
         design = with_columns(declared, rest)
         if finding.columns and not is_needed(finding, rest):
-            found = rivals_of(finding.candidate, design, part, REFUTED * significance, rng)
+            found = rivals_of(finding.candidate, design, part, level, rng, grown)
             finding = replace(finding, rivals=found, contested=True)
             if part.tracks:
                 finding = plainer(finding, design, significance)

@@ -15,7 +15,8 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
 from pysindy_evolve.loop.revision.contest import contested
 from pysindy_evolve.loop.twins.chance import draws_for, p_value_of
-from pysindy_evolve.terms import power, variable
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import call, constant, mul, power, variable
 
 N_SEGMENTS, N_ROWS, N_COLUMNS = 16, 60, 8
 
@@ -230,3 +231,19 @@ def test_what_explains_nothing_beside_the_rest_has_no_alternatives():
     again = Candidate("evolved term", 1, (variable(1),))  # stands in the model already
     part, rng = segments([record], design.velocities), np.random.default_rng(0)
     assert rivals_of(again, design, part, 0.01, rng) == ()
+
+
+@pytest.mark.parametrize(("noise", "kept"), [(0.05, 1), (0.0005, 0)])
+def test_another_form_of_a_grown_term_is_an_alternative_where_the_record_allows_it(noise, kept):
+    def grown(operator, number):
+        inside = mul(constant(number), variable(1))
+        return Candidate("evolved term", 1, (call(BUILTIN[operator], inside),))
+
+    hidden = oscillator("evolved term", "- 6*v/(2 + abs(v))", "-k*q - c*v + b*F")
+    record = hidden.record(noise=noise)
+    design, part = design_of(hidden.model, [record]), segments([record], (1,))
+    soft, others = grown("softsign", 0.5), [grown("softsign", 0.6), grown("tanh", 0.4)]
+    rng = np.random.default_rng(0)
+    found = rivals_of(soft, design, part, 0.01, rng, others)
+    assert [r.candidate for r in found if r.name == "evolved term"] == others[1:][:kept]
+    assert not [r for r in rivals_of(soft, design, part, 0.01, rng) if r.name == "evolved term"]
