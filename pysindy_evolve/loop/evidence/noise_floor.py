@@ -15,7 +15,7 @@ from ..given.segments import Segments
 from ..given.sensor import as_observed
 from .spectral import spectral_rows
 
-__all__ = ["EXCESS", "NoiseFloor"]
+__all__ = ["EXCESS", "NoiseFloor", "noise_alone"]
 
 N_DRAWS = 4  # of the noise
 EXCESS = 1.5  # times the power that this leaves in a band; less may be a matter of chance
@@ -62,7 +62,7 @@ class NoiseFloor:
         """
         powers = []
         for child in rng.spawn(N_DRAWS):
-            drawn = [_noise_alone(equations, record, child) for record in records]
+            drawn = [noise_alone(equations, record, child) for record in records]
             known = [columns for columns in drawn if columns is not None]
             if len(known) < len(drawn):
                 return None
@@ -80,10 +80,25 @@ def _left(equations: Equations, record: Record) -> np.ndarray:
     return as_observed(record, record.x_dot - equations.evaluate(record.x, record.u, record.t))
 
 
-def _noise_alone(
+def noise_alone(
     equations: Equations, record: Record, rng: np.random.Generator
 ) -> np.ndarray | None:
-    """Return what the noise of the sensors changes in what is left, (n_samples, n_states)."""
+    """Return what the noise of the sensors changes in what is left, (n_samples, n_states).
+
+    Parameters
+    ----------
+    equations : Equations
+        A model of the machine.
+    record : Record
+        What was measured.
+    rng : numpy.random.Generator
+        Draws the noise.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_states) or None
+        Units of x_dot; None if the sensors are not known, as the record was not made from raw data.
+    """
     made = record.preparation
     if made is None:
         return None

@@ -8,9 +8,11 @@ import numpy as np
 
 from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
+from ...terms import ONE
 from ..effects.periodic import FEWEST_FREQUENCIES, lines_of
 from ..given.kinematics import disagreement
 from .left import residual_of
+from .missed import missed
 from .ranges import beyond
 from .starts import moved_by_starts
 
@@ -25,16 +27,14 @@ HELD = 0.1  # sampling times by which a delay may differ from half of one
 WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
 GREW = 0.1  # percent of the standard deviation: a smaller rise is none
 TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
-NOTABLE = 20.0  # percent of the standard deviation: more than a small error of a parameter leaves
-RUNAWAY = 100.0  # the same
-BY_START = 0.5  # of the miss of a free run that noise in its first state makes: it says little
+RUNAWAY = 100.0  # percent of the standard deviation: such an error cannot grow
 
 
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
     found = [*_doubted(report), *_known(report), *_held(report), *_turned(report)]
     found += [*_worse(report), *_undefined(report), *_lines(report), *beyond(report)]
-    found += _missed(report)
+    found += missed(report)
     return [*found, *_left(report)]
 
 
@@ -71,10 +71,11 @@ def _known(report: LoopReport) -> list[str]:
         ((factor, term),) = expression.parts
         before = given[term]
         after = before + factor * float(effect.coefficients[0])
+        what = f"{format_expression(effect.term)} with the known coefficient"
+        what = "the known constant" if term == ONE else what
         said.append(
-            f"The declared equation of {effect.state} holds {format_expression(effect.term)} with "
-            f"the known coefficient {format_number(before)}; the record asks for "
-            f"{format_number(after)}. Check what was given as known."
+            f"The declared equation of {effect.state} holds {what} {format_number(before)}; the "
+            f"record asks for {format_number(after)}. Check what was given as known."
         )
     return said
 
@@ -134,8 +135,9 @@ def _turned(report: LoopReport) -> list[str]:
     if not turned:
         return []
     return [
-        f"Adding the effects reverses the sign of a parameter: {', '.join(turned)}. If the "
-        "machine does not allow that, an effect holds a part of it, or stands for another one."
+        f"Adding the effects reverses the sign of a parameter: {', '.join(turned)}. If only the "
+        "first sign is possible, an effect holds a part of it, or stands for another one; if only "
+        "the second is, the declared model alone was wrong there."
     ]
 
 
@@ -178,36 +180,6 @@ def _knows_its_noise(record: Record) -> bool:
     made = record.preparation
     cutoff = 0.5 / record.dt if made is None or made.cutoff is None else made.cutoff
     return bool(cutoff * (record.t[-1] - record.t[0]) >= FEWEST_FREQUENCIES)
-
-
-def _missed(report: LoopReport) -> list[str]:
-    missed = np.max(report.after.simulation_error)
-    if missed < NOTABLE or (missed < RUNAWAY and report.verdict == "untraced"):
-        return []
-    moved = np.max(moved_by_starts(report.after.model, report.test))
-    if np.isfinite(missed) and moved > BY_START * missed:
-        does = f"moves it by {moved:.2g} %" if np.isfinite(moved) else "lets it diverge"
-        said = (
-            f"The free run misses the record by {missed:.2g} %, but it begins where noisy sensors "
-            f"say, and this noise alone {does}: judge by the derivative."
-        )
-    elif missed < RUNAWAY:
-        said = (
-            f"The free run still misses the record by {missed:.2g} %. To each effect that was "
-            "tried, what remains looks like a random force. If no such force acts on the machine, "
-            "something is missing that is not among these effects, or not clear in this record."
-        )
-    else:
-        said = (
-            "The free run leaves the record by more than the record varies. Such a run amplifies "
-            "the smallest difference, or something is still missing: judge by the derivative."
-        )
-    if report.rules is not None and report.rules.by_trajectory:
-        said += (
-            " The training data is too short to search for terms: beside effects with names only "
-            "small ones were tried. Measure longer, or more often."
-        )
-    return [said]
 
 
 def _left(report: LoopReport) -> list[str]:

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import sympy
-from loop_systems import equations_of, measured, oscillator
+from loop_systems import equations_of, measured, multisine, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_number
@@ -249,6 +249,21 @@ def test_a_free_run_that_misses_the_record_is_mentioned(complete):
     assert "still misses" not in str(complete)
 
 
+def test_what_is_left_of_a_derivative_beside_the_noise_is_mentioned(complete):
+    t, rng = np.arange(0.0, 40.0, 0.01), np.random.default_rng(3)
+    force, push = multisine(20.0, 3)(t), np.interp(t, t[::20], rng.normal(0.0, 4.0, t[::20].size))
+    model = equations_of({"q": "v", "v": "-40*q - 0.8*v + F"}, ("F",))
+    q = pse.simulate(model, [0.0, 0.0], t, force + push)[:, 0]  # and nobody measured the push
+    record = pse.prepare(t, q + 1e-3 * q.std() * rng.standard_normal(t.size), force)
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    report = pse.close_loop(declared, record, operators=(), random_state=0)
+    assert report.verdict == "complete"
+    said = " ".join(str(report).split())
+    left = r"the model leaves 7\S* % of dv/dt, where the noise of the sensors leaves \d"
+    assert re.search(left, said)
+    assert "the noise of the sensors leaves" not in str(complete)
+
+
 def test_short_records_say_that_only_small_terms_were_tried(complete):
     missing = replace(complete.after, simulation_error=np.array([46.0, np.nan]))
     short = replace(complete.rules, by_trajectory=True)
@@ -336,7 +351,7 @@ def test_a_parameter_that_turns_its_sign_is_mentioned(report):
     turned = dict(report.after.parameters) | {"c": -0.3}
     said = " ".join(str(replace(report, after=replace(report.after, parameters=turned))).split())
     was = format_number(report.before.parameters["c"])
-    assert f"reverses the sign of a parameter: c from {was} to -0.3. If the machine" in said
+    assert f"reverses the sign of a parameter: c from {was} to -0.3. If only" in said
     assert "reverses the sign" not in str(report)
 
 
@@ -392,3 +407,15 @@ def test_no_line_is_told_of_a_record_too_short_to_know_its_noise():
         pair = records[first : first + 2]
         report = pse.close_loop(declared, pair, pair[:1], operators=(), random_state=0)
         assert "has a line at" not in str(report)
+
+
+def test_a_wrong_weight_is_no_gravity_of_an_angle():
+    sides = {"q": "v", "v": "-k*q - c*v + b*F"}
+    record = measured({"q": "v", "v": "-30*q - 0.8*v + F - 14.8"}, noise=1e-3)
+    declared = pse.DeclaredModel({**sides, "v": sides["v"] + " - 9.81"}, inputs=["F"])
+    found = pse.close_loop(declared, record, operators=(), random_state=0)
+    assert [effect.name for effect in found.effects] == ["constant offset"]
+    assert found.effects[0].coefficients == pytest.approx([-4.99], rel=0.02)
+    assert "gravity" not in found.effects[0].alternatives
+    said = " ".join(str(found).split())
+    assert "holds the known constant -9.81; the record asks for -14.8" in said

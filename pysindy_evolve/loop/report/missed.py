@@ -1,0 +1,68 @@
+"""What it means that a model misses the records by more than the noise explains."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .starts import moved_by_starts
+from .unexplained import unexplained
+
+if TYPE_CHECKING:
+    from .report import LoopReport
+
+__all__ = ["missed"]
+
+NOTABLE = 20.0  # percent of the standard deviation: more than a small error of a parameter leaves
+RUNAWAY = 100.0  # the same
+BY_START = 0.5  # of the miss of a free run that noise in its first state makes: it says little
+
+RANDOM = (
+    "To each effect that was tried, what remains looks like a random force. If no such force acts, "
+    "something is missing that is not among these effects, or not clear in this record."
+)
+SHORT = (
+    "The training data is too short to search for terms: beside effects with names only small ones "
+    "were tried. Measure longer, or more often."
+)
+
+
+def missed(report: LoopReport) -> list[str]:
+    """Say what the free run over the held-out data misses, or else the derivative.
+
+    Parameters
+    ----------
+    report : LoopReport
+        What the loop found.
+
+    Returns
+    -------
+    list of str
+        Sentences; none where something is said to be missing anyway.
+    """
+    miss = float(np.max(report.after.simulation_error))
+    if miss < RUNAWAY and report.verdict == "untraced":
+        return []
+    of_rates = [f"{one} {RANDOM}" for one in unexplained(report)]
+    said = of_rates if miss < NOTABLE else _of_run(report, miss, of_rates)
+    if said and report.rules is not None and report.rules.by_trajectory:
+        said[-1] += f" {SHORT}"
+    return said
+
+
+def _of_run(report: LoopReport, miss: float, of_rates: list[str]) -> list[str]:
+    moved = float(np.max(moved_by_starts(report.after.model, report.test)))
+    if np.isfinite(miss) and moved > BY_START * miss:
+        does = f"moves it by {moved:.2g} %" if np.isfinite(moved) else "lets it diverge"
+        said = (
+            f"The free run misses the record by {miss:.2g} %, but it begins where noisy sensors "
+            f"say, and this noise alone {does}: judge by the derivative."
+        )
+        return [said, *of_rates]
+    if miss < RUNAWAY:
+        return [f"The free run still misses the record by {miss:.2g} %. {RANDOM}"]
+    return [
+        "The free run leaves the record by more than the record varies. Such a run amplifies "
+        "the smallest difference, or something is still missing: judge by the derivative."
+    ]

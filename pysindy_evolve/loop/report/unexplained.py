@@ -1,0 +1,64 @@
+"""How much of the derivative a model leaves that the noise of the sensors does not explain."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...hidden_states.hidden import MemoryEquations
+from ...hidden_states.memory import remembered
+from ..evidence.noise_floor import noise_alone
+from .left import residual_of
+
+if TYPE_CHECKING:
+    from .report import LoopReport
+
+__all__ = ["unexplained"]
+
+LEAST = 5.0  # percent of the standard deviation, that is left of a derivative
+TIMES = 3.0  # what the noise of the sensors leaves of it; less may be an error of its estimate
+SEED = 0  # of the noise that is drawn: a report always says the same
+
+
+def unexplained(report: LoopReport) -> list[str]:
+    """Name the derivative of which the corrected model leaves most beside the noise.
+
+    Parameters
+    ----------
+    report : LoopReport
+        What the loop found.
+
+    Returns
+    -------
+    list of str
+        The beginning of a sentence, or none.
+    """
+    model = report.after.model
+    if model.n_algebraic or any(record.preparation is None for record in report.train):
+        return []
+    left = np.concatenate([residual_of(model, record) for record in report.train])
+    rates = np.concatenate([record.x_dot for record in report.train])
+    scale = np.maximum(rates.std(axis=0), np.finfo(float).tiny)
+    missed = _percent(left, scale)
+    by_noise = _percent(_noise(report), scale)
+    worst = int(np.argmax(np.where(missed > LEAST, missed / np.maximum(by_noise, 1e-9), 0.0)))
+    if missed[worst] <= max(LEAST, TIMES * by_noise[worst]):
+        return []
+    return [
+        f"In the training data the model leaves {missed[worst]:.2g} % of "
+        f"d{model.states[worst]}/dt, where the noise of the sensors leaves {by_noise[worst]:.2g} %."
+    ]
+
+
+def _percent(columns: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    return np.asarray(100.0 * np.sqrt(np.nanmean(columns**2, axis=0)) / scale)
+
+
+def _noise(report: LoopReport) -> np.ndarray:
+    """Return what the noise of the sensors leaves, (n_samples, n_states) of all records."""
+    model, rng = report.after.model, np.random.default_rng(SEED)
+    memories = model.memories if isinstance(model, MemoryEquations) else ()
+    inner = model.inner if isinstance(model, MemoryEquations) else model
+    drawn = (noise_alone(inner, remembered(r, memories), rng) for r in report.train)
+    return np.concatenate([columns for columns in drawn if columns is not None])
