@@ -32,7 +32,7 @@ def unexplained(report: LoopReport) -> list[str]:
     Returns
     -------
     list of str
-        The beginning of a sentence, or none.
+        Two sentences, or none.
     """
     model = report.after.model
     if model.n_algebraic or any(record.preparation is None for record in report.train):
@@ -47,7 +47,8 @@ def unexplained(report: LoopReport) -> list[str]:
         return []
     return [
         f"In the training data the model leaves {missed[worst]:.2g} % of "
-        f"d{model.states[worst]}/dt, where the noise of the sensors leaves {by_noise[worst]:.2g} %."
+        f"d{model.states[worst]}/dt, where the noise of the sensors leaves {by_noise[worst]:.2g} %. "
+        "A cutoff so low that it takes off a part of the motion leaves more, too."
     ]
 
 
