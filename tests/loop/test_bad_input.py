@@ -110,16 +110,39 @@ def test_short_record_to_judge_on_is_not_said_to_be_cut_from_another():
 
 
 @pytest.mark.parametrize(
-    ("factor", "advice"),
-    [(2.0, "Prepare the training records with decimate=2"), (1.5, "with signals.resample")],
+    ("ratio", "cutoff", "advice"),
+    [
+        (1.5, 5.0, "Prepare all of them to a step of 0.03, by `decimate`, with a cutoff of at "),
+        (2.0, 20.0, "to a step of 0.02, by `decimate`, with a cutoff of at most 16.7, or bring"),
+        (2.0, None, "to a step of 0.02, by `decimate`, with a cutoff of at most 16.7, or bring"),
+        (1.46, 1.0, "got 0.01 and 0.0146, with a cutoff of 1. Bring all records to one step with "),
+    ],
 )
-def test_record_sampled_more_slowly_than_the_training_is_refused_with_a_way_out(factor, advice):
+def test_rates_without_a_common_step_are_refused_by_their_own_names(ratio, cutoff, advice):
     t = 0.01 * np.arange(2000)
-    fast = pse.prepare(t, np.sin(3.0 * t), decimate=1)
-    slow = pse.prepare(factor * t, np.sin(3.0 * factor * t), decimate=1)
-    message = rf"got a record sampled every {0.01 * factor:g} for a step of 0\.01\. .*{advice}\."
-    with pytest.raises(ValueError, match=message):
-        pse.close_loop(SPRING, fast, test=slow)
+    fast = pse.prepare(t, np.sin(3.0 * t), cutoff=cutoff, decimate=1)
+    slow = pse.prepare(ratio * t, np.sin(3.0 * ratio * t), cutoff=cutoff, decimate=1)
+    with pytest.raises(ValueError, match=re.escape(advice)) as caught:
+        alike([fast], [slow])
+    assert HOUSE_FORM.match(str(caught.value))
+    assert "resample" in str(caught.value)
+
+
+def test_records_of_two_rates_meet_at_a_step_that_both_go_into():
+    t = 0.001 * np.arange(9000)
+    fast = pse.prepare(t, np.sin(3.0 * t), cutoff=30.0, decimate=3)
+    slow = pse.prepare(2.0 * t, np.sin(6.0 * t), cutoff=20.0)
+    train, test = alike([fast], [slow])
+    assert [round(record.dt, 9) for record in (*train, *test)] == [0.002, 0.002]
+    assert [r.preparation.cutoff for r in (*train, *test)] == pytest.approx([30.0, 30.0])
+
+
+def test_a_slower_record_to_judge_on_sets_the_step_where_the_training_has_a_shorter_one():
+    t = 0.01 * np.arange(2000)
+    fast = pse.prepare(t, np.sin(3.0 * t), cutoff=5.0, decimate=1)
+    slow = pse.prepare(2.0 * t, np.sin(6.0 * t), cutoff=5.0, decimate=1)
+    train, test = alike([fast], [slow])
+    assert [round(record.dt, 9) for record in (*train, *test)] == [0.02, 0.02]
 
 
 def test_training_decimated_to_the_step_of_the_test_is_taken():

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...signals import Preparation, Record, as_target, prepare
 from ...signals.checks import LARGEST
+from .common_step import common_step
 from .design import Design
 from .segments import variables_of
 
@@ -189,17 +190,17 @@ def alike(train: list[Record], test: list[Record]) -> tuple[list[Record], list[R
     steps = np.array([record.dt for record in (*train, *test)])
     if np.ptp(steps) <= 0.01 * steps[0]:
         return train, test
-    made = _made(train[0])
-    if made is None or any(_made(r) is None for r in (*train, *test)):
+    made = [one for one in map(_made, (*train, *test)) if one is not None]
+    if len(made) < len(steps):
         raise ValueError(
             "close_loop(train=..., test=...) must have one sampling time in all records; "
             f"got {steps.min():g} to {steps.max():g}. Make all of them with prepare(t, y, u), or "
             "interpolate them."
         )
-    cutoffs = [one.cutoff for one in map(_made, train) if one is not None and one.cutoff]
+    cutoffs = [one.cutoff for one in made[: len(train)] if one.cutoff]
     cutoff = float(np.exp(np.mean(np.log(cutoffs)))) if len(cutoffs) == len(train) else None
     step = float(np.quantile(steps[: len(train)], 0.5, method="lower"))  # one of them
-    _check_raw_steps(made.dt, [*train, *test], step)
+    step = common_step([one.dt for one in made], step, cutoff)
     return [_prepared(r, cutoff, step) for r in train], [_prepared(r, cutoff, step) for r in test]
 
 
@@ -208,33 +209,12 @@ def _made(record: Record) -> Preparation | None:
     return record.preparation if record.motion is None else record.motion
 
 
-def _check_raw_steps(own: float, records: Sequence[Record], step: float) -> None:
-    """Raise where a record was sampled more slowly than the training records are to be."""
-    longest = max(one.dt for one in map(_made, records) if one is not None)
-    if longest <= 1.01 * step:
-        return
-    factor = round(longest / own)
-    fits = factor > 1 and abs(factor * own / longest - 1.0) <= 0.01
-    advice = f"Prepare the training records with decimate={factor}"
-    raise ValueError(
-        "close_loop(train=..., test=...) must have raw sampling times no longer than the step of "
-        f"the training records; got a record sampled every {longest:g} for a step of {step:g}. "
-        + (f"{advice}." if fits else "Bring all records to one step with signals.resample.")
-    )
-
-
 def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
     """Prepare a record again from its raw data, over the same span of time."""
     made = _made(record)
     if made is None:  # excluded by the caller
         return record
-    decimation = round(step / made.dt)
-    if decimation < 1 or abs(decimation * made.dt / step - 1.0) > 0.01:
-        raise ValueError(
-            "close_loop(train=..., test=...) must have raw sampling times that are multiples of "
-            f"one another; got {made.dt:g} for {step:g}. Interpolate the records first."
-        )
-    settings = made.settings | {"cutoff": cutoff, "decimate": decimation}
+    settings = made.settings | {"cutoff": cutoff, "decimate": round(step / made.dt)}
     again = prepare(made.t, made.y, made.u, **settings)
     again = again if record.motion is None else as_target(again)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))

@@ -1,0 +1,79 @@
+"""One sampling time for records whose raw ones differ: a multiple of each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...signals.prepare import LEAST_OVERSAMPLING
+
+__all__ = ["common_step"]
+
+TOLERANCE = 0.01  # share by which a multiple may miss the step, as clocks are not exact
+COARSER = 2.0  # steps wanted that a common one may be long; a coarser one is for the user to choose
+MULTIPLES = 4  # of the longest raw sampling time among which advice looks for a common step
+
+
+def common_step(raw: Sequence[float], wanted: float, cutoff: float | None) -> float:
+    """Return a step that every raw sampling time goes into, near the one wanted.
+
+    It is the longest one up to the step wanted or, if there is none, the shortest one beyond.
+
+    Parameters
+    ----------
+    raw : sequence of float
+        Raw sampling times of all records, units of t.
+    wanted : float
+        Step that the training records alone would have, units of t.
+    cutoff : float or None
+        Of the training records, cycles per unit of t; without one, nothing may be left out.
+
+    Returns
+    -------
+    float
+        Units of t.
+
+    Raises
+    ------
+    ValueError
+        If there is none up to twice the step wanted, or only one at which signals would alias.
+    """
+    longest, limit = max(raw), COARSER * wanted * (1.0 + TOLERANCE)
+    multiples = [k * longest for k in range(1, max(MULTIPLES, int(limit / longest)) + 1)]
+    shared = [step for step in multiples if all(_goes_into(one, step) for one in raw)]
+    fits = [step for step in shared if all(_keeps(one, step, cutoff) for one in raw)]
+    shorter = [step for step in fits if step <= wanted * (1.0 + TOLERANCE)]
+    if shorter:
+        return shorter[-1]
+    if fits and fits[0] <= limit:
+        return fits[0]
+    times = " and ".join(f"{one:g}" for one in sorted({float(f"{one:.4g}") for one in raw}))
+    band = "without cutoff" if cutoff is None else f"with a cutoff of {cutoff:.4g}"
+    raise ValueError(
+        "close_loop(train=..., test=...) must have raw sampling times that go into one step, near "
+        f"the {wanted:g} of the training records; got {times}, {band}. {_advice(fits or shared)}"
+    )
+
+
+def _goes_into(raw: float, step: float) -> bool:
+    """Tell whether a step is a multiple of a raw sampling time."""
+    return abs(max(1, round(step / raw)) * raw / step - 1.0) <= TOLERANCE
+
+
+def _keeps(raw: float, step: float, cutoff: float | None) -> bool:
+    """Tell whether `prepare` can pass this cutoff and keep so few samples that nothing aliases."""
+    factor = round(step / raw)
+    if cutoff is None:
+        return factor == 1
+    most = max(1, int(1.0 / (LEAST_OVERSAMPLING * cutoff * raw)))
+    return 2.0 * cutoff * raw < 1.0 and factor <= most
+
+
+def _advice(steps: Sequence[float]) -> str:
+    """Return what makes the shortest of some common steps possible, or what else is left."""
+    if not steps:
+        return "Bring all records to one step with signals.resample."
+    band = 1.0 / (LEAST_OVERSAMPLING * steps[0])
+    return (
+        f"Prepare all of them to a step of {steps[0]:g}, by `decimate`, with a cutoff of at most "
+        f"{band:.3g}, or bring the records to one step with signals.resample."
+    )
