@@ -26,7 +26,7 @@ def refuse_type(call: str, parameter: str, constraint: str, value: Any, advice: 
     raise TypeError(f"{call}({parameter}=...) must be {constraint}; got {got}. {advice}")
 
 
-def numbers(call: str, parameter: str, values: ArrayLike) -> Array:
+def numbers(call: str, parameter: str, values: ArrayLike, most: float = LARGEST) -> Array:
     """Return real, finite float64 values of any shape, without a copy where none is needed."""
     advice = "Give real numbers, one row per sample."
     try:
@@ -45,15 +45,15 @@ def numbers(call: str, parameter: str, values: ArrayLike) -> Array:
         got = f"{array[where]} at {place} ({int(bad.sum())} in all)"
         refuse(call, parameter, "finite", got, "Drop or fill these samples first.")
     largest = float(np.abs(array).max(initial=0.0))
-    if largest > LARGEST:
+    if largest > most:
         advice = "Rescale the units."
-        refuse(call, parameter, f"at most {LARGEST:g} in size", f"{largest:g}", advice)
+        refuse(call, parameter, f"at most {most:g} in size", f"{largest:g}", advice)
     return array
 
 
-def columns(call: str, parameter: str, values: ArrayLike) -> Array:
+def columns(call: str, parameter: str, values: ArrayLike, most: float = LARGEST) -> Array:
     """Return a finite float64 array of shape (n_samples, n_columns); 1-D becomes one column."""
-    array = numbers(call, parameter, values)
+    array = numbers(call, parameter, values, most)
     if array.ndim == 1:
         array = array[:, None]
     if array.ndim != 2 or array.shape[1] == 0:

@@ -165,7 +165,8 @@ def _slide(
     call: str, columns: ArrayLike, windows: Any, lengths: Sequence[int] | None, order: int
 ) -> Array:
     """Apply the windows (order 0) or their derivative (order 1) to each trajectory."""
-    rows = checks.columns(call, "columns", columns)
+    # Columns are terms, too, such as the cube of a large state: a mean of them is as finite.
+    rows = checks.columns(call, "columns", columns, most=np.inf)
     if not isinstance(windows, Windows):
         advice = "Take them from choose_windows."
         checks.refuse_type(call, "windows", "Windows", windows, advice)

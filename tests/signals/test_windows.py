@@ -111,6 +111,10 @@ def test_windows_refuse_bad_values(windows, call, message):
         call(windows)
 
 
+def test_means_of_terms_may_be_larger_than_a_signal_may(windows):
+    np.testing.assert_allclose(project(np.full(50, 1e80), windows), 1e80)
+
+
 def test_windows_refuse_bad_types(windows):
     with pytest.raises(TypeError, match=r"Windows\(width=...\) must be an integer.*; got float"):
         Windows(width=2.5)

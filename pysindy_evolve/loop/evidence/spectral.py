@@ -18,13 +18,12 @@ from ...terms import Cache
 from ..fitting.linear import solve
 from ..fitting.residual import force_on
 from ..given.design import Column, Design
-from ..given.segments import Segments
+from ..given.segments import LARGEST, Segments
 
 __all__ = ["n_frequencies", "spectral_grams", "spectral_rows", "spectral_weights"]
 
 TAPER = 0.5  # share of a segment over which the taper falls to zero
 N_WEIGHINGS = 3  # of the frequencies by what the fit of the one before leaves
-LARGEST = 1e100  # a column with larger values is no candidate; its square would overflow
 LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding
 
 

@@ -16,10 +16,10 @@ from itertools import combinations
 
 import numpy as np
 
-from ...signals.checks import LARGEST
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
 from ..fitting.linear import RIDGE, TINY, solve, solve_many
+from ..given.segments import LARGEST
 
 __all__ = ["Score", "fold_errors", "is_new", "rank", "ranked"]
 

@@ -42,14 +42,13 @@ from scipy.stats import t as student
 from ...signals import Preparation, Record
 from ...terms import Cache
 from ..given.design import Column, Design
-from ..given.segments import variables_of
+from ..given.segments import LARGEST, variables_of
 from .linear import solve, solve_gram
 from .random_force import NOISES, drift_size, whitening
 
 __all__ = ["Disturbance", "Trajectories", "followable", "made_of"]
 
 MAX_ROWS = 256  # of a record; the means of groups of more rows say the same
-LARGEST = 1e100  # a column with larger values is no candidate
 ROUNDING = 1e-14  # relative to the square of the target
 
 

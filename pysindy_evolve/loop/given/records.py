@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from ...signals import Preparation, Record, as_target, prepare
-from ...signals.checks import LARGEST
 from .common_step import common_step
 from .design import Design
-from .segments import variables_of
+from .segments import LARGEST, variables_of
 
 __all__ = ["alike", "check_records", "split_records", "widened"]
 

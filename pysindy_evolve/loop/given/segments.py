@@ -11,7 +11,6 @@ from scipy.fft import dct, prev_fast_len
 
 from ...equations import stack
 from ...signals import Record, Windows, choose_windows
-from ...signals.checks import LARGEST
 from ...terms import Sum
 from .band import Band
 from .input_errors import known_up_to
@@ -19,6 +18,7 @@ from .sensor import limits_of_states, missed
 from .sticking import moving
 
 __all__ = [
+    "LARGEST",
     "Segments",
     "have_values",
     "places_of",
@@ -28,6 +28,7 @@ __all__ = [
     "variables_of",
 ]
 
+LARGEST = 1e100  # value of a term: its square is finite, and so is the cube of a large state
 N_SEGMENTS = 16
 N_FOLDS = 8
 TO_TRANSFER = 3  # records, from which on each fold is made of whole ones
