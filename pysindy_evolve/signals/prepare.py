@@ -16,6 +16,7 @@ from .preparation import Preparation
 from .record import Record, constant_column
 from .sampling import uniform
 from .spectral import Array
+from .wrapping import refuse_wrapped
 
 # Samples kept per period of the cutoff: sgn and other kinks of the states stay resolved, and
 # the low-pass (over at 1.5 times the cutoff) lets nothing alias.
@@ -85,7 +86,7 @@ def prepare(
     ------
     ValueError
         If a value is not finite, lengths differ, time is irregular, a column of y is
-        constant, samples are too few or a setting is out of range.
+        constant or an angle that wraps, samples are too few or a setting is out of range.
     TypeError
         If an argument has the wrong type.
 
@@ -114,6 +115,7 @@ def prepare(
     if even_y is None or still is not None:
         got = f"{raw_y[0, still or 0]:g} in all samples of column {still}"
         checks.refuse("prepare", "y", "changing", got, "Drop this column of y.")
+    refuse_wrapped("prepare", raw_y)
     dt = float((grid[-1] - grid[0]) / (grid.size - 1))
     ends = as_limits(limits, even_y)
     resolved, whole = _resolve_cutoff(cutoff, even_y, dt, order, ends)
