@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from numbers import Real
 from typing import Any
 
 __all__ = ["advise_function", "advise_parameter", "check_known"]
 
+ALIKE = 0.66  # of two names: one letter of three is another, or there is one more to two
+SPEEDS = ("v", "w", "omega", "vel", "velocity", "speed", "dq", "qd", "q_dot", "dx", "xd", "x_dot")
 PRODUCT = 2  # letters of a name that may have been a factor: k(q - 1) was meant as k*(q - 1)
 
 
@@ -35,17 +37,38 @@ def advise_function(name: str, functions: Iterable[str]) -> str:
 
 
 def advise_parameter(
-    names: Collection[str], variables: Iterable[str], inputs: Iterable[str]
+    names: Collection[str],
+    variables: Iterable[str],
+    inputs: Iterable[str],
+    known: Iterable[str] = (),
 ) -> str:
-    """Return what one of the free parameters was meant to be: the one most like a variable."""
+    """Return what one of the free parameters was meant to be: the one most like a known name.
+
+    Of the two factors of a product, one may be the speed, under another of its usual names.
+    """
     acting = list(inputs)
     states = [name for name in variables if name not in (*acting, "t")]
-    near = {name: get_close_matches(name, [*states, *acting], 1, 0.7) for name in names}
-    name = max(names, key=lambda one: bool(near[one]))  # the first, if none is like a variable
-    meant = f" Did you mean {near[name][0]!r}?" if near[name] else ""
+    near = {name: _meant(name, [*states, *acting, *known]) for name in names}
+    if len(names) > 1 and not any(near.values()):
+        near = {name: _speed(name, states) for name in names}
+    name = max(names, key=lambda one: bool(near[one]))  # the first, if none is like another name
+    meant = f" Did you mean {near[name]!r}?" if near[name] else ""
     return (
         f"{name!r} is neither a state ({', '.join(states) or 'none'}) nor an input "
         f"({', '.join(acting) or 'none'}), so it was read as a free parameter.{meant} If it is an "
         "input, name it in `inputs`; if it is a constant, give it in `known`, or name the whole "
         "factor as one parameter."
     )
+
+
+def _meant(name: str, others: Sequence[str]) -> str:
+    """Return the name that differs by case only or, of three letters and more, hardly; or none."""
+    for other in others:
+        if other.casefold() == name.casefold():
+            return other
+    return next(iter(get_close_matches(name, others, 1, ALIKE)), "")
+
+
+def _speed(name: str, states: Sequence[str]) -> str:
+    """Return the state that is a speed by its name, where `name` is another name of one."""
+    return next((state for state in states if name in SPEEDS and state in SPEEDS), "")

@@ -263,7 +263,7 @@ class _Reader:
         return value.get(None, Sum(()))
 
     def _fail_nonlinear(self, what: str, names: Collection[str], node: ast.expr) -> None:
-        advice = advise_parameter(names, self.columns, self.inputs)
+        advice = advise_parameter(names, self.columns, self.inputs, self.known)
         self.source.fail("must be linear in its free parameters", what, advice, node)
 
 

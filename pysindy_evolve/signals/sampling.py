@@ -35,7 +35,11 @@ def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Ar
         usual = float(np.median(steps))
         at = int(np.argmax(np.abs(steps - usual)))
         got = f"a step of {steps[at]:g} at sample {at + 1} where {usual:g} is usual"
-        advice = "Resample it first: t, y, u = signals.resample(t, y, u), or cut it there."
+        advice = (
+            "Resample it first: t, y, u = signals.resample(t, y, u). A gap of more than a few "
+            "samples is better cut: give the two parts as two records, as resampling draws a "
+            "straight line through it."
+        )
         checks.refuse(call, "t", "uniform within half a sampling time", got, advice)
     if worst <= ROUNDING:
         return grid, list(columns)

@@ -84,6 +84,7 @@ def test_empty_list_of_records_is_refused():
     [
         ({"q": "-k*q"}, (), "one column of x for each state of the model; got 2 for 1"),
         ({"q": "v", "v": "F"}, ("F",), "one column of u for each input of the model; got 0 for 1"),
+        ({"q": "v", "v": "F+G"}, ("F", "G"), r"got 0 for 2\. Pass u to prepare\(t, y, u\).* F, G "),
         ({"q": "v", "w": "-k*q"}, (), "velocity 'w' in the equation of 'q', .* parameters: v"),
     ],
 )
@@ -164,8 +165,19 @@ def test_a_column_that_says_nothing_is_called_by_its_name():
     t = 0.01 * np.arange(2000)
     record = pse.prepare(t, np.sin(3.0 * t), np.ones_like(t))
     declared = pse.DeclaredModel({"q": "v", "v": "-k*q + b*F"}, inputs=["F"])
-    with pytest.raises(ValueError, match=r"columns of u that vary; got 1 everywhere in F\."):
+    with pytest.raises(
+        ValueError,
+        match=r"columns of u that vary; got 1 everywhere in F\. .*"
+        "and declare a free constant",
+    ):
         pse.close_loop(declared, record)
+
+
+def test_columns_of_u_that_the_model_does_not_name_are_to_be_named():
+    t = 0.01 * np.arange(500)
+    message = r"of the model; got 1 for 0\. Name what acts in `inputs` of the model\."
+    with pytest.raises(ValueError, match=message):
+        pse.close_loop(SPRING, pse.prepare(t, np.sin(3.0 * t), np.cos(t)))
 
 
 def test_booleans_are_no_measurement_but_may_be_an_input():

@@ -15,6 +15,13 @@ from pysindy_evolve.signals import (
 from .closeness import DT, nrmse
 
 
+def test_a_gap_is_said_to_be_better_cut_than_filled_with_a_straight_line():
+    t = 0.005 * np.arange(2000)
+    message = r"got a step of 0\.505 at sample 1000 where .* give the two parts as two records"
+    with pytest.raises(ValueError, match=message):
+        prepare(np.r_[t[:1000], t[1000:] + 0.5], np.sin(t))
+
+
 @pytest.mark.parametrize("method", ["fft", "central", "savgol"])
 @pytest.mark.parametrize("cutoff", ["auto", 8.0])
 def test_a_linear_equation_still_holds_after_preparation(t, driven, method, cutoff):

@@ -64,15 +64,7 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
         Samples of the one record that all of them were cut from; 0 if there were several.
     """
     for record in records:
-        wanted = {"x": (len(design.states), record.n_states, "state")}
-        wanted["u"] = (len(design.inputs), record.n_inputs, "input")
-        for name, (expected, found, what) in wanted.items():
-            if expected != found:
-                raise ValueError(
-                    f"close_loop(train=..., test=...) must have one column of {name} for each "
-                    f"{what} of the model; got {found} for {expected}. Declare each {what}, or "
-                    "prepare the records with the order of the model."
-                )
+        _check_counts(design, record)
         if record.n_samples < MIN_SAMPLES:
             cut = f" of {whole} samples, the last {100 * HELD_OUT:.0f} % of them held out"
             advice = "or pass `test`" if whole else "or prepare it with decimate=1, which cuts less"
@@ -92,6 +84,23 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
     _check_names(design, records)
     _check_columns(design, records)
     _check_velocities(design, records)
+
+
+def _check_counts(design: Design, record: Record) -> None:
+    """Raise where a record has other numbers of columns than the model."""
+    wanted = {"x": (len(design.states), record.n_states, "state")}
+    wanted["u"] = (len(design.inputs), record.n_inputs, "input")
+    for name, (expected, found, what) in wanted.items():
+        if expected != found:
+            advice = f"Declare each {what}, or prepare the records with the order of the model."
+            if name == "u":
+                measured = ", ".join(design.inputs)
+                advice = f"Pass u to prepare(t, y, u), with the columns {measured} in this order."
+                advice = advice if expected else "Name what acts in `inputs` of the model."
+            raise ValueError(
+                f"close_loop(train=..., test=...) must have one column of {name} for each "
+                f"{what} of the model; got {found} for {expected}. {advice}"
+            )
 
 
 def _check_names(design: Design, records: Sequence[Record]) -> None:
@@ -157,10 +166,11 @@ def _check_columns(design: Design, records: Sequence[Record]) -> None:
             )
         still = largest == 0.0 if name == "x_dot" else np.ptp(stacked, axis=0) == 0.0
         for index in np.flatnonzero(still):
+            made = ", and declare a free constant for what it makes" if name == "u" else ""
             raise ValueError(
                 f"close_loop(train=..., test=...) must have columns of {name} that vary; got "
                 f"{stacked[0, index]:g} everywhere in {called[index]}. Drop it from the records "
-                "and from the model."
+                f"and from the model{made}."
             )
 
 

@@ -125,6 +125,31 @@ def test_misspelled_input_is_named_where_it_makes_the_model_nonlinear(text):
 
 
 @pytest.mark.parametrize(
+    ("equations", "options", "wrong", "meant"),
+    [
+        ({"q": "v", "v": "b*U - c*v"}, {"inputs": ["u"]}, "U", "u"),
+        ({"q": "v", "v": "b*F - c*V"}, {"inputs": ["F"]}, "V", "v"),
+        ({"q": "v", "v": "b*F - c*w"}, {"inputs": ["F"]}, "w", "v"),
+        ({"q": "w", "w": "b*F - c*q_dot"}, {"inputs": ["F"]}, "q_dot", "w"),
+        ({"q": "v", "v": "b*cur - c*v"}, {"inputs": ["cor"]}, "cur", "cor"),
+        ({"q": "v", "v": "(g/M)*q + m*q"}, {"known": {"m": 2.0}}, "M", "m"),
+        ({"q": "v", "v": "b*mas*q + mass*q"}, {"known": {"mass": 2.0}}, "mas", "mass"),
+    ],
+)
+def test_name_that_another_is_written_as_is_asked_for(equations, options, wrong, meant):
+    message = rf"'{wrong}' is neither .* as a free parameter\. Did you mean '{meant}'\?"
+    with pytest.raises(ValueError, match=message):
+        DeclaredModel(equations, **options)
+
+
+@pytest.mark.parametrize("text", ["sin(w*t)", "k*c*q", "b*q/e", "a*F1"])
+def test_name_like_no_other_is_not_guessed(text):
+    with pytest.raises(ValueError, match="linear in its free parameters") as caught:
+        DeclaredModel({"q": "v", "v": text}, inputs=["u"])
+    assert "Did you mean" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ({"inputs": ["q"]}, "must use each name once, and t for time only; got 'q' again"),
