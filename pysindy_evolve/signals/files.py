@@ -12,6 +12,11 @@ import numpy as np
 
 from .spectral import Array
 
+ARRAYS = {".npz", ".npy", ".mat"}  # endings of files that hold arrays
+COMMENTS = ("#", "%", "//")  # signs that lines begin with which are no names
+NUMBER = re.compile(r"[-+]?[.,]?\d[\d.,_]*([eE][-+]?\d+)?|nan|[-+]?inf", re.IGNORECASE)
+FIRST_ROWS = 100  # among which the names are looked for, where they are not in the first line
+
 
 def read_csv(
     path: str | PathLike[str],
@@ -91,6 +96,12 @@ def _read(path: Path, delimiter: str) -> tuple[list[str], list[tuple[int, list[s
     """Return the names and the rows, each with its line in the file; empty lines are skipped."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as lines:
+            if path.suffix.lower() in ARRAYS:
+                raise ValueError(
+                    f"read_csv(path=...) must be a text file in UTF-8; got {str(path)!r}, and "
+                    "files of arrays are not read. Load it and pass its arrays to "
+                    "pysindy_evolve.prepare(t, y, u), or export the record as CSV."
+                )
             reader = csv.reader(lines, delimiter=delimiter)
             rows = [(reader.line_num, row) for row in reader if any(f.strip() for f in row)]
     except (UnicodeDecodeError, csv.Error) as error:
@@ -116,6 +127,7 @@ def _check_fields(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
                 f"read_csv(delimiter=...) must be the sign between the names; got one field, "
                 f"{header[0]!r}. Is the delimiter {sign!r}? (--delimiter {sign!r})"
             )
+    _check_header(header, rows)
     for line, row in rows:
         if any(field.strip() for field in row[len(header) :]):
             raise ValueError(
@@ -123,6 +135,33 @@ def _check_fields(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
                 f"has {len(row)} fields, the header {len(header)}. A decimal comma? Export with "
                 "points, or semicolons between the fields."
             )
+
+
+def _check_header(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
+    """Raise where the names are not in the first line, or no numbers in the second."""
+    line, second = rows[0]
+    first = ", ".join(name for name in header if name)
+    worded = not _has_number(second)
+    wider = [row for _, row in rows[:FIRST_ROWS] if len(row) > len(header) and not _has_number(row)]
+    # Behind a sign there may be names, such as those that numpy writes: then numbers follow.
+    is_comment = first.startswith(COMMENTS) and (worded or len(second) > len(header))
+    if is_comment or wider:
+        raise ValueError(
+            f"read_csv(path=...) must begin with the line of names; got {first!r} as the first "
+            "line. Delete the lines before the names, or skip them with a reader of your own and "
+            "pass the arrays to prepare."
+        )
+    if worded:
+        got = ", ".join(field.strip() for field in second)
+        raise ValueError(
+            f"read_csv(path=...) must have numbers below the line of names; got {got!r} in line "
+            f"{line}. Delete this row if it holds units; if it holds the names, what is before it."
+        )
+
+
+def _has_number(row: list[str]) -> bool:
+    """Tell whether any field of a row is a number, however its decimals are written."""
+    return any(NUMBER.fullmatch(field.strip()) for field in row)
 
 
 def _place(header: list[str], name: str, path: str | PathLike[str]) -> int:

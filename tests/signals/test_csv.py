@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pysindy_evolve.signals import read_csv
+from pysindy_evolve.signals.files import column_names
 
 
 @pytest.fixture
@@ -84,6 +85,43 @@ def test_a_decimal_sign_that_cannot_be_told_from_the_delimiter_is_refused(write,
 def test_an_unreadable_file_is_refused_and_the_place_named(write, text, columns, message):
     with pytest.raises(ValueError, match=r"^read_csv\(.*must " + "(?s:.*)" + message):
         read_csv(write(text), columns)
+
+
+@pytest.mark.parametrize(
+    ("text", "first"),
+    [
+        ("# Logger 3\nt,q\n0,1\n1,2\n", "# Logger 3"),
+        ("# Logger 3, of May\nt,q\n0,1\n", "# Logger 3, of May"),
+        ("% by hand\n% twice\nt,q\n0,1\n", "% by hand"),
+        ("Logger 3\nRate: 100 Hz\nt,q\n0,1\n", "Logger 3"),
+        ("rate,100\nmade,by,hand\n0,1\n", "rate, 100"),
+        ("# no names\n0,1\n1,2\n", "# no names"),
+    ],
+)
+@pytest.mark.parametrize("read", [read_csv, column_names])
+def test_lines_before_the_names_are_quoted_and_to_be_deleted(write, text, first, read):
+    message = rf"must begin with the line of names; got '{first}' as .*\. Delete the lines before"
+    with pytest.raises(ValueError, match=message):
+        read(write(text))
+
+
+def test_a_row_of_units_is_to_be_deleted(write):
+    message = r"numbers below the line of names; got 's, 1/s' in line 2\. Delete .* holds units"
+    with pytest.raises(ValueError, match=message):
+        read_csv(write("t,q\ns,1/s\n0,1\n1,2\n"))
+
+
+def test_names_behind_a_sign_are_names_as_numpy_writes_them(write):
+    np.testing.assert_array_equal(read_csv(write("# t,q\n0,1\n1,2\n"), ["q"])["q"], [1.0, 2.0])
+
+
+@pytest.mark.parametrize("ending", ["npz", "mat", "NPY"])
+def test_files_of_arrays_are_not_read_and_prepare_takes_their_arrays(tmp_path, ending):
+    path = tmp_path / f"record.{ending}"
+    path.write_text("t,q\n0,1\n", encoding="utf-8")
+    message = r"files of arrays are not read\. .* arrays to pysindy_evolve\.prepare\(t, y, u\)"
+    with pytest.raises(ValueError, match=message):
+        read_csv(path)
 
 
 def test_a_binary_file_is_refused(tmp_path):
