@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from numbers import Real
@@ -10,6 +11,7 @@ from typing import Any
 
 __all__ = ["advise_function", "advise_parameter", "check_known"]
 
+NUMERALS = re.compile(r"\d+")
 ALIKE = 0.66  # of two names: one letter of three is another, or there is one more to two
 SPEEDS = ("v", "w", "omega", "vel", "velocity", "speed", "dq", "qd", "q_dot", "dx", "xd", "x_dot")
 PRODUCT = 2  # letters of a name that may have been a factor: k(q - 1) was meant as k*(q - 1)
@@ -66,7 +68,9 @@ def _meant(name: str, others: Sequence[str]) -> str:
     for other in others:
         if other.casefold() == name.casefold():
             return other
-    return next(iter(get_close_matches(name, others, 1, ALIKE)), "")
+    # k12 beside k13 is another one, not the same misspelled.
+    unlike = [other for other in others if NUMERALS.sub("", other) != NUMERALS.sub("", name)]
+    return next(iter(get_close_matches(name, unlike, 1, ALIKE)), "")
 
 
 def _speed(name: str, states: Sequence[str]) -> str:

@@ -142,7 +142,8 @@ def _check_header(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
     line, second = rows[0]
     first = ", ".join(name for name in header if name)
     worded = not _has_number(second)
-    wider = [row for _, row in rows[:FIRST_ROWS] if len(row) > len(header) and not _has_number(row)]
+    words = [row for _, row in rows[:FIRST_ROWS] if not _has_number(row)]
+    wider = any(field.strip() for row in words for field in row[len(header) :])
     # Behind a sign there may be names, such as those that numpy writes: then numbers follow.
     is_comment = first.startswith(COMMENTS) and (worded or len(second) > len(header))
     if is_comment or wider:
@@ -152,7 +153,7 @@ def _check_header(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
             "pass the arrays to prepare."
         )
     if worded:
-        got = ", ".join(field.strip() for field in second)
+        got = ", ".join(field.strip() for field in second if field.strip())
         raise ValueError(
             f"read_csv(path=...) must have numbers below the line of names; got {got!r} in line "
             f"{line}. Delete this row if it holds units; if it holds the names, what is before it."

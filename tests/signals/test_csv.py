@@ -109,6 +109,10 @@ def test_a_row_of_units_is_to_be_deleted(write):
     message = r"numbers below the line of names; got 's, 1/s' in line 2\. Delete .* holds units"
     with pytest.raises(ValueError, match=message):
         read_csv(write("t,q\ns,1/s\n0,1\n1,2\n"))
+    with pytest.raises(
+        ValueError, match=r"numbers below the line of names; got 's, 1/s' in line 2"
+    ):
+        read_csv(write("t,q\ns,1/s,\n0,1,\n1,2,\n"))
 
 
 def test_names_behind_a_sign_are_names_as_numpy_writes_them(write):

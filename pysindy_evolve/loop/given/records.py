@@ -93,7 +93,7 @@ def _check_counts(design: Design, record: Record) -> None:
     for name, (expected, found, what) in wanted.items():
         if expected != found:
             advice = f"Declare each {what}, or prepare the records with the order of the model."
-            if name == "u":
+            if name == "u" and record.motion is None:
                 measured = ", ".join(design.inputs)
                 advice = f"Pass u to prepare(t, y, u), with the columns {measured} in this order."
                 advice = advice if expected else "Name what acts in `inputs` of the model."
