@@ -45,10 +45,10 @@ def unexplained(report: LoopReport) -> list[str]:
     worst = int(np.argmax(np.where(missed > LEAST, missed / np.maximum(by_noise, 1e-9), 0.0)))
     if missed[worst] <= max(LEAST, TIMES * by_noise[worst]):
         return []
+    left_of, by = f"{missed[worst]:.2g} % of d{model.states[worst]}/dt", f"{by_noise[worst]:.2g} %"
     return [
-        f"In the training data the model leaves {missed[worst]:.2g} % of "
-        f"d{model.states[worst]}/dt, where the noise of the sensors leaves {by_noise[worst]:.2g} %. "
-        "A cutoff so low that it takes off a part of the motion leaves more, too."
+        f"In the training data the model leaves {left_of}, where the noise of the sensors leaves "
+        f"{by}. A cutoff so low that it takes off a part of the motion leaves more, too."
     ]
 
 
