@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 from ...terms import ONE, Sum
@@ -45,7 +45,8 @@ class Candidate:
     has its parents in it, as a weight has a mean: where it says all that they say, they may go. One
     that `refines` effects of certain names must do better than they by more than chance, see
     refinement.py. One that is `alone` is scored in no pair: it bends so far that any other effect
-    beside it would seem to be worth something.
+    beside it would seem to be worth something. One that is tuned with `partners`, effects of other
+    equations, stands for them all: they have coefficients of their own, see partners.py.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Candidate:
     whole: bool = field(default=False, compare=False)
     refines: tuple[str, ...] = field(default=(), compare=False)
     alone: bool = field(default=False, compare=False)
+    partners: tuple[Candidate, ...] = ()
 
     @property
     def is_exchange(self) -> bool:
@@ -76,6 +78,19 @@ class Candidate:
     def size(self) -> int:
         """Number of nodes of its terms."""
         return sum(term.size for term in self.terms)
+
+    @property
+    def n_columns(self) -> int:
+        """Number of columns that it adds to a design, with those of its partners."""
+        return len(self.terms) + sum(partner.n_columns for partner in self.partners)
+
+    def at(self, values: Iterable[float]) -> Candidate:
+        """Return the effect, and its partners, with other numbers in their shapes."""
+        if self.shape is None:
+            return self
+        there = replace(self.shape, values=tuple(values))
+        partners = tuple(partner.at(there.values) for partner in self.partners)
+        return replace(self, terms=there.terms, shape=there, partners=partners)
 
 
 @dataclass(frozen=True)

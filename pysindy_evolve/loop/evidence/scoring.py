@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
@@ -95,11 +94,10 @@ def net(score: Score) -> float:
 
 
 def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
-    """Return the columns that a candidate adds to a design."""
+    """Return the columns that a candidate, and then its partners, add to a design."""
     n_states = len(design.states)
-    return tuple(
-        in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms
-    )
+    own = (in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms)
+    return (*own, *(c for partner in candidate.partners for c in columns_of(partner, design)))
 
 
 def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> list[Candidate]:
@@ -124,8 +122,7 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
         return candidate
 
     def at(logs: np.ndarray) -> Candidate:
-        there = replace(shape, values=tuple(np.exp(logs).tolist()))
-        return replace(candidate, terms=there.terms, shape=there)
+        return candidate.at(np.exp(logs).tolist())
 
     def loss(logs: np.ndarray) -> float:
         scores = score(design, part, [at(np.atleast_1d(logs))], pairs=False)

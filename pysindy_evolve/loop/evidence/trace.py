@@ -159,8 +159,8 @@ def ranked(
     without = judge(np.arange(n_fixed)[None, :])[0]
     own, start = [], n_fixed
     for candidate in candidates:
-        own.append(tuple(range(start, start + len(candidate.terms))))
-        start += len(candidate.terms)
+        own.append(tuple(range(start, start + candidate.n_columns)))
+        start += candidate.n_columns
     new = [i for i in range(len(candidates)) if is_new(total, n_fixed, own[i])]
     groups: list[tuple[int, ...]] = [(i,) for i in new]
     paired = [i for i in new if pairs and not candidates[i].alone]

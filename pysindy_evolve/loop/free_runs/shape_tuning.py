@@ -8,17 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 
 import numpy as np
 
 from ...signals import Record
-from ...terms import add, constant, mul, sub
+from ...terms import Sum, add, constant, mul, sub
 from ..effects.candidate import Candidate, Shape
 from ..effects.shaping import shape_of
 from ..evidence.scoring import columns_of
 from ..fitting.trial import Trial, settled
-from ..given.design import in_state
+from ..given.design import Column
 from .drift import Drift
 from .variants import Model
 
@@ -32,10 +31,14 @@ SLOPE = 1e-3  # of a logarithm, to see what it changes
 
 @dataclass(frozen=True, eq=False)
 class Contender:
-    """An effect in its model, fitted to stretches of the record by its free runs."""
+    """An effect in its model, fitted to stretches of the record by its free runs.
+
+    One that is `tied` shares its numbers with effects elsewhere in the model, and keeps them.
+    """
 
     candidate: Candidate
     trial: Trial
+    tied: bool = False
 
     @property
     def error(self) -> float:
@@ -66,7 +69,7 @@ def tuned_by_runs(
     """
     found = list(contenders)
     least = min(one.error for one in found)
-    active = [k for k, one in enumerate(found) if one.error <= FAR * least]
+    active = [k for k, one in enumerate(found) if one.error <= FAR * least and not one.tied]
     for _ in range(N_STEPS):
         moved = {k: _moved(found[k], model, drift, records) for k in active}
         begun = {k: one for k, one in moved.items() if one is not None}
@@ -97,22 +100,29 @@ def _moved(
 
 
 def _at(candidate: Candidate, shape: Shape, steps: np.ndarray) -> Candidate:
-    """Return an effect with the logarithms of its numbers changed."""
-    values = tuple((np.array(shape.values) * np.exp(steps)).tolist())
-    there = replace(shape, values=values)
-    kept = None if candidate.shape is None else there
-    return replace(candidate, terms=there.terms, shape=kept)
+    """Return an effect, and its partners, with the logarithms of their numbers changed."""
+    moved = replace(candidate, shape=shape).at((np.array(shape.values) * np.exp(steps)).tolist())
+    return moved if candidate.shape is not None else replace(moved, shape=None)
 
 
 def _with_slopes(one: Contender, shape: Shape, model: Model) -> Trial:
     """Return a trial with the slopes of an effect's terms in its numbers beside them."""
     candidate, trial = one.candidate, one.trial
-    weights = trial.coef[len(trial.coef) - len(candidate.terms) :]
-    columns = []
-    for row in SLOPE * np.eye(len(shape.values)):
-        pairs = zip(_at(candidate, shape, row).terms, candidate.terms, weights, strict=True)
-        slopes = [mul(constant(float(w) / SLOPE), sub(there, here)) for there, here, w in pairs]
-        total = reduce(add, slopes)
-        columns.append(in_state("slope", total, candidate.state, len(model.design.states)))
+    weights = trial.coef[len(trial.coef) - candidate.n_columns :].tolist()
+    here = columns_of(candidate, model.design)
+    rows = SLOPE * np.eye(len(shape.values))
+    ahead = [columns_of(_at(candidate, shape, row), model.design) for row in rows]
+    columns = [_slope(here, there, weights) for there in ahead]
     coef = np.append(trial.coef, np.zeros(len(columns)))
     return replace(trial, design=trial.design.adding(columns), coef=coef)
+
+
+def _slope(here: Sequence[Column], there: Sequence[Column], weights: Sequence[float]) -> Column:
+    """Return what a step of `SLOPE` changes in each equation, for a step of one."""
+    total = [Sum(())] * len(here[0].parts)
+    for one, other, weight in zip(here, there, weights, strict=True):
+        for state, (before, after) in enumerate(zip(one.parts, other.parts, strict=True)):
+            if before.parts:
+                change = mul(constant(weight / SLOPE), sub(after, before))
+                total[state] = add(total[state], change) if total[state].parts else change
+    return Column("slope", tuple(total))

@@ -1,0 +1,52 @@
+"""Effects that share their numbers: one expression, in the equations of several states.
+
+A force between two bodies acts on both of them, and one input may drive several states. What is
+inside of such an expression, such as the gap of a clutch, is one number and not two. Tuned one
+after the other, each number makes up for what is wrong with the other one: a step along either of
+them leads uphill where a step along both would lead down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from .candidate import Candidate, bare
+
+__all__ = ["are_partners", "joined", "partnerships", "shares_number"]
+
+
+def are_partners(one: Candidate, other: Candidate) -> bool:
+    """Tell whether effects of two equations are one expression, up to a factor and its numbers."""
+    if one.state == other.state or one.shape is None or other.shape is None:
+        return False
+    if len(one.shape.values) != len(other.shape.values):
+        return False
+    there = other.at(one.shape.values)
+    return [bare(term) for term in one.terms] == [bare(term) for term in there.terms]
+
+
+def shares_number(one: Candidate, other: Candidate) -> bool:
+    """Tell whether two effects are partners, and have the same numbers in them."""
+    if one.shape is None or other.shape is None or one.shape.values != other.shape.values:
+        return False
+    return are_partners(one, other)
+
+
+def partnerships(candidates: Sequence[Candidate]) -> list[list[int]]:
+    """Return the places of those effects that are partners, of two or more each."""
+    groups: list[list[int]] = []
+    for place, candidate in enumerate(candidates):
+        own = (g for g in groups if are_partners(candidates[g[0]], candidate))
+        group = next(own, None)
+        if group is None:
+            groups.append([place])
+        elif all(candidates[k].state != candidate.state for k in group):
+            group.append(place)
+    return [group for group in groups if len(group) > 1]
+
+
+def joined(candidates: Sequence[Candidate]) -> Candidate:
+    """Return partners as one effect of several equations, tuned together from where they are."""
+    first, *others = candidates
+    return replace(first, parents=(), partners=tuple(others))
