@@ -29,6 +29,7 @@ from .fitting.unfolding import paths_of
 from .free_runs.by_runs import find_by_runs
 from .free_runs.duels import held_against
 from .free_runs.sensor_limits import clipped_sensors
+from .free_runs.shared_tuning import shared_by_runs
 from .free_runs.unnamed import find_unnamed
 from .free_runs.variants import Model
 from .given.design import Design
@@ -43,6 +44,7 @@ from .revision.beginnings import settled_beginning
 from .revision.errors_in_inputs import without_errors_in_inputs
 from .revision.outlived import without_outlived
 from .revision.revise import exchange, merged, prune
+from .revision.sharing import with_shared_numbers
 from .revision.thinning import thinned
 from .revision.yielding import needed_by_runs, with_numbers, with_numbers_of_runs
 
@@ -157,7 +159,8 @@ class Search:
                 self.findings = found
                 break
             found = exchange(self.declared, found, self.part)
-            self.findings = with_numbers(self.declared, found, self.part)
+            found = with_numbers(self.declared, found, self.part)
+            self.findings = with_shared_numbers(self.declared, found, self.part)
             self._check(before)
         kept = prune(self.declared, self.findings, self.part)
         self.findings = merged(self.declared, kept, self.part)
@@ -248,7 +251,9 @@ class Search:
         model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
         grown = [c for c in self.grower.grown if c.name == EVOLVED]
         small = self._small_terms()
-        kept = held_against(model, self.findings, grown, small, self.plain, self.part, self.rules)
+        found = shared_by_runs(model, self.findings, self.plain)
+        kept = held_against(model, found, grown, small, self.plain, self.part, self.rules)
+        kept = shared_by_runs(model, kept, self.plain)  # a duel may have made partners of them
         self.findings = prune(self.declared, kept, self.part)
 
     def _doubt_inputs(self) -> None:

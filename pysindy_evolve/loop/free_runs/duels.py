@@ -24,6 +24,7 @@ from tqdm.auto import tqdm
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
+from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_ones
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of, score
@@ -83,7 +84,9 @@ def held_against(
         rest = [f for k, f in enumerate(kept) if k != place]
         if finding.columns and not is_needed(finding, rest):
             without = replace(model, design=with_columns(model.design, rest))
-            kept[place] = _winner(without, finding, grown, small, records, part, rules)
+            tied = any(shares_number(finding.candidate, f.candidate) for f in rest)
+            seen = records, part, rules
+            kept[place] = _winner(without, finding, grown, small, *seen, tied=tied)
     return kept
 
 
@@ -95,6 +98,8 @@ def _winner(
     records: Sequence[Record],
     part: Segments,
     rules: Rules,
+    *,
+    tied: bool,
 ) -> Finding:
     """Return a finding, or the one that takes its place in a model without it."""
     own = finding.candidate
@@ -108,8 +113,9 @@ def _winner(
     rivals = list(dict.fromkeys([*_closest(model, own, able, part), *shown]))
     begun = [begun_with(model, rival, drift, records) for rival in rivals]
     # The effect itself was fitted in other units of the errors.
-    fitted = map(Contender, [own, *rivals], settled([drift.trial, *begun]))
-    tuned = tuned_by_runs(list(fitted), model, drift, records)
+    first, *others = settled([drift.trial, *begun])
+    fitted = [Contender(own, first, tied), *map(Contender, rivals, others)]
+    tuned = tuned_by_runs(fitted, model, drift, records)
     best = _best(tuned, matter, rules.significance / max(len(rivals), 1))
     plain = with_ones(best.candidate)
     if plain is not None:  # sin(q), unless another number than one in it does clearly better

@@ -1,0 +1,77 @@
+"""Numbers that effects in several equations share, tuned together by free runs.
+
+An effect of one equation is held against others with its partners as they are. So what they share
+has to be right before, for alone none of them could do any better with another number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..effects.partners import joined, partnerships
+from ..evidence.findings import Finding, with_columns
+from ..evidence.scoring import MARGIN, columns_of
+from ..fitting.trial import settled
+from .drift import drift_of
+from .duels import STEADY, STRETCHES, begun_with, fitted_with
+from .shape_tuning import Contender, tuned_by_runs
+from .variants import Model
+
+__all__ = ["shared_by_runs"]
+
+
+def shared_by_runs(
+    model: Model, findings: Sequence[Finding], records: Sequence[Record]
+) -> list[Finding]:
+    """Return findings in which partners have the same numbers, as free runs give them.
+
+    Parameters
+    ----------
+    model : Model
+        The declared model, with the memories and limits among the findings.
+    findings : sequence of Finding
+        What was found.
+    records : sequence of Record
+        Training records, without memories.
+
+    Returns
+    -------
+    list of Finding
+        Partners keep numbers of their own where the runs are clearly closer with them.
+    """
+    kept = list(findings)
+    for places in partnerships([f.candidate for f in kept]):
+        rest = [f for k, f in enumerate(kept) if k not in places]
+        without = replace(model, design=with_columns(model.design, rest))
+        values = _shared([kept[place].candidate for place in places], without, records)
+        if values is not None:
+            for place in places:
+                candidate = kept[place].candidate.at(values)
+                columns = columns_of(candidate, model.design)
+                kept[place] = replace(kept[place], candidate=candidate, columns=columns)
+    return kept
+
+
+def _shared(
+    group: Sequence[Candidate], model: Model, records: Sequence[Record]
+) -> tuple[float, ...] | None:
+    """Return the numbers that partners share in a model without them; None if they do not."""
+    apart = joined(group)
+    drift = drift_of(*fitted_with(model, apart, records), records, STRETCHES, STEADY)
+    if drift is None:
+        return None
+    begun = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
+    together = [apart.at(values) for values in begun]
+    trials = [begun_with(model, one, drift, records) for one in together]
+    # The effects as they are were fitted in other units of the errors.
+    own, *fitted = settled([drift.trial, *trials])
+    tuned = tuned_by_runs(list(map(Contender, together, fitted)), model, drift, records)
+    best = min(tuned, key=lambda one: one.error)
+    if best.candidate.shape is None or not best.error <= np.exp(MARGIN) * own.error:
+        return None
+    return best.candidate.shape.values
