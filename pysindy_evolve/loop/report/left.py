@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...equations import Equations
@@ -11,7 +13,7 @@ from ...signals import Record
 from ..fitting.past import rates_on
 from ..given.sensor import as_observed
 
-__all__ = ["residual_of"]
+__all__ = ["in_percent", "percent_left", "residual_of"]
 
 
 def residual_of(equations: Equations, record: Record) -> np.ndarray:
@@ -19,3 +21,16 @@ def residual_of(equations: Equations, record: Record) -> np.ndarray:
     if isinstance(equations, MemoryEquations):
         record, equations = remembered(record, equations.memories), equations.inner
     return as_observed(record, record.x_dot - rates_on(equations, record))
+
+
+def percent_left(equations: Equations, records: Sequence[Record]) -> np.ndarray:
+    """Return what is left of each derivative of records, percent of its standard deviation."""
+    left = np.concatenate([residual_of(equations, record) for record in records])
+    return in_percent(left, records)
+
+
+def in_percent(columns: np.ndarray, records: Sequence[Record]) -> np.ndarray:
+    """Return the RMS of columns (n_samples, n_states), percent of what the derivatives vary by."""
+    rates = np.concatenate([record.x_dot for record in records])
+    scale = np.maximum(rates.std(axis=0), np.finfo(float).tiny)
+    return np.asarray(100.0 * np.sqrt(np.nanmean(columns**2, axis=0)) / scale)

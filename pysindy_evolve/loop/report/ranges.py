@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...export import format_number
-from ...signals import Record
 from ..given.segments import variables_of
-from .left import residual_of
+from .left import percent_left
 
 if TYPE_CHECKING:
     from .report import LoopReport
@@ -38,7 +37,7 @@ def beyond(report: LoopReport) -> list[str]:
     model = report.after.model
     if model.n_algebraic:
         return []
-    fitted, judged = _errors(report, report.train), _errors(report, report.test)
+    fitted, judged = percent_left(model, report.train), percent_left(model, report.test)
     times = np.where(judged > MISSED, judged / np.maximum(fitted, 1e-9), 0.0)
     worst = int(np.argmax(times))
     wider = _wider(report, (*model.states, *model.inputs)) if times[worst] > TIMES else []
@@ -49,14 +48,6 @@ def beyond(report: LoopReport) -> list[str]:
         f"errs there: d{model.states[worst]}/dt by {judged[worst]:.2g} %, by {fitted[worst]:.2g} % "
         "in the training data. Nothing was learned of that range: fit records that cover it."
     ]
-
-
-def _errors(report: LoopReport, records: Sequence[Record]) -> np.ndarray:
-    """Return the derivative error of each state in percent of its standard deviation."""
-    left = np.concatenate([residual_of(report.after.model, record) for record in records])
-    rates = np.concatenate([record.x_dot for record in records])
-    scale = np.maximum(rates.std(axis=0), np.finfo(float).tiny)
-    return np.asarray(100.0 * np.sqrt(np.nanmean(left**2, axis=0)) / scale)
 
 
 def _wider(report: LoopReport, names: Sequence[str]) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
 from ..evidence.noise_floor import noise_alone
-from .left import residual_of
+from .left import in_percent, percent_left
 
 if TYPE_CHECKING:
     from .report import LoopReport
@@ -37,11 +37,8 @@ def unexplained(report: LoopReport) -> list[str]:
     model = report.after.model
     if model.n_algebraic or any(record.preparation is None for record in report.train):
         return []
-    left = np.concatenate([residual_of(model, record) for record in report.train])
-    rates = np.concatenate([record.x_dot for record in report.train])
-    scale = np.maximum(rates.std(axis=0), np.finfo(float).tiny)
-    missed = _percent(left, scale)
-    by_noise = _percent(_noise(report), scale)
+    missed = percent_left(model, report.train)
+    by_noise = in_percent(_noise(report), report.train)
     worst = int(np.argmax(np.where(missed > LEAST, missed / np.maximum(by_noise, 1e-9), 0.0)))
     if missed[worst] <= max(LEAST, TIMES * by_noise[worst]):
         return []
@@ -50,10 +47,6 @@ def unexplained(report: LoopReport) -> list[str]:
         f"In the training data the model leaves {left_of}, where the noise of the sensors leaves "
         f"{by}. A cutoff so low that it takes off a part of the motion leaves more, too."
     ]
-
-
-def _percent(columns: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    return np.asarray(100.0 * np.sqrt(np.nanmean(columns**2, axis=0)) / scale)
 
 
 def _noise(report: LoopReport) -> np.ndarray:
