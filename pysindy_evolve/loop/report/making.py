@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...export.compact import compact
 from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import Sum
@@ -172,7 +173,7 @@ def _effect(
 
 
 def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:
-    return sum((term.to_sympy(symbols) for term in terms[1:]), terms[0].to_sympy(symbols))
+    return compact(sum(term.to_sympy(symbols) for term in terms))
 
 
 def _other_names(finding: Finding) -> tuple[str, ...]:

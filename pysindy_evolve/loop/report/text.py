@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...export import format_equations, format_expression, format_number
+from ...export.compact import compact
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
 from .advice import paragraphs
@@ -168,7 +169,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
             shown = f"{format_expression(effect.term)}: {effect.quantities[k]} {value:.4g}"
             lines.append(shown if effect.of_sensor else f"{shown}   {interval(low, high)}")
             continue
-        shown = _factor(effect.expressions[k].to_sympy(symbols))
+        shown = _factor(compact(effect.expressions[k].to_sympy(symbols)))
         times = "" if effect.expressions[k] == OFFSET else f" times {shown}"
         lines.append(f"{value:.4g}{times}   {interval(low, high)}")
         if low < 0.0 < high:
