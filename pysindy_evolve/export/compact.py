@@ -26,6 +26,8 @@ def compact(expression: Any) -> Any:
     >>> from sympy.abc import p, q
     >>> compact(p**2 - 2*p*q + q**2)
     (p - q)**2
+    >>> compact(p**3 - 3*p**2*q + 3*p*q**2 - q**3)
+    (p - q)**3
     >>> compact(p**2 + q)
     p**2 + q
     """
@@ -33,4 +35,9 @@ def compact(expression: Any) -> Any:
     if not expression.is_Add or len(expression.args) < 3 or not expression.is_polynomial():
         return expression
     factored = sympy.factor(sympy.nsimplify(expression, rational=True))
-    return factored if factored.as_coeff_Mul()[1].is_Pow else expression
+    factor, power = factored.as_coeff_Mul()
+    if not power.is_Pow:
+        return expression
+    if factor == -1 and power.exp.is_odd:  # a coefficient before it has a sign of its own
+        return sympy.Pow(sympy.expand(-power.base), power.exp)
+    return factored
