@@ -33,6 +33,7 @@ from ..given.rules import Rules
 from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
 from .naming import named, shifted
+from .poles import has_pole
 from .seeds import screened, small_terms
 
 __all__ = ["OPERATORS", "TermGrower", "grow"]
@@ -86,7 +87,7 @@ def grow(
         evolution = evolve(
             variables,
             target,
-            operators=operators,
+            operators=_without_quotients(operators),
             rng=rng,
             fixed=fixed,
             project=project,
@@ -100,6 +101,15 @@ def grow(
         grown += [name(term) for term in _above(grown, design, part, operators)]
         found += dict.fromkeys(grown)
     return found
+
+
+def _without_quotients(operators: Sequence[Operator]) -> list[Operator]:
+    """Return operators without division, unless there are sums to divide by.
+
+    The small terms that a search begins with hold the reciprocals of what keeps away from zero.
+    """
+    sums = any(operator.name in ("add", "sub") for operator in operators)
+    return [operator for operator in operators if sums or operator.name != "div"]
 
 
 def _above(
@@ -211,7 +221,12 @@ class TermGrower:
         known = fitted(design)  # what is known may be wrong
         grown = grow(design, self.seen, self.operators, self.rng)
         fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
-        new = [c for c in fresh if have_values(c.terms, self.records)]
+        rows = self.seen.rows
+        new = [
+            c
+            for c in fresh
+            if have_values(c.terms, self.records) and not any(has_pole(t, rows) for t in c.terms)
+        ]
         self.grown += new
         return new
 

@@ -20,11 +20,11 @@ from ...breeding.genetics import CURVED
 from ...operators import Operator
 from ...sparse.regression import gains
 from ...terms import Product, Sum, call, constant, mul, power, variable
+from .poles import is_away
 
 __all__ = ["functions", "screened", "small_terms"]
 
 SCALES = (0.5, 1.0, 3.0)  # numbers in a curved function, over the size of the variable
-AWAY = 0.1  # of its largest magnitude, by which a variable below the line keeps away from zero
 CHUNK = 200  # terms that are evaluated at a time, so that memory does not grow with them
 
 
@@ -114,10 +114,9 @@ def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iter
     """
     known, x = {operator.name: operator for operator in operators}, variable(i)
     yield x
-    least, largest = float(column.min()), float(column.max())
-    if least < 0.0 < largest:
+    if column.min() < 0.0 < column.max():
         yield from (call(known[name], x) for name in ("abs", "sgn") if name in known)
-    elif "div" in known and min(abs(least), abs(largest)) > AWAY * max(abs(least), abs(largest)):
+    elif "div" in known and is_away(column):
         yield power(x, -1)
     if {"abs", "sqrt"} <= known.keys():
         yield call(known["sqrt"], call(known["abs"], x))
