@@ -251,12 +251,16 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     columns.add_argument(
         "--decimal", default=".", choices=(".", ","), help="sign before the decimals (.)"
     )
+    _add_result(parser)
+    return columns
+
+
+def _add_result(parser: argparse.ArgumentParser) -> None:
     result = parser.add_argument_group("result")
     result.add_argument("--latex", action="store_true", help="print the equations as LaTeX, too")
     result.add_argument(
         "--code", choices=LANGUAGES, metavar="LANGUAGE", help=f"print code: {', '.join(LANGUAGES)}"
     )
-    return columns
 
 
 _OPTIONS = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...operators import BUILTIN
-from ...terms import Call, Sum, call, constant, mul, sub, variable
+from ...terms import Call, Sum, call, constant, mul, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
 
@@ -33,31 +33,9 @@ def _in_waves(expression: Sum) -> frozenset[int]:
     return found
 
 
-def between_angles(
-    effect: CandidateMaker, design: Design, state: int, other: int
-) -> Iterator[Candidate]:
-    """Go through what acts between two angles.
-
-    Parameters
-    ----------
-    effect : CandidateMaker
-        Makes the effects of the equation.
-    design : Design
-        The model so far.
-    state : int
-        Whose equation it is: that of an angle, or of the velocity of one.
-    other : int
-        The other state.
-
-    Yields
-    ------
-    Candidate
-    """
-    position = design.position_of(state)
-    own = state if position is None else position
-    if not {own, other} <= angles_of(design):
-        return
-    apart = sub(variable(other), variable(own))
+def between_angles(effect: CandidateMaker, own: Sum, other: Sum) -> Iterator[Candidate]:
+    """Go through what one angle does to another one, in the equation of that, or of its speed."""
+    apart = sub(other, own)
     yield effect("coupling", call(BUILTIN["sin"], apart))
     yield effect("coupling", call(BUILTIN["cos"], apart), parents=(OFFSET,), whole=True)
     yield effect("coupling", call(BUILTIN["sin"], mul(constant(2.0), apart)))

@@ -15,7 +15,7 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .angles import between_angles
+from .angles import angles_of, between_angles
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .hysteresis import remembering, rounded, yields
 
@@ -90,7 +90,7 @@ def of_equation(
     if design.algebraic:
         yield from _of_target(effect, design, scales, middle)
         return
-    v, position = variable(state), design.position_of(state)
+    v, position, turning = variable(state), design.position_of(state), angles_of(design)
     yield effect("constant offset", OFFSET)
     yield from _frictions(effect, v, float(scales[state]))
     if position is not None:
@@ -100,7 +100,9 @@ def of_equation(
             yield from _couplings(effect, state, other)
             yield from _differences(effect, design, state, other)
             yield from _between(effect, design, state, other, apart)
-            yield from between_angles(effect, design, state, other)
+            angle = state if position is None else position
+            if {angle, other} <= turning:
+                yield from between_angles(effect, variable(angle), variable(other))
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
@@ -172,11 +174,10 @@ def _differences(
 
     Where an equation has a coefficient for its own part already, the other one alone says as much.
     """
-    position = design.position_of(state)
-    own = state
-    if position is not None and design.derivative_of(other) is not None:
-        own = position
-    elif (design.position_of(other) is None) != (position is None):
+    position, is_position = design.position_of(state), design.derivative_of(other) is not None
+    own = state if position is None or not is_position else position
+    alike = (is_position or design.position_of(other) is not None) == (position is not None)
+    if not alike:  # a current is not compared with an angle
         return
     if variable(own) not in (bare(c.parts[state]) for c in design.columns if c.parts[state].parts):
         yield effect("coupling", sub(variable(other), variable(own)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,12 +12,14 @@ from ..effects.candidate import Candidate
 from ..given.design import Column, Design
 from ..given.limits import Limit, limited
 from .rivals import Rival
+from .scoring import columns_of
 
 __all__ = [
     "Finding",
     "LimitFinding",
     "MemoryFinding",
     "SensorFinding",
+    "at_numbers",
     "is_needed",
     "limits_in",
     "memories_in",
@@ -93,6 +95,12 @@ def memories_in(findings: Iterable[Finding]) -> tuple[Memory, ...]:
 def limits_in(findings: Iterable[Finding]) -> tuple[Limit, ...]:
     """Return the limits among findings at which states stop."""
     return tuple(f.limit for f in findings if isinstance(f, LimitFinding))
+
+
+def at_numbers(finding: Finding, values: Sequence[float], design: Design) -> Finding:
+    """Return a finding with other numbers in the shape of its effect."""
+    candidate = finding.candidate.at(values)
+    return replace(finding, candidate=candidate, columns=columns_of(candidate, design))
 
 
 def with_columns(design: Design, findings: Iterable[Finding]) -> Design:

@@ -14,8 +14,8 @@ import numpy as np
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.partners import joined, partnerships
-from ..evidence.findings import Finding, with_columns
-from ..evidence.scoring import MARGIN, columns_of
+from ..evidence.findings import Finding, at_numbers, with_columns
+from ..evidence.scoring import MARGIN
 from ..fitting.trial import settled
 from .drift import drift_of
 from .duels import STEADY, STRETCHES, begun_with, fitted_with
@@ -51,9 +51,7 @@ def shared_by_runs(
         values = _shared([kept[place].candidate for place in places], without, records)
         if values is not None:
             for place in places:
-                candidate = kept[place].candidate.at(values)
-                columns = columns_of(candidate, model.design)
-                kept[place] = replace(kept[place], candidate=candidate, columns=columns)
+                kept[place] = at_numbers(kept[place], values, model.design)
     return kept
 
 

@@ -34,11 +34,12 @@ def has_pole(expression: Sum, rows: np.ndarray) -> bool:
     -------
     bool
     """
-    return any(
-        (exponent < 0 and not is_away(atom.evaluate(rows))) or _holds_pole(atom, rows)
-        for _, term in expression.parts
-        for atom, exponent in term.factors
-    )
+    with np.errstate(all="ignore"):  # what has no value is not away from zero either
+        return any(
+            (exponent < 0 and not is_away(atom.evaluate(rows))) or _holds_pole(atom, rows)
+            for _, term in expression.parts
+            for atom, exponent in term.factors
+        )
 
 
 def _holds_pole(atom: Atom, rows: np.ndarray) -> bool:

@@ -93,7 +93,7 @@ def _worse(report: LoopReport) -> list[str]:
     for kind, title in zip(kinds, titles, strict=True):
         before, after = (getattr(errors, kind) for errors in (report.before, report.after))
         worse = (before < RUNAWAY) & ~(after <= np.maximum(WORSE * before, before + GREW))
-        if title.startswith("the free run") and worse.any():
+        if kind == "simulation_error" and not model.n_algebraic and worse.any():
             worse &= ~(after - before <= moved_by_starts(report.after.model, report.test))
         for k in np.flatnonzero(worse):
             now = f"{after[k]:.3g}" if np.isfinite(after[k]) else "no finite value"

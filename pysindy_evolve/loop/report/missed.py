@@ -44,14 +44,17 @@ def missed(report: LoopReport) -> list[str]:
     miss = float(np.max(report.after.simulation_error))
     if miss < RUNAWAY and report.verdict == "untraced":
         return []
-    of_rates = [f"{one} {RANDOM}" for one in unexplained(report)]
-    said = of_rates if miss < NOTABLE else _of_run(report, miss, of_rates)
+    said = _of_rates(report) if miss < NOTABLE else _of_run(report, miss)
     if said and report.rules is not None and report.rules.by_trajectory:
         said[-1] += f" {SHORT}"
     return said
 
 
-def _of_run(report: LoopReport, miss: float, of_rates: list[str]) -> list[str]:
+def _of_rates(report: LoopReport) -> list[str]:
+    return [f"{one} {RANDOM}" for one in unexplained(report)]
+
+
+def _of_run(report: LoopReport, miss: float) -> list[str]:
     moved = float(np.max(moved_by_starts(report.after.model, report.test)))
     if np.isfinite(miss) and moved > BY_START * miss:
         does = f"moves it by {moved:.2g} %" if np.isfinite(moved) else "lets it diverge"
@@ -59,7 +62,7 @@ def _of_run(report: LoopReport, miss: float, of_rates: list[str]) -> list[str]:
             f"The free run misses the record by {miss:.2g} %, but it begins where noisy sensors "
             f"say, and this noise alone {does}: judge by the derivative."
         )
-        return [said, *of_rates]
+        return [said, *_of_rates(report)]
     if miss < RUNAWAY:
         return [f"The free run still misses the record by {miss:.2g} %. {RANDOM}"]
     return [

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 from ..effects.candidate import Candidate
 from ..effects.partners import joined, partnerships
-from ..evidence.findings import Finding, with_columns
-from ..evidence.scoring import MARGIN, columns_of, score, tuned
+from ..evidence.findings import Finding, at_numbers, with_columns
+from ..evidence.scoring import MARGIN, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -47,9 +46,7 @@ def with_shared_numbers(
         values = _shared(group, design, part)
         if values is not None:
             for place in places:
-                candidate = kept[place].candidate.at(values)
-                columns = columns_of(candidate, declared)
-                kept[place] = replace(kept[place], candidate=candidate, columns=columns)
+                kept[place] = at_numbers(kept[place], values, declared)
     return kept
 
 

@@ -217,3 +217,10 @@ def test_what_stands_inside_a_sine_is_an_angle_and_acts_on_other_angles_by_their
 
 def _waves(candidate):
     return "sin" in candidate.terms[0].name(("a", "va", "p", "vp", "F", "t"))
+
+
+def test_a_difference_is_one_of_like_states():
+    sides = {"q": "v", "v": "-k*(q - i) + b*F", "i": "-k*(i - q) + F"}
+    found = [c for c in proposed(design_of(sides)) if c.name == "coupling"]
+    differences = {(c.state, c.terms[0].variables) for c in found if len(c.terms[0].parts) == 2}
+    assert not differences  # neither a position nor a velocity is a current
