@@ -15,6 +15,7 @@ from .left import residual_of
 from .missed import missed
 from .ranges import beyond
 from .starts import moved_by_starts
+from .units import percent
 
 if TYPE_CHECKING:
     from ...signals import Record
@@ -51,7 +52,7 @@ def _doubted(report: LoopReport) -> list[str]:
         miss = 100.0 * disagreement(report.train, state, velocity)
         said.append(
             f"The records contradict the declared {q}' = {v}: d{q}/dt differs from {v} by "
-            f"{miss:.2g} %, so that equation was searched as well. Check the units of {v}, and "
+            f"{percent(miss)}, so that equation was searched as well. Check the units of {v}, and "
             "that the columns of the records are in the order of the model."
         )
     return said
@@ -145,7 +146,7 @@ def _undefined(report: LoopReport) -> list[str]:
     if report.after.undefined == 0.0:
         return []
     return [
-        f"In {100 * report.after.undefined:.2g} % of the held-out rows the model has no value, "
+        f"In {percent(100 * report.after.undefined)} of the held-out rows the model has no value, "
         "such as the square root of a negative number: this range was not in the training data, "
         "or noise crossed zero. The derivative is not judged on these rows."
     ]

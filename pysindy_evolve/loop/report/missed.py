@@ -8,6 +8,7 @@ import numpy as np
 
 from .starts import moved_by_starts
 from .unexplained import unexplained
+from .units import percent
 
 if TYPE_CHECKING:
     from .report import LoopReport
@@ -57,15 +58,16 @@ def _of_rates(report: LoopReport) -> list[str]:
 def _of_run(report: LoopReport, miss: float) -> list[str]:
     moved = float(np.max(moved_by_starts(report.after.model, report.test)))
     if np.isfinite(miss) and moved > BY_START * miss:
-        does = f"moves it by {moved:.2g} %" if np.isfinite(moved) else "lets it diverge"
+        does = f"moves it by {percent(moved)}" if np.isfinite(moved) else "lets it diverge"
         said = (
-            f"The free run misses the record by {miss:.2g} %, but it begins where noisy sensors "
+            f"The free run misses the record by {percent(miss)}, but it begins where noisy sensors "
             f"say, and this noise alone {does}: judge by the derivative."
         )
         return [said, *_of_rates(report)]
     if miss < RUNAWAY:
-        return [f"The free run still misses the record by {miss:.2g} %. {RANDOM}"]
-    return [
+        return [f"The free run still misses the record by {percent(miss)}. {RANDOM}"]
+    left = (
         "The free run leaves the record by more than the record varies. Such a run amplifies "
         "the smallest difference, or something is still missing: judge by the derivative."
-    ]
+    )
+    return [left, *_of_rates(report)]

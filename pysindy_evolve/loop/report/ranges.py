@@ -10,6 +10,7 @@ import numpy as np
 from ...export import format_number
 from ..given.segments import variables_of
 from .left import percent_left
+from .units import percent
 
 if TYPE_CHECKING:
     from .report import LoopReport
@@ -43,10 +44,11 @@ def beyond(report: LoopReport) -> list[str]:
     wider = _wider(report, (*model.states, *model.inputs)) if times[worst] > TIMES else []
     if not wider:
         return []
+    there, here = percent(judged[worst]), percent(fitted[worst])
     return [
         f"The held-out data goes where no training data was ({', '.join(wider)}), and the model "
-        f"errs there: d{model.states[worst]}/dt by {judged[worst]:.2g} %, by {fitted[worst]:.2g} % "
-        "in the training data. Nothing was learned of that range: fit records that cover it."
+        f"errs there: d{model.states[worst]}/dt by {there}, by {here} in the training data. "
+        "Nothing was learned of that range: fit records that cover it."
     ]
 
 

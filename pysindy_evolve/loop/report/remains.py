@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .cautions import cautions
+from .units import percent
 
 if TYPE_CHECKING:
     from ..evidence.rejected import Rejected
@@ -47,7 +48,7 @@ def _last_look(report: LoopReport) -> str:
         better = round(best.p_value * (1 + n_twins)) - 1
         chance = _chance(best, report)
         said += f"{better} of {n_twins} twins show an effect as good ({chance}), and "
-    said += f"it would remove {100 * best.share:.2g} % of the error that could be explained"
+    said += f"it would remove {percent(100 * best.share)} of the error that could be explained"
     if report.rules is not None and best.share < report.rules.min_share:
         said += f", less than min_share asks for ({100 * report.rules.min_share:g} %)"
     return f"{said}."

@@ -10,6 +10,7 @@ from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
 from ..evidence.noise_floor import noise_alone
 from .left import in_percent, percent_left
+from .units import percent
 
 if TYPE_CHECKING:
     from .report import LoopReport
@@ -42,7 +43,7 @@ def unexplained(report: LoopReport) -> list[str]:
     worst = int(np.argmax(np.where(missed > LEAST, missed / np.maximum(by_noise, 1e-9), 0.0)))
     if missed[worst] <= max(LEAST, TIMES * by_noise[worst]):
         return []
-    left_of, by = f"{missed[worst]:.2g} % of d{model.states[worst]}/dt", f"{by_noise[worst]:.2g} %"
+    left_of, by = f"{percent(missed[worst])} of d{model.states[worst]}/dt", percent(by_noise[worst])
     return [
         f"In the training data the model leaves {left_of}, where the noise of the sensors leaves "
         f"{by}. A cutoff so low that it takes off a part of the motion leaves more, too."

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["check_units", "label", "rate_label", "with_unit"]
+__all__ = ["check_units", "label", "percent", "rate_label", "with_unit"]
+
+ROUND = 99.5  # percent, from which two digits would be written as 1e+02
 
 
 def with_unit(value: float, name: str, units: Mapping[str, str] | None) -> str:
     """Return a number with the unit of a variable."""
     unit = (units or {}).get(name, "")
     return f"{value:.3g} {unit}".rstrip()
+
+
+def percent(value: float) -> str:
+    """Return a number of percent with two digits, and no power of ten below a million."""
+    return f"{value:.0f} %" if ROUND <= value < 1e6 else f"{value:.2g} %"
 
 
 def label(name: str, units: Mapping[str, str] | None) -> str:
