@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
 from pysindy.feature_library.base import BaseFeatureLibrary, x_sequence_or_item
-from sklearn.base import clone
 from sklearn.utils import check_random_state
 
 from . import checks, handover
@@ -179,7 +179,8 @@ class EvolvingLibrary(TermColumns):
         rows = denoise(x, targets, [len(xi) for xi in x_full], operators)
         x, targets = rows.of(rows.x), rows.of(targets)
         checks.base_library(self.base_library, "EvolvingLibrary")
-        base = None if self.base_library is None else clone(self.base_library).fit(x_full)
+        # A copy, as scikit-learn's clone refuses a CustomLibrary.
+        base = None if self.base_library is None else deepcopy(self.base_library).fit(x_full)
         fixed = np.empty((len(x), 0)) if base is None else np.asarray(base.transform(x))
         streams = np.random.SeedSequence(_entropy(self.random_state)).spawn(targets.shape[1])
         found: list[Evolution] = Parallel(n_jobs=self.n_jobs)(

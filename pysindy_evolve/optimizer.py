@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import warnings
 from functools import partial
+from numbers import Real
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from .checks import positive_integer
 from .sparse import parsimony, regression
 from .sparse.selection import select
 
@@ -201,15 +203,17 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
     def _check_parameters(self) -> None:
         for name in ("lambda1", "lambda2"):
             value = getattr(self, name)
-            if value is not None and not value >= 0.0:
+            if value is None:
+                continue
+            if not isinstance(value, Real):
+                raise TypeError(
+                    f"ElasticNet({name}=...) must be a number; got {value!r}. "
+                    "Leave it None to sweep it."
+                )
+            if not float(value) >= 0.0:
                 raise ValueError(
                     f"ElasticNet({name}=...) must be at least 0; got {value!r}. "
                     "Leave it None to sweep it."
                 )
         for name in ("max_terms", "max_iter"):
-            value = getattr(self, name)
-            if value < 1:
-                raise ValueError(
-                    f"ElasticNet({name}=...) must be at least 1; got {value!r}. "
-                    "Leave it at its default."
-                )
+            positive_integer(getattr(self, name), "ElasticNet", name)

@@ -282,6 +282,13 @@ def test_the_base_library_stays_and_terms_come_on_top(free):
     assert not hasattr(base, "n_output_features_")
 
 
+def test_a_base_of_functions_of_ones_own_stays_too(free):
+    t, x, x_dot, _ = free
+    base = ps.CustomLibrary([lambda a: a], [lambda a: a]) + ps.PolynomialLibrary(degree=1)
+    fitted = model(base_library=base).fit(x, t, x_dot=x_dot, feature_names=["q", "v"])
+    assert "q^3" in fitted.get_feature_names()
+
+
 def test_x_dot_of_another_length_is_named(free):
     _, x, x_dot, _ = free
     with pytest.raises(ValueError, match="as many samples as x"):

@@ -98,12 +98,14 @@ def test_it_is_pickled(problem):
         ({"lambda1": -1.0}, r"ElasticNet\(lambda1=...\) must be at least 0; got -1.0"),
         ({"lambda2": float("nan")}, r"ElasticNet\(lambda2=...\) must be at least 0; got nan"),
         ({"max_terms": 0}, r"ElasticNet\(max_terms=...\) must be at least 1; got 0"),
+        ({"lambda1": "a"}, r"ElasticNet\(lambda1=...\) must be a number; got 'a'"),
+        ({"max_iter": 1.5}, r"ElasticNet\(max_iter=...\) must be an integer; got 1.5"),
     ],
 )
 def test_bad_parameters_are_named_and_the_object_stays_usable(parameters, message, problem):
     theta, _, y = problem
     optimizer = ElasticNet(**parameters)
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((TypeError, ValueError), match=message):
         optimizer.fit(theta, y)
     optimizer.set_params(**{name: getattr(ElasticNet(), name) for name in parameters})
     assert optimizer.fit(theta, y).complexity == 5

@@ -25,6 +25,9 @@ __all__ = ["Smoothed", "is_noisy", "smooth_states", "time_step"]
 PROBES, PROBE = 8, 512  # stretches of so many rows tell whether there is noise at all
 LEAST_ROWS = 256  # fewer rows have no spectrum to speak of
 COHERENT = 0.9  # of x and x_dot, from which on rows are taken for an even time series
+# Radians a row, for most of what is loud: six rows a period. The next value of a map, in the place
+# of a slope, is no slope that slow: its phase is off by 30 degrees, so it is not coherent.
+FASTEST = np.pi / 3.0
 LOUD = 0.5  # share of the power of x_dot in the frequencies that the sampling time is found from
 
 
@@ -82,12 +85,15 @@ def time_step(x: Array, x_dot: Array) -> float | None:
         Units of t; None where x_dot is not the slope of x from row to row: rows out of order, or
         sampled unevenly.
     """
+    n = len(x)
     pairs = [
-        (_faded_slope(state), _faded(rate), _faded(state))
+        (_without_mean(_faded_slope(state), n), _without_mean(_faded(rate), n), _faded(state))
         for state, rate in zip(x.T, x_dot.T, strict=True)
         if np.ptp(rate) > 0.0 and np.ptp(state) > 0.0
     ]
     loud = [_loud(rate) for _, rate, _ in pairs]
+    if any(np.median(_omega(n)[at]) > FASTEST for at in loud):
+        return None
     sizes = [
         np.linalg.norm([slope[at], rate[at]], axis=1)
         for (slope, rate, _), at in zip(pairs, loud, strict=True)
@@ -104,12 +110,18 @@ def time_step(x: Array, x_dot: Array) -> float | None:
         """Sum of squared differences in units of their noise, which is least at the truth."""
         total = 0.0
         for (slope, rate, _), (of_rate, of_state) in zip(pairs, powers, strict=True):
-            noise = _omega(len(x))[1:top] ** 2 * of_state + (share * first) ** 2 * of_rate
+            noise = _omega(n)[1:top] ** 2 * of_state + (share * first) ** 2 * of_rate
             total += float(np.sum(np.abs(slope[1:top] - share * first * rate[1:top]) ** 2 / noise))
         return total
 
     found = optimize.minimize_scalar(misfit, bounds=(0.9, 1.1), method="bounded")
     return float(found.x) * first
+
+
+def _without_mean(spectrum: NDArray[np.complex128], n: int) -> NDArray[np.complex128]:
+    """Take the mean of what was faded out of its spectrum: two means always agree in phase."""
+    fading = _faded(np.ones(n))
+    return spectrum - spectrum[0] / fading[0] * fading
 
 
 def _white(spectrum: NDArray[np.complex128]) -> float:

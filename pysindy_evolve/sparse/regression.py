@@ -41,7 +41,7 @@ FORWARD = 6  # steps of forward selection beside the elastic net
 LAMBDA2 = (1e-3, 1e-1)  # relative to columns of unit RMS; orders of magnitude are enough
 
 
-def elastic_net(gram: Gram, lambda1: float, lambda2: float, max_sweeps: int = 10_000) -> np.ndarray:
+def elastic_net(gram: Gram, lambda1: float, lambda2: float, max_iter: int = 10_000) -> np.ndarray:
     """Minimize ||theta coef - y||^2 + lambda1 ||coef||_1 + lambda2 ||coef||^2, equation (11).
 
     Parameters
@@ -50,7 +50,7 @@ def elastic_net(gram: Gram, lambda1: float, lambda2: float, max_sweeps: int = 10
         Inner products.
     lambda1, lambda2 : float
         Weights of the penalties, at least zero.
-    max_sweeps : int
+    max_iter : int
         Most sweeps over the coordinates.
 
     Returns
@@ -64,7 +64,7 @@ def elastic_net(gram: Gram, lambda1: float, lambda2: float, max_sweeps: int = 10
     """
     coef, gradient = np.zeros(len(gram.xy)), gram.xy.copy()
     curvature = np.diag(gram.xx) + lambda2
-    for _ in range(max_sweeps):
+    for _ in range(max_iter):
         largest = 0.0
         for j in np.flatnonzero(curvature > 0.0):
             pull = gradient[j] + gram.xx[j, j] * coef[j]
@@ -76,7 +76,7 @@ def elastic_net(gram: Gram, lambda1: float, lambda2: float, max_sweeps: int = 10
         if largest <= 1e-12 * np.sqrt(gram.yy):
             return coef
     warnings.warn(
-        f"elastic_net(max_sweeps=...) should be larger: after {max_sweeps} sweeps a coefficient "
+        f"ElasticNet(max_iter=...) should be larger: after {max_iter} sweeps a coefficient "
         f"still moved by {largest:.2g}. Raise it, or raise lambda2.",
         ConvergenceWarning,
         stacklevel=2,

@@ -81,3 +81,34 @@ def test_estimate_does_not_depend_on_units(motion):
     scaled = smooth_states(1e3 * x, 1e3 * x_dot)
     np.testing.assert_allclose(scaled.x, 1e3 * plain.x, rtol=1e-6, atol=1e-3)
     np.testing.assert_allclose(scaled.noise, 1e3 * plain.noise, rtol=1e-5)
+
+
+def of_enzyme(rng, n):
+    x = rng.uniform(0.2, 3.0, (n, 1))
+    return x, -2.0 * x / (0.5 + x)
+
+
+def of_drift(rng, n):
+    x = rng.normal(size=(n, 2))
+    return x, np.column_stack([1.0 + 0.3 * x[:, 1], 0.5 - 0.2 * x[:, 0]])
+
+
+@pytest.mark.parametrize("rows", [of_enzyme, of_drift])
+def test_rows_in_no_order_are_left_alone_whatever_the_mean_of_the_derivative(rows):
+    for seed in range(20):
+        assert smooth_states(*rows(np.random.default_rng(seed), 1000)) is None
+
+
+@pytest.mark.parametrize("n", [400, 500, 700, 1000])
+def test_a_map_is_no_time_series(n):
+    x = np.empty((n + 1, 1))
+    x[0] = 0.4
+    for k in range(n):
+        x[k + 1] = 3.9 * x[k] * (1.0 - x[k])
+    assert smooth_states(x[:-1], x[1:]) is None
+
+
+def test_the_next_value_of_a_slow_turn_is_no_slope():
+    turns = np.arange(1001) * np.pi / 2.0  # four rows each: the next value leads as a slope does
+    x = np.cos(turns)[:, None] + 0.05 * np.random.default_rng(0).standard_normal((1001, 1))
+    assert smooth_states(x[:-1], x[1:]) is None

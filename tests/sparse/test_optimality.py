@@ -55,8 +55,8 @@ def test_it_agrees_with_scikit_learn(problem):
 
 def test_too_few_sweeps_are_reported(problem):
     theta, y = problem
-    with pytest.warns(ConvergenceWarning, match="max_sweeps"):
-        regression.elastic_net(regression.gram(theta, y), 0.1, 0.0, max_sweeps=1)
+    with pytest.warns(ConvergenceWarning, match="max_iter"):
+        regression.elastic_net(regression.gram(theta, y), 0.1, 0.0, max_iter=1)
 
 
 @pytest.mark.parametrize("parameters", [{}, {"lambda1": 0.1}, {"lambda1": 0.05, "lambda2": 0.1}])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from ...terms import ONE, Sum
 
-__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "renumbered"]
+__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
 
 OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
 REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
@@ -45,8 +45,9 @@ class Candidate:
     has its parents in it, as a weight has a mean: where it says all that they say, they may go. One
     that `refines` effects of certain names must do better than they by more than chance, see
     refinement.py. One that is `alone` is scored in no pair: it bends so far that any other effect
-    beside it would seem to be worth something. One that is tuned with `partners`, effects of other
-    equations, stands for them all: they have coefficients of their own, see partners.py.
+    beside it would seem to be worth something, or there are too many of its kind. One that is tuned
+    with `partners`, effects of other equations, stands for them all: they have coefficients of
+    their own, see partners.py.
     """
 
     name: str
@@ -94,23 +95,23 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class _Renumbered:
-    """Builds a term whose variables are numbered otherwise."""
+class _Rewritten:
+    """Builds a term and rewrites it."""
 
     build: Callable[..., Sum]
-    number: Callable[[Sum], Sum]
+    rewrite: Callable[[Sum], Sum]
 
     def __call__(self, *values: float) -> Sum:
         """Return the term."""
-        return self.number(self.build(*values))
+        return self.rewrite(self.build(*values))
 
 
-def renumbered(candidate: Candidate, number: Callable[[Sum], Sum]) -> Candidate:
-    """Return a candidate whose variables are numbered otherwise, also when it is tuned."""
-    terms, parents = (tuple(map(number, those)) for those in (candidate.terms, candidate.parents))
+def rewritten(candidate: Candidate, rewrite: Callable[[Sum], Sum]) -> Candidate:
+    """Return a candidate with each of its expressions rewritten, also when it is tuned."""
+    terms, parents = (tuple(map(rewrite, those)) for those in (candidate.terms, candidate.parents))
     shape = candidate.shape
     if shape is not None:
-        shape = replace(shape, builds=tuple(_Renumbered(build, number) for build in shape.builds))
+        shape = replace(shape, builds=tuple(_Rewritten(build, rewrite) for build in shape.builds))
     return replace(candidate, terms=terms, parents=parents, shape=shape)
 
 

@@ -8,6 +8,7 @@ Nelder 1977, DOI 10.2307/2344517).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -16,7 +17,8 @@ from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .angles import angles_of, between_angles
-from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
+from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 
 __all__ = ["VOCABULARY", "of_equation"]
@@ -94,7 +96,9 @@ def of_equation(
     yield effect("constant offset", OFFSET)
     yield from _frictions(effect, v, float(scales[state]))
     if position is not None:
-        yield from _springs(effect, variable(position), v, float(scales[position]))
+        q = variable(position)
+        yield from _springs(effect, q, float(scales[position]))
+        yield from _with_position(effect, q, v)
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, state, other)
@@ -106,6 +110,7 @@ def of_equation(
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
+    yield from _at_joints(effect, design, scales)
     yield from _drifts(effect, design, variable(n_states + n_inputs))
 
 
@@ -122,7 +127,8 @@ def _of_target(
             yield from yields(effect, v, x, scales, 0.0)  # the zero of an acceleration is known
             continue
         yield from _frictions(effect, variable(v), float(scales[v]))
-        yield from _springs(effect, variable(x), variable(v), float(scales[x]))
+        yield from _springs(effect, variable(x), float(scales[x]))
+        yield from _with_position(effect, variable(x), variable(v))
         yield from rounded(effect, v, scales)
         yield from yields(effect, x, v, scales, float(middle[x]))
         yield from remembering(effect, x, v, scales, float(middle[x]))
@@ -144,13 +150,17 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
     yield effect("nonlinear damping", power(v, 3))
 
 
-def _springs(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:
+def _springs(effect: CandidateMaker, q: Sum, reach: float) -> Iterator[Candidate]:
     yield effect("linear stiffness", q)
     yield effect("quadratic stiffness", power(q, 2), parents=(OFFSET,))
     yield effect("cubic stiffness", power(q, 3))
     yield effect("quintic stiffness", power(q, 5))
     for share in DEAD_ZONES:
         yield effect("dead zone", shape=Shape((share * reach,), (partial(_beyond, q),)))
+
+
+def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:
+    """Go through what a weight, or a damping or friction that changes with the position, does."""
     yield effect("gravity", call(BUILTIN["sin"], q))
     yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,), whole=True)
     yield effect("nonlinear damping", mul(power(q, 2), v))
@@ -158,6 +168,19 @@ def _springs(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[C
     yield effect("position-dependent friction", mul(power(q, 2), _sgn(v)))
     yield effect("position-dependent friction", mul(q, _sgn(v)), parents=(_sgn(v),))
     yield effect("coupling", mul(q, v), parents=(OFFSET,))
+
+
+def _at_joints(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
+    """Go through the forces that enter where a declared force does, by other than a constant."""
+    for entry in entries_of(design, effect.state):
+        forces = [effect("constant offset", OFFSET)]
+        for v in entry.velocities:
+            forces += _frictions(effect, variable(v), float(scales[v]))
+            q = design.position_of(v)
+            if q is not None:
+                forces += _springs(effect, variable(q), float(scales[q]))
+        for force in forces:
+            yield replace(rewritten(force, partial(mul, entry.factor)), alone=True)
 
 
 def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...hidden_states.memory import VESSEL, Memory
 from ...signals import Record
-from ..effects.candidate import Candidate, renumbered
+from ..effects.candidate import Candidate, rewritten
 from ..evidence.findings import Finding
 from ..evidence.offers import leading
 from ..evidence.scoring import MARGIN, score, tuned
@@ -117,6 +117,6 @@ class _Beside:
         rivals = tuple(reach_of(memory, design, records, part) for memory in first.values())
         probes = Probes(design, rivals)
         wide = probes.widened(design)
-        own = [renumbered(one, probes.widen) for one in effects]
+        own = [rewritten(one, probes.widen) for one in effects]
         late = [probes.candidate(wide, k) for k in range(len(rivals))]
         return cls(own, late, wide, part.of([probes.extended(record) for record in records]))

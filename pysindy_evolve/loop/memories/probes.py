@@ -18,7 +18,7 @@ from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory, raw_inputs
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, sub, variable
-from ..effects.candidate import Candidate, renumbered
+from ..effects.candidate import Candidate, rewritten
 from ..evidence.scoring import Proposer
 from ..evidence.spectral import spectral_grams
 from ..evidence.trace import fold_errors
@@ -176,7 +176,7 @@ class Probes:
         plain = [replace(r, u=None if r.u is None else r.u[:, :n_inputs]) for r in records]
         terms = tuple(self.narrow(Sum(((1.0, term),))).parts[0][1] for term in equations.terms)
         own = replace(equations, terms=terms, inputs=self.design.inputs)
-        proposed = [renumbered(c, self.widen) for c in offer(self.design, own, plain)]
+        proposed = [rewritten(c, self.widen) for c in offer(self.design, own, plain)]
         return [*proposed, *self._best(design, part.of(records))]
 
     def _best(self, design: Design, part: Segments) -> list[Candidate]:

@@ -11,7 +11,7 @@ import numpy as np
 from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import variable
-from ..effects.candidate import Candidate, renumbered
+from ..effects.candidate import Candidate, rewritten
 from ..evidence.findings import Finding, MemoryFinding, memories_in
 from ..evidence.offers import offer_for
 from ..evidence.rejected import Rejected
@@ -89,7 +89,7 @@ def _plain(candidate: Candidate, probes: Probes) -> Candidate:
     if isinstance(candidate, MemoryCandidate):
         term = variable(len(probes.design.states) + candidate.memory.column)
         return replace(candidate, terms=(term,), parents=())
-    return renumbered(candidate, probes.narrow)
+    return rewritten(candidate, probes.narrow)
 
 
 def _narrowed(finding: Finding, probes: Probes) -> Finding:

@@ -1,0 +1,68 @@
+"""Where forces enter: through an inverse mass matrix, a torque at one joint moves them all.
+
+In the acceleration of a cart with a pendulum, a force F stands as F / (M + m sin(theta)^2), and
+what rubs at the cart enters as F does. So what stands beside an input, or beside the speed that a
+declared damping acts on, is how any force at that place enters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...terms import Sum, Variable, div, variable
+from ..given.design import Design
+from .candidate import bare
+
+__all__ = ["Entry", "entries_of"]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """How forces enter an equation at one place, and the velocities that they may depend on."""
+
+    factor: Sum
+    velocities: tuple[int, ...]
+
+
+def entries_of(design: Design, state: int) -> list[Entry]:
+    """Return the places where forces enter one equation by other than a constant factor.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    state : int
+        The equation.
+
+    Returns
+    -------
+    list of Entry
+        Where a declared damping says which speed belongs to a place, only that; else all.
+    """
+    sides = [column.parts[state] for column in design.columns if column.parts[state].parts]
+    found: dict[Sum, Entry] = {}
+    for velocity in design.velocities:
+        for side in sides:
+            factor = _beside(side, velocity)
+            if len(factor.parts) == len(side.parts):
+                found.setdefault(bare(factor), Entry(factor, (velocity,)))
+    first = len(design.states)
+    for column in range(first, first + len(design.inputs)):
+        for side in (design.fixed[state], *sides):
+            factor = _beside(side, column)
+            if factor.parts:
+                known = found.get(bare(factor))
+                where = design.velocities if known is None else known.velocities
+                found[bare(factor)] = Entry(factor, where)
+    return [entry for entry in found.values() if entry.factor.variables]
+
+
+def _beside(side: Sum, index: int) -> Sum:
+    """Return what stands beside a variable where it enters linearly, in an expression."""
+    linear = tuple(
+        (c, term)
+        for c, term in side.parts
+        if (Variable(index), 1) in term.factors
+        and not any(index in atom.variables for atom, _ in term.factors if atom != Variable(index))
+    )
+    return div(Sum(linear), variable(index)) if linear else Sum(())

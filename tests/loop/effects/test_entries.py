@@ -1,0 +1,66 @@
+"""Forces that enter through the inverse of a mass matrix are found as what they are."""
+
+import numpy as np
+import pytest
+from loop_systems import equations_of
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.entries import entries_of
+
+D = "(1 + 0.25*sin(q)**2)"
+CART = pse.DeclaredModel(
+    {
+        "x": "v",
+        "v": f"(F - c*v + 0.125*w**2*sin(q) + 2.45*sin(q)*cos(q) + 2*d*w*cos(q)) / {D}",
+        "q": "w",
+        "w": f"-2*(cos(q)*(F - c*v) + 0.125*w**2*sin(q)*cos(q) + 12.3*sin(q) + 10*d*w) / {D}",
+    },
+    inputs=["F"],
+)
+
+
+def test_a_force_at_the_cart_and_a_torque_at_the_joint_enter_as_the_damping_there_does():
+    design = CART.design()
+    side = dict(CART.sides[3].free)
+    cart, joint = entries_of(design, 3)
+    assert [cart.velocities, joint.velocities] == [(1,), (3,)]
+    rows = np.random.default_rng(0).uniform(0.3, 1.2, (20, 6))
+    for entry, name, speed in ((cart, "c", 1), (joint, "d", 3)):
+        share = entry.factor.evaluate(rows) * rows[:, speed] / side[name].evaluate(rows)
+        assert share == pytest.approx(np.full(20, share[0]))
+
+
+def test_a_constant_factor_is_no_entry():
+    design = pse.DeclaredModel({"q": "v", "v": "b*F - c*v - k*q"}, inputs=["F"]).design()
+    assert entries_of(design, 1) == []
+
+
+def test_without_a_declared_damping_a_force_may_depend_on_any_speed():
+    design = pse.DeclaredModel(
+        {"q": "v", "v": "F/(1 + q**2) - k*q", "p": "w", "w": "-a*p"}, inputs=["F"]
+    ).design()
+    (entry,) = entries_of(design, 1)
+    assert entry.velocities == (1, 3)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_friction_of_a_changing_inertia_is_found_with_it(friction):
+    true = equations_of(
+        {"q": "v", "v": f"(F - 4*q - 0.5*v - {friction}*sign(v)) / (1 + 2*q**2)"}, ("F",)
+    )
+    t, records = np.arange(0.0, 30.0, 0.01), []
+    for seed in range(2):
+        rng = np.random.default_rng(seed)
+        phases = rng.uniform(0.0, 2.0 * np.pi, 9)
+        waves = np.sin(np.multiply.outer(t, np.linspace(0.5, 6.0, 9)) + phases)
+        force = waves.sum(axis=1, keepdims=True)
+        q = pse.simulate(true, [0.0, 0.0], t, u=force)[:, :1]
+        records.append(pse.prepare(t, q + 1e-3 * rng.standard_normal(q.shape), force))
+    declared = pse.DeclaredModel({"q": "v", "v": "(F - k*q - c*v) / (1 + 2*q**2)"}, inputs=["F"])
+    report = pse.close_loop(declared, *records, operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == ["Coulomb friction"] * (friction > 0.0)
+    if friction:
+        (effect,) = report.effects
+        assert effect.coefficients[0] == pytest.approx(-friction, rel=0.03)
+        assert "q**2" in str(effect.term)
+        assert report.after.derivative_error[1] < 0.5 * report.before.derivative_error[1]
