@@ -34,7 +34,7 @@ from .operators import Operator
 from .sparse import parsimony, regression
 from .sparse.beam import best_subsets, with_exchanges
 from .sparse.selection import Selection, select
-from .terms import ONE, Product, Variable
+from .terms import ONE, Product, Variable, lowest
 
 __all__ = ["evolve"]
 
@@ -121,6 +121,7 @@ def evolve(
         bar.close()
     n_best = history[-1].n_terms if history else 0
     perfect = bool(history) and history[-1].fitness <= parsimony.PERFECT
+    finalists = _unique([lowest(term) for term in finalists])
     terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
     return Evolution(terms, coef, tuple(history), finalists)
 

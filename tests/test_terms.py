@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pysindy_evolve.operators import BUILTIN, Operator
+from pysindy_evolve.reading.text import parse
 from pysindy_evolve.terms import (
     ONE,
     Product,
@@ -17,6 +18,7 @@ from pysindy_evolve.terms import (
     call,
     constant,
     div,
+    lowest,
     mul,
     neg,
     power,
@@ -244,3 +246,35 @@ def test_a_sum_divided_by_a_multiple_of_itself_is_a_number(factor):
 def test_sums_of_the_same_terms_in_other_shares_are_not_cancelled():
     quotient = div(add(q(), v()), add(q(), mul(constant(1.001), v())))
     assert quotient.variables == {0, 1}
+
+
+@pytest.mark.parametrize(
+    ("long", "short"),
+    [
+        ("q**4/(0.5*q**3 + q**4)", "q/(0.5 + q)"),
+        ("1/(2 + 1/q)", "q/(0.5 + q)"),
+        ("v/(q*v + q**2*v)", "1/(q (1 + q))"),
+        ("q/(0.5 + q)", "q/(0.5 + q)"),
+        ("q/(v + q**2)", "q/(v + q^2)"),
+    ],
+)
+def test_fractions_are_brought_to_lowest_terms(long, short):
+    ((_, term),) = parse(long, ("q", "v")).known.parts
+    assert lowest(term).name(("q", "v")) == short
+
+
+@pytest.mark.parametrize(
+    ("text", "one"),
+    [
+        ("q*exp(q)**3*exp(-1.9*q)", "q exp(1.1 q)"),
+        ("exp(0.5 + 2*q)", "1.649 exp(2 q)"),
+        ("exp(q)*exp(-q)", "1"),
+        ("exp(q)**2*exp(v)", "exp(2 q + v)"),
+    ],
+)
+def test_exponentials_are_one_and_hold_no_constant(text, one):
+    assert parse(text, ("q", "v")).known.name(("q", "v")) == one
+
+
+def test_a_constant_that_overflows_stays_in_its_exponential():
+    assert parse("exp(q - 1000)", ("q",)).known.name(("q",)) == "exp(-1000 + q)"

@@ -170,7 +170,8 @@ def target_grams(
 
 
 def _products(theta: np.ndarray, targets: np.ndarray) -> tuple[np.ndarray, ...]:
-    return theta.T @ theta, theta.T @ targets, np.einsum("ij,ij->j", targets, targets)
+    with np.errstate(all="ignore"):  # a column may have poles on rows that no search has seen
+        return theta.T @ theta, theta.T @ targets, np.einsum("ij,ij->j", targets, targets)
 
 
 def chunks(start: int, stop: int) -> Iterator[slice]:

@@ -17,12 +17,13 @@ from .arithmetic import add, constant, div, mul, neg, power, sub, variable
 from .atoms import Call, Variable
 from .calls import call
 from .canonical import simplified
+from .lowest import lowest
 from .node import Cache
 from .products import ONE, Product
 from .sums import Atom, Sum, as_product, as_sum
 
 __all__ = [
     "ONE", "Atom", "Cache", "Call", "Product", "Sum", "Variable",
-    "add", "as_product", "as_sum", "call", "constant", "div", "mul", "neg", "power",
+    "add", "as_product", "as_sum", "call", "constant", "div", "lowest", "mul", "neg", "power",
     "simplified", "sub", "variable",
 ]  # fmt: skip

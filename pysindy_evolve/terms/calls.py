@@ -10,6 +10,7 @@ import numpy as np
 from ..operators import BUILTIN, Operator
 from .arithmetic import add, as_atom, constant, div, mul, neg, power, sub
 from .atoms import Call
+from .products import ONE
 from .sums import Atom, Sum, as_sum
 
 __all__ = ["call"]
@@ -50,6 +51,8 @@ def call(operator: Operator, *args: Sum) -> Sum:
         return _of_constant(operator, argument)
     if operator.name in ("abs", "sgn"):
         return _magnitude_or_sign(operator, argument)
+    if operator.name == "exp":
+        return _exponential(argument)
     if operator.name in _ODD and argument.parts[0][0] < 0:
         return neg(as_sum(Call(operator, (neg(argument),))))
     if operator.name in _EVEN and argument.parts[0][0] < 0:
@@ -61,6 +64,17 @@ def _of_constant(operator: Operator, argument: Sum) -> Sum:
     with np.errstate(all="ignore"):
         value = float(operator(argument.evaluate(np.empty((1, 0))))[0])
     return constant(value) if math.isfinite(value) else as_sum(Call(operator, (argument,)))
+
+
+def _exponential(argument: Sum) -> Sum:
+    """Take the constant out: exp(0.5 + x) = exp(0.5) exp(x)."""
+    held = [part for part in argument.parts if part[1] == ONE]
+    rest = Sum(tuple(part for part in argument.parts if part[1] != ONE))
+    with np.errstate(all="ignore"):
+        factor = float(np.exp(sum(c for c, _ in held)))
+    if not held or not 0.0 < factor < math.inf:
+        return as_sum(Call(BUILTIN["exp"], (argument,)))
+    return mul(constant(factor), as_sum(Call(BUILTIN["exp"], (rest,))))
 
 
 def _magnitude_or_sign(operator: Operator, argument: Sum) -> Sum:

@@ -7,9 +7,11 @@ from typing import Any
 from ..operators import BUILTIN
 from .atoms import Call
 from .products import Product
-from .sums import Atom, Sum
+from .sums import Atom, Sum, collect
 
 __all__ = ["multiply", "simplified"]
+
+EXP = BUILTIN["exp"]
 
 
 def multiply(p: Product, q: Product) -> Product:
@@ -21,8 +23,14 @@ def multiply(p: Product, q: Product) -> Product:
 
 
 def simplified(factors: tuple[tuple[Atom, int], ...]) -> Product:
-    """Apply x sgn(x) = abs(x), abs(x) sgn(x) = x, abs(x)^2 = x^2, sgn(x)^3 = sgn(x); sort."""
+    """Apply x sgn(x) = abs(x), abs(x) sgn(x) = x, abs(x)^2 = x^2, sgn(x)^3 = sgn(x); sort.
+
+    Exponentials are one: exp(x)^2 exp(v) = exp(2 x + v).
+    """
     exponents = dict(factors)
+    grown = [atom for atom in exponents if isinstance(atom, Call) and atom.operator == EXP]
+    if len(grown) > 1 or any(exponents[atom] != 1 for atom in grown):
+        _join(exponents, grown)
     for atom in list(exponents):
         if isinstance(atom, Call) and atom.operator in (BUILTIN["sgn"], BUILTIN["abs"]):
             _fold(exponents, atom.args[0])
@@ -30,6 +38,16 @@ def simplified(factors: tuple[tuple[Atom, int], ...]) -> Product:
     if len(kept) > 1:
         kept.sort(key=_order)
     return Product(tuple(kept))
+
+
+def _join(exponents: dict[Atom, int], grown: list[Call]) -> None:
+    """Make one exponential of several, and of its powers."""
+    parts = ((exponents[one] * c, term) for one in grown for c, term in one.args[0].parts)
+    argument = collect(parts)
+    for one in grown:
+        del exponents[one]
+    if argument.parts:
+        exponents[Call(EXP, (argument,))] = 1
 
 
 def _fold(exponents: dict[Atom, int], argument: Sum) -> None:

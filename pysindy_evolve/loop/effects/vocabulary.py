@@ -20,6 +20,7 @@ from .angles import angles_of, between_angles
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
+from .radial import radial
 
 __all__ = ["VOCABULARY", "of_equation"]
 
@@ -54,7 +55,7 @@ VOCABULARY = (
 
 # Stribeck speeds and widths of dead zones and saturations, as shares of the size of the signal.
 STRIBECK_SPEEDS = (0.03, 0.1, 0.3)
-DEAD_ZONES = (0.08, 0.2, 0.5)
+DEAD_ZONES = (0.03, 0.08, 0.2, 0.5)
 SATURATIONS = (0.08, 0.2, 0.35, 0.5, 0.7, 0.9)
 
 
@@ -110,6 +111,7 @@ def of_equation(
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
+    yield from radial(effect, design)
     yield from _at_joints(effect, design, scales)
     yield from _drifts(effect, design, variable(n_states + n_inputs))
 
