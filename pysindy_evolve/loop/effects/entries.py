@@ -9,19 +9,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...terms import Sum, Variable, div, variable
+from ...terms import Product, Sum, Variable, div, mul, simplified, variable
 from ..given.design import Design
 from .candidate import bare
 
-__all__ = ["Entry", "entries_of"]
+__all__ = ["Entry", "entered_beside", "entries_of"]
 
 
 @dataclass(frozen=True)
 class Entry:
-    """How forces enter an equation at one place, and the velocities that they may depend on."""
+    """How forces enter an equation at one place, and the velocities that they may depend on.
+
+    The place is that of `beside`: an input, or the velocity that a declared damping acts on.
+    """
 
     factor: Sum
     velocities: tuple[int, ...]
+    beside: int
 
 
 def entries_of(design: Design, state: int) -> list[Entry]:
@@ -45,7 +49,7 @@ def entries_of(design: Design, state: int) -> list[Entry]:
         for side in sides:
             factor = _beside(side, velocity)
             if len(factor.parts) == len(side.parts):
-                found.setdefault(bare(factor), Entry(factor, (velocity,)))
+                found.setdefault(bare(factor), Entry(factor, (velocity,), velocity))
     first = len(design.states)
     for column in range(first, first + len(design.inputs)):
         for side in (design.fixed[state], *sides):
@@ -53,8 +57,44 @@ def entries_of(design: Design, state: int) -> list[Entry]:
             if factor.parts:
                 known = found.get(bare(factor))
                 where = design.velocities if known is None else known.velocities
-                found[bare(factor)] = Entry(factor, where)
+                found[bare(factor)] = Entry(factor, where, column)
     return [entry for entry in found.values() if entry.factor.variables]
+
+
+def entered_beside(design: Design, state: int, expression: Sum) -> int | None:
+    """Return the input, or else the velocity, beside which an effect enters its equation.
+
+    Parameters
+    ----------
+    design : Design
+        The model without the effect.
+    state : int
+        The equation.
+    expression : Sum
+        The effect.
+
+    Returns
+    -------
+    int or None
+        Number of the variable; None if the effect has another factor than a declared force.
+    """
+    first = expression.parts[0][1]
+    found = [
+        (force.size, entry.beside)
+        for entry in entries_of(design, state)
+        for force in (_over(first, term) for _, term in entry.factor.parts)
+        if bare(mul(entry.factor, force)) == bare(expression)
+    ]
+    size, beside = min(found, default=(expression.size, None))
+    return beside if size < expression.size else None
+
+
+def _over(term: Product, other: Product) -> Sum:
+    """Divide a term by another; sums stay closed, so that they cancel."""
+    powers = dict(term.factors)
+    for atom, n in other.factors:
+        powers[atom] = powers.get(atom, 0) - n
+    return Sum(((1.0, simplified(tuple((atom, n) for atom, n in powers.items() if n))),))
 
 
 def _beside(side: Sum, index: int) -> Sum:

@@ -13,6 +13,7 @@ from ...export.compact import compact
 from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import Sum
+from ..effects.entries import entered_beside
 from ..evidence.findings import (
     Finding,
     LimitFinding,
@@ -169,7 +170,17 @@ def _effect(
         expressions=terms,
         twin_scores=finding.twin_scores,
         score=finding.score,
+        beside=_beside(poorer, finding),
     )
+
+
+def _beside(design: Design, finding: Finding) -> str:
+    """Return the name of what an effect enters its equation with."""
+    terms = finding.candidate.terms
+    if len(terms) != 1 or not finding.columns:
+        return ""
+    place = entered_beside(design, finding.candidate.state, terms[0])
+    return "" if place is None else (*design.states, *design.inputs)[place]
 
 
 def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:

@@ -5,7 +5,9 @@ import pytest
 from loop_systems import equations_of
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.entries import entries_of
+from pysindy_evolve.loop.effects.entries import entered_beside, entries_of
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import call, mul, variable
 
 D = "(1 + 0.25*sin(q)**2)"
 CART = pse.DeclaredModel(
@@ -28,6 +30,15 @@ def test_a_force_at_the_cart_and_a_torque_at_the_joint_enter_as_the_damping_ther
     for entry, name, speed in ((cart, "c", 1), (joint, "d", 3)):
         share = entry.factor.evaluate(rows) * rows[:, speed] / side[name].evaluate(rows)
         assert share == pytest.approx(np.full(20, share[0]))
+
+
+def test_what_an_effect_enters_with_is_known_whatever_it_depends_on():
+    design, q, v = CART.design(), variable(2), variable(1)
+    cart, joint = entries_of(design, 3)
+    friction = call(BUILTIN["sgn"], v)
+    assert entered_beside(design, 3, mul(friction, cart.factor)) == 4
+    assert entered_beside(design, 3, mul(mul(q, friction), joint.factor)) == 3
+    assert entered_beside(design, 3, friction) is None
 
 
 def test_a_constant_factor_is_no_entry():
@@ -63,4 +74,5 @@ def test_friction_of_a_changing_inertia_is_found_with_it(friction):
         (effect,) = report.effects
         assert effect.coefficients[0] == pytest.approx(-friction, rel=0.03)
         assert "q**2" in str(effect.term)
+        assert "it acts where F does" in str(report)
         assert report.after.derivative_error[1] < 0.5 * report.before.derivative_error[1]
