@@ -10,7 +10,7 @@ import sympy
 from sympy.printing.str import StrPrinter
 
 from ..terms import ONE, Sum
-from .symbolic import System, constant_last, system_of
+from .symbolic import System, as_shown, system_of
 
 __all__ = ["TextPrinter", "format_equations", "format_expression", "format_number", "join_terms"]
 
@@ -112,7 +112,7 @@ def join_terms(
     str
     """
     text = ""
-    for coefficient, product in constant_last(side):
+    for coefficient, product in as_shown(side):
         size = number(abs(coefficient))
         body = size if product == ONE else term(product)
         if product != ONE and size != "1":

@@ -11,8 +11,9 @@ from ..equations import Equations
 from ..hidden_states.hidden import MemoryEquations
 from ..reading.library_terms import from_model
 from ..terms import ONE, Product, Sum
+from .fractions import as_fractions
 
-__all__ = ["System", "constant_last", "round_to", "system_of", "to_sympy"]
+__all__ = ["System", "as_shown", "constant_last", "round_to", "system_of", "to_sympy"]
 
 
 def to_sympy(model: Any, digits: int | None = None) -> list[Any]:
@@ -108,6 +109,11 @@ def system_of(model: Any, owner: str, digits: int | None = None) -> System:
 def constant_last(side: Sum) -> list[tuple[float, Product]]:
     """Return coefficients and terms in the order in which they are shown."""
     return sorted(side.parts, key=lambda part: part[1] == ONE)
+
+
+def as_shown(side: Sum) -> list[tuple[float, Product]]:
+    """Return coefficients and terms as they are written in a line: fractions as one term."""
+    return constant_last(as_fractions(side))
 
 
 def round_to(value: float, digits: int | None) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...export import format_number
 from ...export.compact import compact
+from ...export.fractions import as_fractions
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .remains import remains
@@ -109,7 +110,7 @@ def _shown_term(effect: Effect, k: int, symbols: Sequence[Any]) -> str:
     """Return what a coefficient multiplies, or what it is if it multiplies nothing."""
     if effect.quantities:
         return f"{expression_mathml(effect.term)}, {effect.quantities[k]}"
-    return expression_mathml(compact(effect.expressions[k].to_sympy(symbols)))
+    return expression_mathml(compact(as_fractions(effect.expressions[k]).to_sympy(symbols)))
 
 
 def _shown(report: LoopReport) -> list[int]:

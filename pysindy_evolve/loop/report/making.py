@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...export.compact import compact
+from ...export.fractions import as_fractions
 from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import Sum
@@ -184,7 +185,7 @@ def _beside(design: Design, finding: Finding) -> str:
 
 
 def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:
-    return compact(sum(term.to_sympy(symbols) for term in terms))
+    return compact(sum(as_fractions(term).to_sympy(symbols) for term in terms))
 
 
 def _other_names(finding: Finding) -> tuple[str, ...]:

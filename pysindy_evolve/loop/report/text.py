@@ -11,6 +11,7 @@ import numpy as np
 
 from ...export import format_equations, format_expression, format_number
 from ...export.compact import compact
+from ...export.fractions import as_fractions
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
 from .advice import paragraphs
@@ -59,7 +60,11 @@ def as_text(report: LoopReport) -> str:
 def _model(errors: Errors) -> str:
     """Return the equations and, below them, the free parameters."""
     said = free_parameters(errors)
-    lines = [format_equations(errors.model), fill(said, 92, subsequent_indent="  ")]
+    equations = [
+        fill(line, 96, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+        for line in format_equations(errors.model).splitlines()
+    ]
+    lines = [*equations, fill(said, 92, subsequent_indent="  ")]
     return "\n".join(line for line in lines if line)
 
 
@@ -169,7 +174,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
             shown = f"{format_expression(effect.term)}: {effect.quantities[k]} {value:.4g}"
             lines.append(shown if effect.of_sensor else f"{shown}   {interval(low, high)}")
             continue
-        shown = _factor(compact(effect.expressions[k].to_sympy(symbols)))
+        shown = _factor(compact(as_fractions(effect.expressions[k]).to_sympy(symbols)))
         times = "" if effect.expressions[k] == OFFSET else f" times {shown}"
         lines.append(f"{value:.4g}{times}   {interval(low, high)}")
         if low < 0.0 < high:
