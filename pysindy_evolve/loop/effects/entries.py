@@ -13,19 +13,21 @@ from ...terms import Product, Sum, Variable, div, mul, simplified, variable
 from ..given.design import Design
 from .candidate import bare
 
-__all__ = ["Entry", "entered_beside", "entries_of"]
+__all__ = ["Entry", "entered", "entries_of"]
 
 
 @dataclass(frozen=True)
 class Entry:
     """How forces enter an equation at one place, and the velocities that they may depend on.
 
-    The place is that of `beside`: an input, or the velocity that a declared damping acts on.
+    The place is that of `beside`: an input, or the velocity that a declared damping acts on. Where
+    the factor of an input `is_known`, another force there adds to the input itself.
     """
 
     factor: Sum
     velocities: tuple[int, ...]
     beside: int
+    is_known: bool = False
 
 
 def entries_of(design: Design, state: int) -> list[Entry]:
@@ -57,12 +59,12 @@ def entries_of(design: Design, state: int) -> list[Entry]:
             if factor.parts:
                 known = found.get(bare(factor))
                 where = design.velocities if known is None else known.velocities
-                found[bare(factor)] = Entry(factor, where, column)
+                found[bare(factor)] = Entry(factor, where, column, side is design.fixed[state])
     return [entry for entry in found.values() if entry.factor.variables]
 
 
-def entered_beside(design: Design, state: int, expression: Sum) -> int | None:
-    """Return the input, or else the velocity, beside which an effect enters its equation.
+def entered(design: Design, state: int, expression: Sum) -> tuple[Entry, Sum] | None:
+    """Return where an effect enters its equation, and the force that it is there.
 
     Parameters
     ----------
@@ -75,18 +77,18 @@ def entered_beside(design: Design, state: int, expression: Sum) -> int | None:
 
     Returns
     -------
-    int or None
-        Number of the variable; None if the effect has another factor than a declared force.
+    Entry and Sum, or None
+        The effect is the factor of the one times the other, the plainest if there are several; None
+        if it has another factor than a declared force.
     """
     first = expression.parts[0][1]
     found = [
-        (force.size, entry.beside)
+        (entry, force)
         for entry in entries_of(design, state)
         for force in (_over(first, term) for _, term in entry.factor.parts)
-        if bare(mul(entry.factor, force)) == bare(expression)
+        if bare(mul(entry.factor, force)) == bare(expression) and force.size < expression.size
     ]
-    size, beside = min(found, default=(expression.size, None))
-    return beside if size < expression.size else None
+    return min(found, key=lambda one: one[1].size, default=None)
 
 
 def _over(term: Product, other: Product) -> Sum:

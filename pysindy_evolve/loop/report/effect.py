@@ -124,9 +124,10 @@ class Effect:
         Whether it is in what is read of the state, and not in its equation.
     number_intervals : ndarray of shape (n_numbers, 2)
         95 %, of the length or time over which it remembers a state.
-    beside : str
-        The input, or the velocity of a damping, that enters the equation by the same factor, where
-        that is no constant: a force on a cart with a pendulum, a torque at the joint of an arm.
+    entry : str
+        Where it acts, if a declared force enters the equation by the same factor, which is no
+        constant: such as "as if F were larger by this times sgn(v)", or "where the damping of w
+        does".
     """
 
     name: str
@@ -147,7 +148,7 @@ class Effect:
     quantities: tuple[str, ...] = ()
     of_sensor: bool = False
     number_intervals: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
-    beside: str = ""
+    entry: str = ""
 
     @property
     def place(self) -> str:

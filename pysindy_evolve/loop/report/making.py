@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from ...export import format_expression
 from ...export.compact import compact
 from ...export.fractions import as_fractions
 from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
-from ...terms import Sum
-from ..effects.entries import entered_beside
+from ...terms import Sum, mul
+from ..effects.candidate import OFFSET
+from ..effects.entries import entered
 from ..evidence.findings import (
     Finding,
     LimitFinding,
@@ -171,17 +173,25 @@ def _effect(
         expressions=terms,
         twin_scores=finding.twin_scores,
         score=finding.score,
-        beside=_beside(poorer, finding),
+        entry=_entry(poorer, finding),
     )
 
 
-def _beside(design: Design, finding: Finding) -> str:
-    """Return the name of what an effect enters its equation with."""
-    terms = finding.candidate.terms
-    if len(terms) != 1 or not finding.columns:
+def _entry(design: Design, finding: Finding) -> str:
+    """Say where an effect acts, if it enters its equation as a declared force does."""
+    terms, state = finding.candidate.terms, finding.candidate.state
+    place = entered(design, state, terms[0]) if len(terms) == 1 and finding.columns else None
+    if place is None:
         return ""
-    place = entered_beside(design, finding.candidate.state, terms[0])
-    return "" if place is None else (*design.states, *design.inputs)[place]
+    entry, force = place
+    symbols = design.equations(np.zeros(len(design.columns))).symbols
+    name = (*design.states, *design.inputs)[entry.beside]
+    if entry.beside < len(design.states):
+        return f"where the damping of {name} does"
+    if mul(entry.factor, force) != terms[0] or not entry.is_known:
+        return f"where {name} does"
+    larger = "" if force == OFFSET else f" times {format_expression(force.to_sympy(symbols))}"
+    return f"as if {name} were larger by this number{larger}"
 
 
 def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:

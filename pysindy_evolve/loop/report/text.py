@@ -179,8 +179,8 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines.append(f"{value:.4g}{times}   {interval(low, high)}")
         if low < 0.0 < high:
             lines.append("the interval contains zero: this record alone does not fix its sign")
-    if effect.beside:
-        lines.append(f"it acts where {effect.beside} does: in this equation by the same factor")
+    if effect.entry:
+        lines.append(f"it acts {effect.entry}")
     sure = [" " + interval(low, high) for low, high in effect.number_intervals]
     lines += sayings(effect.expressions, [str(symbol) for symbol in symbols], sure)
     of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"

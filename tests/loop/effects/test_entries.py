@@ -5,7 +5,7 @@ import pytest
 from loop_systems import equations_of
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.entries import entered_beside, entries_of
+from pysindy_evolve.loop.effects.entries import entered, entries_of
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, mul, variable
 
@@ -36,9 +36,9 @@ def test_what_an_effect_enters_with_is_known_whatever_it_depends_on():
     design, q, v = CART.design(), variable(2), variable(1)
     cart, joint = entries_of(design, 3)
     friction = call(BUILTIN["sgn"], v)
-    assert entered_beside(design, 3, mul(friction, cart.factor)) == 4
-    assert entered_beside(design, 3, mul(mul(q, friction), joint.factor)) == 3
-    assert entered_beside(design, 3, friction) is None
+    for entry, force in ((cart, friction), (joint, mul(q, friction))):
+        assert entered(design, 3, mul(force, entry.factor)) == (entry, force)
+    assert entered(design, 3, friction) is None
 
 
 def test_a_constant_factor_is_no_entry():
@@ -74,5 +74,5 @@ def test_friction_of_a_changing_inertia_is_found_with_it(friction):
         (effect,) = report.effects
         assert effect.coefficients[0] == pytest.approx(-friction, rel=0.03)
         assert "q**2" in str(effect.term)
-        assert "it acts where F does" in str(report)
+        assert "as if F were larger by this number times sgn(v)" in str(report)
         assert report.after.derivative_error[1] < 0.5 * report.before.derivative_error[1]

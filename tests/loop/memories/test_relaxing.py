@@ -16,7 +16,7 @@ from pysindy_evolve.hidden_states.boucwen import yielding
 from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.path_states import sayings
 from pysindy_evolve.hidden_states.relaxing import RELAXING, relaxing, relaxing_along
-from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, renumbered
+from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, rewritten
 from pysindy_evolve.loop.effects.relaxation import relaxed_ways
 from pysindy_evolve.loop.evidence.offers import offer_for, relaxations_for
 from pysindy_evolve.loop.evidence.scoring import score
@@ -258,7 +258,7 @@ def test_relaxation_times_begin_where_the_filter_ends_and_are_tuned_no_further()
 
 
 def test_candidate_with_other_variables_is_tuned_with_them():
-    way = renumbered(
+    way = rewritten(
         relaxed_ways(1, 0, measured(n=2000))[2], lambda term: substituted(term, {3: variable(7)})
     )
     assert way.terms[0].variables == {0, 7}
