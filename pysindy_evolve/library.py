@@ -51,7 +51,8 @@ class EvolvingLibrary(TermColumns):
     random_state : int, numpy.random.RandomState, numpy.random.Generator or None
         Seed. The same seed gives the same equation, whatever `n_jobs` is.
     n_jobs : int, optional
-        Number of states whose terms are grown at a time, as in joblib.
+        Number of states whose terms are grown at a time, as in joblib. Where that is one, Ctrl-C
+        ends the search with the best equation so far; several processes end without one.
     progress : bool, default=False
         Show a progress bar for each state.
 
