@@ -84,6 +84,7 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
     return {
         "name": effect.name,
         "place": effect.place,
+        "entry": effect.entry,
         "coefficients": [
             (_shown_term(effect, k, symbols), *map(format_number, (value, low, high)))
             for k, (value, (low, high)) in enumerate(parts)
