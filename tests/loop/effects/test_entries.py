@@ -77,5 +77,6 @@ def test_friction_of_a_changing_inertia_is_found_with_it(friction, tmp_path):
         said = "acts as if F were larger by this number times sgn(v)"
         report.to_html(tmp_path / "report.html")
         page = (tmp_path / "report.html").read_text(encoding="utf-8")
-        assert said in str(report) and said in page
+        assert said in str(report)
+        assert said in page
         assert report.after.derivative_error[1] < 0.5 * report.before.derivative_error[1]
