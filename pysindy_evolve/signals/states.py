@@ -86,8 +86,13 @@ def time_step(x: Array, x_dot: Array) -> float | None:
         sampled unevenly.
     """
     n = len(x)
+    fading = _faded(np.ones(n))
     pairs = [
-        (_without_mean(_faded_slope(state), n), _without_mean(_faded(rate), n), _faded(state))
+        (
+            _without_mean(_faded_slope(state), fading),
+            _without_mean(_faded(rate), fading),
+            _faded(state),
+        )
         for state, rate in zip(x.T, x_dot.T, strict=True)
         if np.ptp(rate) > 0.0 and np.ptp(state) > 0.0
     ]
@@ -118,9 +123,10 @@ def time_step(x: Array, x_dot: Array) -> float | None:
     return float(found.x) * first
 
 
-def _without_mean(spectrum: NDArray[np.complex128], n: int) -> NDArray[np.complex128]:
+def _without_mean(
+    spectrum: NDArray[np.complex128], fading: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
     """Take the mean of what was faded out of its spectrum: two means always agree in phase."""
-    fading = _faded(np.ones(n))
     return spectrum - spectrum[0] / fading[0] * fading
 
 

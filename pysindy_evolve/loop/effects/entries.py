@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...terms import Product, Sum, Variable, div, mul, simplified, variable
+from ...terms import Product, Sum, Variable, div, mul, variable
 from ..given.design import Design
 from .candidate import bare
 
@@ -93,10 +93,8 @@ def entered(design: Design, state: int, expression: Sum) -> tuple[Entry, Sum] | 
 
 def _over(term: Product, other: Product) -> Sum:
     """Divide a term by another; sums stay closed, so that they cancel."""
-    powers = dict(term.factors)
-    for atom, n in other.factors:
-        powers[atom] = powers.get(atom, 0) - n
-    return Sum(((1.0, simplified(tuple((atom, n) for atom, n in powers.items() if n))),))
+    inverse = Product(tuple((atom, -n) for atom, n in other.factors))
+    return mul(Sum(((1.0, term),)), Sum(((1.0, inverse),)))
 
 
 def _beside(side: Sum, index: int) -> Sum:

@@ -11,18 +11,16 @@ from functools import reduce
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, mul, power, variable
 from ..given.design import Design
-from .angles import angles_of
 from .candidate import Candidate, CandidateMaker
 
 __all__ = ["radial"]
 
 
-def radial(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
+def radial(effect: CandidateMaker, design: Design, turning: frozenset[int]) -> Iterator[Candidate]:
     """Go through what acts on one velocity along a motion: with one more coordinate, or with all.
 
-    Angles are no coordinates of a plane.
+    What is turning, an angle, is no coordinate of a plane.
     """
-    turning = angles_of(design)
     flat = [v for v in design.velocities if design.position_of(v) not in turning]
     if effect.state not in flat:
         return

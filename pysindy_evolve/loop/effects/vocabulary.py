@@ -111,7 +111,7 @@ def of_equation(
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
-    yield from radial(effect, design)
+    yield from radial(effect, design, turning)
     yield from _at_joints(effect, design, scales)
     yield from _drifts(effect, design, variable(n_states + n_inputs))
 
