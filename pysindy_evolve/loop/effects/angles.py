@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ...operators import BUILTIN
@@ -9,8 +10,9 @@ from ...terms import Call, Sum, call, constant, mul, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
 
-__all__ = ["angles_of", "between_angles"]
+__all__ = ["DEGREE", "angles_of", "between_angles"]
 
+DEGREE = math.pi / 180.0  # in radians
 WAVES = (BUILTIN["sin"], BUILTIN["cos"])
 
 

@@ -9,12 +9,14 @@ import numpy as np
 
 from ...breeding.genetics import CURVED
 from ...terms import Call, Product, Sum, constant, mul, simplified
+from .angles import DEGREE
 from .candidate import Candidate, Shape
 
-__all__ = ["shape_of", "with_ones"]
+__all__ = ["shape_of", "with_units"]
 
 MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
-NEAR = 0.1  # of one: what noise in an angle makes of the one in sin(q)
+UNITS = (1.0, DEGREE)  # what an angle is measured in
+NEAR = 0.1  # of a unit: what noise in an angle makes of the one in sin(q)
 
 
 def shape_of(candidate: Candidate) -> Shape | None:
@@ -43,8 +45,8 @@ def shape_of(candidate: Candidate) -> Shape | None:
     return Shape(tuple(np.abs(numbers).tolist()), (build,))
 
 
-def with_ones(candidate: Candidate) -> Candidate | None:
-    """Return an effect with ones in the place of numbers close to it, as in sin(0.99 q).
+def with_units(candidate: Candidate) -> Candidate | None:
+    """Return an effect with round numbers in the place of close ones, as in sin(0.99 q).
 
     Parameters
     ----------
@@ -54,19 +56,22 @@ def with_ones(candidate: Candidate) -> Candidate | None:
     Returns
     -------
     Candidate or None
-        None if there is no such number, or if it says where something begins, such as the width of
-        a dead zone.
+        With one, or the degree in radians; None if no number is close to them, or if it says where
+        something begins, such as the width of a dead zone.
     """
     parts = [part for term in candidate.terms for part in term.parts]
     if candidate.shape is not None or len(parts) != 1:
         return None
     weight, term = parts[0]
-    numbers = np.array(term.constants)
-    near = np.abs(np.abs(numbers) - 1.0) <= NEAR
-    if not near.any():
+    rounded = [_rounded(number) for number in term.constants]
+    if rounded == list(term.constants):
         return None
-    rounded = np.where(near, np.sign(numbers), numbers)
-    return replace(candidate, terms=(Sum(((weight, term.with_constants(rounded.tolist())),)),))
+    return replace(candidate, terms=(Sum(((weight, term.with_constants(rounded)),)),))
+
+
+def _rounded(number: float) -> float:
+    near = (np.copysign(unit, number) for unit in UNITS if abs(abs(number) / unit - 1.0) <= NEAR)
+    return float(next(near, number))
 
 
 def _with_numbers(term: Product) -> Product:

@@ -16,11 +16,13 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .angles import angles_of, between_angles
-from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
+from .angles import DEGREE, angles_of, between_angles
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
+from .differences import differences, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
+from .varying import drifts, varying
 
 __all__ = ["VOCABULARY", "of_equation"]
 
@@ -43,6 +45,7 @@ VOCABULARY = (
     "coupling",
     "input nonlinearity",
     "input gain",
+    "varying coefficient",
     "drift",
     "periodic forcing",
     "position-periodic ripple",
@@ -87,23 +90,38 @@ def _stribeck(v: Sum, speed: float) -> Sum:
 def of_equation(
     design: Design, state: int, scales: np.ndarray, apart: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through the vocabulary for one equation, simple effects before composed ones."""
+    """Go through the vocabulary for one equation, simple effects before composed ones.
+
+    What several effects stand for, as the square of a position, has the name of the first.
+    """
     effect = CandidateMaker(state)
-    n_states, n_inputs = len(design.states), len(design.inputs)
     if design.algebraic:
-        yield from _of_target(effect, design, scales, middle)
-        return
+        found = _of_target(effect, design, scales, middle)
+    else:
+        found = _of_rate(effect, design, scales, apart)
+    named: set[tuple[Sum, ...]] = set()
+    for candidate in found:
+        if candidate.terms not in named:
+            named.add(candidate.terms)
+            yield candidate
+
+
+def _of_rate(
+    effect: CandidateMaker, design: Design, scales: np.ndarray, apart: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through the effects of the rate of a state."""
+    state, n_states, n_inputs = effect.state, len(design.states), len(design.inputs)
     v, position, turning = variable(state), design.position_of(state), angles_of(design)
     yield effect("constant offset", OFFSET)
     yield from _frictions(effect, v, float(scales[state]))
     if position is not None:
         q = variable(position)
         yield from _springs(effect, q, float(scales[position]))
-        yield from _with_position(effect, q, v)
+        yield from _with_position(effect, q, v, float(scales[position]))
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, state, other)
-            yield from _differences(effect, design, state, other)
+            yield from differences(effect, design, state, other)
             yield from _between(effect, design, state, other, apart)
             angle = state if position is None else position
             if {angle, other} <= turning:
@@ -111,9 +129,12 @@ def of_equation(
     for column in range(n_states, n_states + n_inputs):
         own = [v] if position is None else [v, variable(position)]
         yield from _inputs(effect, variable(column), own, float(scales[column]))
+        if position is None:
+            yield from losses(effect, design, column)
     yield from radial(effect, design, turning)
     yield from _at_joints(effect, design, scales)
-    yield from _drifts(effect, design, variable(n_states + n_inputs))
+    yield from varying(effect, design)
+    yield from drifts(effect, design, variable(n_states + n_inputs))
 
 
 def _of_target(
@@ -130,7 +151,7 @@ def _of_target(
             continue
         yield from _frictions(effect, variable(v), float(scales[v]))
         yield from _springs(effect, variable(x), float(scales[x]))
-        yield from _with_position(effect, variable(x), variable(v))
+        yield from _with_position(effect, variable(x), variable(v), float(scales[x]))
         yield from rounded(effect, v, scales)
         yield from yields(effect, x, v, scales, float(middle[x]))
         yield from remembering(effect, x, v, scales, float(middle[x]))
@@ -161,10 +182,12 @@ def _springs(effect: CandidateMaker, q: Sum, reach: float) -> Iterator[Candidate
         yield effect("dead zone", shape=Shape((share * reach,), (partial(_beyond, q),)))
 
 
-def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:
+def _with_position(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:
     """Go through what a weight, or a damping or friction that changes with the position, does."""
-    yield effect("gravity", call(BUILTIN["sin"], q))
-    yield effect("gravity", call(BUILTIN["cos"], q), parents=(OFFSET,), whole=True)
+    in_degrees = mul(constant(DEGREE), q)
+    for angle in [q, in_degrees] if reach > np.pi else [q]:
+        yield effect("gravity", call(BUILTIN["sin"], angle))
+        yield effect("gravity", call(BUILTIN["cos"], angle), parents=(OFFSET,), whole=True)
     yield effect("nonlinear damping", mul(power(q, 2), v))
     yield effect("position-dependent friction", mul(_abs(q), _sgn(v)))
     yield effect("position-dependent friction", mul(power(q, 2), _sgn(v)))
@@ -192,22 +215,6 @@ def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candi
     yield effect("coupling", power(w, 2), parents=(OFFSET,))
 
 
-def _differences(
-    effect: CandidateMaker, design: Design, state: int, other: int
-) -> Iterator[Candidate]:
-    """Go through what flows or pulls in proportion to a difference: one coefficient, not two.
-
-    Where an equation has a coefficient for its own part already, the other one alone says as much.
-    """
-    position, is_position = design.position_of(state), design.derivative_of(other) is not None
-    own = state if position is None or not is_position else position
-    alike = (is_position or design.position_of(other) is not None) == (position is not None)
-    if not alike:  # a current is not compared with an angle
-        return
-    if variable(own) not in (bare(c.parts[state]) for c in design.columns if c.parts[state].parts):
-        yield effect("coupling", sub(variable(other), variable(own)))
-
-
 def _between(
     effect: CandidateMaker, design: Design, state: int, other: int, apart: np.ndarray
 ) -> Iterator[Candidate]:
@@ -229,17 +236,6 @@ def _between(
             width = share * float(apart[position, other])
             shape = Shape((width,), (partial(_beyond, stretch),))
             yield effect("dead zone", shape=shape)
-
-
-def _drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:
-    """Go through what changes with the time: the constant, or what another term is worth.
-
-    A spring softens as it warms up, and a tank grows lighter as it runs out.
-    """
-    yield effect("drift", t, parents=(OFFSET,))
-    for part in (column.parts[effect.state] for column in design.columns):
-        if part.variables and not part.variables & t.variables:
-            yield effect("drift", mul(t, bare(part)), parents=(bare(part),))
 
 
 def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:

@@ -25,7 +25,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.partners import shares_number
-from ..effects.shaping import shape_of, with_ones
+from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of, score
 from ..evidence.trace import EVOLVED
@@ -117,7 +117,7 @@ def _winner(
     fitted = [Contender(own, first, tied), *map(Contender, rivals, others)]
     tuned = tuned_by_runs(fitted, model, drift, records)
     best = _best(tuned, matter, rules.significance / max(len(rivals), 1))
-    plain = with_ones(best.candidate)
+    plain = with_units(best.candidate)
     if plain is not None:  # sin(q), unless another number than one in it does clearly better
         (trial,) = settled([begun_with(model, plain, drift, records)])
         best = Contender(plain, trial) if trial.error <= np.exp(matter) * best.error else best

@@ -7,7 +7,7 @@ from loop_systems import measured, oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.missing import candidates
-from pysindy_evolve.loop.effects.shaping import with_ones
+from pysindy_evolve.loop.effects.shaping import with_units
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.free_runs.duels import held_against
@@ -124,19 +124,23 @@ def test_no_rival_whose_runs_diverge_takes_the_place_of_a_grown_term():
 
 @pytest.mark.parametrize(
     ("written", "rounded"),
-    [("sin(0.98*q)", "sin(q)"), ("cos(1.02*q)*tanh(3*v)", "cos(q)*tanh(3*v)")],
+    [
+        ("sin(0.98*q)", "sin(q)"),
+        ("cos(1.02*q)*tanh(3*v)", "cos(q)*tanh(3*v)"),
+        ("sin(0.0177*q)", f"sin({np.pi / 180.0!r}*q)"),
+    ],
 )
-def test_numbers_close_to_one_are_made_one(written, rounded):
+def test_numbers_close_to_a_unit_of_angles_are_made_that_unit(written, rounded):
     before, after = (
         Candidate("evolved term", 1, (parse(text, ("q", "v")).known,))
         for text in (written, rounded)
     )
-    assert with_ones(before) == after
-    assert with_ones(after) in (after, None)
+    assert with_units(before) == after
+    assert with_units(after) in (after, None)
 
 
-def test_numbers_far_from_one_stay():
-    assert with_ones(Candidate("evolved term", 1, (parse("tanh(3*v)", ("q", "v")).known,))) is None
+def test_numbers_far_from_a_unit_stay():
+    assert with_units(Candidate("evolved term", 1, (parse("tanh(3*v)", ("q", "v")).known,))) is None
 
 
 def test_a_sine_of_an_angle_stays_one_where_no_other_number_in_it_does_clearly_better():

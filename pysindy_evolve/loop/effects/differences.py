@@ -1,0 +1,45 @@
+"""What flows or pulls in proportion to a difference: one coefficient, not two.
+
+Heat between two walls, current between two nodes, the loss of a tank to the room. Where an equation
+has a coefficient for one part of the difference already, the other one alone says as much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...terms import sub, variable
+from ..given.design import Design
+from .candidate import Candidate, CandidateMaker, bare
+
+__all__ = ["differences", "losses"]
+
+
+def differences(
+    effect: CandidateMaker, design: Design, state: int, other: int
+) -> Iterator[Candidate]:
+    """Go through what the difference of two states does: of positions, or of states alike."""
+    position, is_position = design.position_of(state), design.derivative_of(other) is not None
+    own = state if position is None or not is_position else position
+    alike = (is_position or design.position_of(other) is not None) == (position is not None)
+    if alike:  # a current is not compared with an angle
+        yield from _difference(effect, design, own, other)
+
+
+def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:
+    """Go through what a state of the first order loses to surroundings, measured as an input.
+
+    An input that acts on the state already is no such surroundings, but what heats it.
+    """
+    sides = [design.fixed[effect.state], *(one.parts[effect.state] for one in design.columns)]
+    if not any(column in side.variables for side in sides):
+        yield from _difference(effect, design, effect.state, column)
+
+
+def _difference(
+    effect: CandidateMaker, design: Design, own: int, other: int
+) -> Iterator[Candidate]:
+    """Yield the coupling by a difference, unless one of its parts has its own coefficient."""
+    fitted = {bare(c.parts[effect.state]) for c in design.columns if c.parts[effect.state].parts}
+    if not fitted & {variable(own), variable(other)}:
+        yield effect("coupling", sub(variable(other), variable(own)))

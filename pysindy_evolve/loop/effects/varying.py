@@ -1,0 +1,37 @@
+"""What a declared term is worth may change: with what was measured, or with the time.
+
+A fan cools better the faster it turns, prey is caught less the more of it there is, a spring
+softens as it warms up, a tank grows lighter as it runs out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...terms import Sum, mul, variable
+from ..given.design import Design
+from .candidate import OFFSET, Candidate, CandidateMaker, bare
+
+__all__ = ["drifts", "varying"]
+
+
+def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
+    """Go through each declared term times a state or an input."""
+    for part in _parts(design, effect.state):
+        for other in range(len(design.states) + len(design.inputs)):
+            product = mul(variable(other), part)
+            yield effect("varying coefficient", product, parents=(OFFSET, part), alone=True)
+
+
+def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:
+    """Go through what changes with the time: the constant, or what another term is worth."""
+    yield effect("drift", t, parents=(OFFSET,))
+    for part in _parts(design, effect.state):
+        if not part.variables & t.variables:
+            yield effect("drift", mul(t, part), parents=(part,))
+
+
+def _parts(design: Design, state: int) -> list[Sum]:
+    """Return what has a coefficient of its own in an equation, but the constant."""
+    parts = (column.parts[state] for column in design.columns)
+    return [bare(part) for part in parts if part.variables]

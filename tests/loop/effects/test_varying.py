@@ -1,0 +1,87 @@
+"""What a declared term is worth may change with a state or an input, and is found where it does."""
+
+import numpy as np
+import pytest
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.candidate import OFFSET
+from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.terms import sub, variable
+
+CURRENTS = {"i": "b*u - r*i", "T": "c*u**2 - h*(T - Ta)"}
+
+
+def varying_in(sides, inputs):
+    design = pse.DeclaredModel(sides, inputs=inputs).design()
+    names = (*design.states, *design.inputs, "t")
+    offered = candidates(design, np.full(len(names), 3.0))
+    return {
+        (c.state, c.terms[0].name(names)): c for c in offered if c.name == "varying coefficient"
+    }
+
+
+def test_each_term_may_change_with_each_state_and_input_and_needs_the_term_beside_it():
+    found = varying_in(CURRENTS, ("u", "Ta"))
+    assert {name for state, name in found if state == 0} == {"i^2", "T u", "u Ta"}
+    by_temperature = found[0, "T u"]
+    assert by_temperature.parents == (OFFSET, variable(2))
+    assert by_temperature.alone
+
+
+def test_the_product_of_a_state_and_an_input_keeps_the_name_it_has():
+    assert (0, "i u") not in varying_in(CURRENTS, ("u", "Ta"))
+
+
+def heated(loss, seed, noise=2e-3):
+    """A heater with a fan: temperature above the room, driven by heat u and fan speed w."""
+    t, rng = np.arange(0.0, 40.0, 0.04), np.random.default_rng(seed)
+    steps = [rng.uniform(0.0, 1.0, (8, 2)) for _ in range(2)]
+    u = np.column_stack([
+        np.interp(t, np.linspace(0.0, 40.0, 8), 10.0 * steps[0][:, 0]),
+        np.interp(t, np.linspace(0.0, 40.0, 8), steps[1][:, 1]),
+    ])  # fmt: skip
+    model = pse.DeclaredModel({"T": f"2*u {loss}"}, inputs=["u", "w"]).design().equations([])
+    x = pse.simulate(model, [5.0], t, u)
+    y = x + noise * x.std() * rng.standard_normal(x.shape)
+    return pse.prepare(t, y, u, order=1)
+
+
+@pytest.mark.parametrize(("loss", "found"), [("- 0.4*T - 0.5*T*w", ["T*w"]), ("- 0.4*T", [])])
+def test_a_fan_that_cools_better_the_faster_it_turns(loss, found):
+    records = [heated(loss, seed) for seed in range(3)]
+    declared = pse.DeclaredModel({"T": "b*u - h*T"}, inputs=["u", "w"])
+    report = pse.close_loop(declared, records[:2], records[2], operators=(), random_state=0)
+    assert [str(effect.term) for effect in report.effects] == found
+
+
+def test_surroundings_that_are_measured_but_act_nowhere_take_heat():
+    offered = candidates(
+        pse.DeclaredModel({"T": "c*u"}, inputs=("u", "Ta")).design(), np.full(4, 3.0)
+    )
+    terms = [c.terms[0] for c in offered if c.name == "coupling"]
+    assert sub(variable(2), variable(0)) in terms
+    assert sub(variable(1), variable(0)) not in terms  # what heats it is no surroundings
+
+
+def test_angles_in_degrees_have_a_weight_where_they_go_that_far():
+    design = pse.DeclaredModel({"q": "v", "v": "-c*v"}).design()
+    for reach, n_sines in ((2.0, 1), (90.0, 2)):
+        offered = candidates(design, np.full(3, reach))
+        weights = [c.terms[0] for c in offered if c.name == "gravity" and not c.parents]
+        assert len(weights) == n_sines
+    at_right_angle = weights[-1].evaluate(np.array([[90.0, 0.0, 0.0]]))
+    assert at_right_angle == pytest.approx([1.0])
+
+
+def test_a_pendulum_in_degrees_has_its_weight_found():
+    rng, t = np.random.default_rng(0), np.arange(0.0, 20.0, 0.01)
+    model = pse.DeclaredModel({"q": "v", "v": "-30*sin(q) - 0.2*v"}).design().equations([])
+    records = []
+    for start in (1.5, 1.0, 1.3):
+        q = np.rad2deg(pse.simulate(model, [start, 0.0], t)[:, :1])
+        records.append(pse.prepare(t, q + 0.1 * rng.standard_normal(q.shape), order=2))
+    declared = pse.DeclaredModel({"q": "v", "v": "-c*v"})
+    report = pse.close_loop(declared, records[:2], records[2], random_state=0)
+    (effect,) = report.effects
+    assert effect.name == "gravity"
+    assert effect.coefficients[0] == pytest.approx(-30.0 * 180.0 / np.pi, rel=0.01)
