@@ -205,6 +205,20 @@ def test_an_angle_that_starts_again_is_refused_until_its_turn_is_right(capsys, t
     assert "must name an angle that stays within its turn; got 'q' from 0" in err
 
 
+def test_empty_rows_at_the_ends_are_left_out(capsys, tmp_path):
+    t = np.arange(0.0, 6.0, 0.01)
+    rows = [f"{now:.6f},{level:.9f}" for now, level in np.c_[t, np.exp(-t)]]
+    path = tmp_path / "decay.csv"
+    path.write_text("\n".join(["t,level", "-0.01,", *rows, "6,", "6.01,"]))
+    options = ("fit", str(path), "--states", "level", "--cutoff", "none")
+    code, _, err = run(capsys, *options)
+    assert code == 2
+    assert "--drop-empty" in err
+    code, out, _ = run(capsys, *options, "--drop-empty")
+    assert code == 0
+    assert "level' = -level\n" in out
+
+
 def test_languages_are_those_of_to_code():
     assert set(LANGUAGES) == set(_LANGUAGES)
 

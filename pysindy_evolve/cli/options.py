@@ -267,6 +267,11 @@ def _add_format(columns: argparse._ArgumentGroup) -> None:
     columns.add_argument(
         "--decimal", default=".", choices=(".", ","), help="sign before the decimals (.)"
     )
+    columns.add_argument(
+        "--drop-empty",
+        action="store_true",
+        help="leave out the rows at the beginning and the end in which a needed column is empty",
+    )
 
 
 def _add_result(parser: argparse.ArgumentParser) -> None:

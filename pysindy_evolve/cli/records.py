@@ -87,7 +87,8 @@ def _read(
     targets, inputs = dict(given.target), tuple(given.inputs) or None
     held = [*measured.values(), *given.inputs.values(), *targets.values()]
     wanted = dict.fromkeys([given.time, *held])
-    columns = read_csv(path, list(wanted), given.delimiter, given.decimal)
+    form = given.delimiter, given.decimal
+    columns = read_csv(path, list(wanted), *form, drop_empty=given.drop_empty)
     for angle, turn in given.unwrap:
         column = {**measured, **given.inputs}[angle]
         columns[column] = unwrapped(columns[column], angle, turn)
