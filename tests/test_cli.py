@@ -174,6 +174,51 @@ def test_records_may_have_decimal_commas(capsys, tmp_path):
     assert "level' = -level\n" in out
 
 
+@pytest.fixture
+def turning(tmp_path):
+    """Two CSVs of a wheel that a sine drives, its angle going on and starting again."""
+    t = np.arange(0.0, 20.0, 0.01)
+    angle = 300.0 * t + 40.0 * np.sin(1.3 * t)
+    angles = {"on": angle, "again": np.mod(angle, 360.0)}
+    force = np.sin(1.3 * t)
+    return {key: save(tmp_path / f"{key}.csv", t=t, q=q, F=force) for key, q in angles.items()}
+
+
+def test_an_unwrapped_angle_gives_what_one_that_goes_on_gives(capsys, turning):
+    options = ("--position", "q", "--inputs", "F", "--generations", "2")
+    wanted = run(capsys, "fit", turning["on"], *options)
+    assert wanted[0] == 0
+    # The force stays within a turn as well, and never starts again.
+    turns = ("--unwrap", "q=360", "--unwrap", "F=6.2832")
+    assert run(capsys, "fit", turning["again"], *options, *turns) == wanted
+    short = ("--position", "phi=q", *options[2:])
+    assert run(capsys, "fit", turning["again"], *short, "--unwrap", "phi=360")[0] == 0
+
+
+def test_an_angle_that_starts_again_is_refused_until_its_turn_is_right(capsys, turning):
+    options = ("fit", turning["again"], "--position", "q", "--inputs", "F")
+    code, _, err = run(capsys, *options)
+    assert code == 2
+    assert "a whole turn" in err
+    code, _, err = run(capsys, *options, "--unwrap", "q=6.2832")
+    assert code == 2
+    assert "must name an angle that stays within its turn; got 'q' from 0" in err
+
+
+def test_empty_rows_at_the_ends_are_left_out(capsys, tmp_path):
+    t = np.arange(0.0, 6.0, 0.01)
+    rows = [f"{now:.6f},{level:.9f}" for now, level in np.c_[t, np.exp(-t)]]
+    path = tmp_path / "decay.csv"
+    path.write_text("\n".join(["t,level", "-0.01,", *rows, "6,", "6.01,"]))
+    options = ("fit", str(path), "--states", "level", "--cutoff", "none")
+    code, _, err = run(capsys, *options)
+    assert code == 2
+    assert "--drop-empty" in err
+    code, out, _ = run(capsys, *options, "--drop-empty")
+    assert code == 0
+    assert "level' = -level\n" in out
+
+
 def test_languages_are_those_of_to_code():
     assert set(LANGUAGES) == set(_LANGUAGES)
 
@@ -278,6 +323,14 @@ WRONG = {
     "seed": (["fit", "FILE", "--states", "q", "--seed", "-1"], "seed"),
     "target": (["fit", "FILE", "--states", "q", "--target", "z=v"], "must name states; got 'z'"),
     "target twice": (["fit", "FILE", "--states", "q", "--target", "q=v,q=acc"], "once"),
+    "turn of what": (["fit", "FILE", "--states", "q", "--unwrap", "w=360"], "Choose from q."),
+    "no turn": (["fit", "FILE", "--states", "q", "--unwrap", "q"], 'write --unwrap "phi=360"'),
+    "turn of zero": (["fit", "FILE", "--states", "q", "--unwrap", "q=0"], "turn above zero"),
+    "turn in words": (["fit", "FILE", "--states", "q", "--unwrap", "q=2*pi"], "got 'q=2*pi'"),
+    "turn twice": (
+        ["fit", "FILE", "--states", "q", "--unwrap", "q=360", "--unwrap", "q=7"],
+        "must be given once for each angle; got 'q' 2 times",
+    ),
     "cutoff": (["fit", "FILE", "--states", "q", "--cutoff", "low"], "got 'low'"),
     "high cutoff": (["fit", "FILE", "--states", "q", "--cutoff", "900"], "got 900"),
     "not an equation": (["loop", "FILE", "--equation", "q"], "must be NAME=VALUE; got 'q'"),

@@ -12,7 +12,7 @@ from ..library import OPERATORS
 from ..operators import BUILTIN
 from . import reproduction
 from .readers import columns as columns_of
-from .readers import constants, count, cutoff, names, pair, pairs
+from .readers import constants, count, cutoff, names, pair, pairs, turn
 
 __all__ = ["PROGRAM", "make_parser"]
 
@@ -246,13 +246,32 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         help="low-pass, cycles per unit of t; auto takes it from the noise, none omits it (auto)",
     )
     columns.add_argument(
+        "--unwrap",
+        action="append",
+        type=turn,
+        default=[],
+        metavar="ANGLE=TURN",
+        help="angle that starts again after a whole turn, 360 or 6.283185, and is to go on "
+        "instead; may be repeated",
+    )
+    _add_format(columns)
+    _add_result(parser)
+    return columns
+
+
+def _add_format(columns: argparse._ArgumentGroup) -> None:
+    """Add how the numbers of a file are written."""
+    columns.add_argument(
         "--delimiter", default=",", metavar="SIGN", help="character between the fields (,)"
     )
     columns.add_argument(
         "--decimal", default=".", choices=(".", ","), help="sign before the decimals (.)"
     )
-    _add_result(parser)
-    return columns
+    columns.add_argument(
+        "--drop-empty",
+        action="store_true",
+        help="leave out the rows at the beginning and the end in which a needed column is empty",
+    )
 
 
 def _add_result(parser: argparse.ArgumentParser) -> None:

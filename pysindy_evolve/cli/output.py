@@ -14,6 +14,7 @@ from ..equations import Equations
 from ..export import to_code, to_latex
 from ..loop import LoopReport
 from ..loop.fitting.runs import nrmse, simulation_errors
+from ..loop.report.units import percent_cell
 from ..signals import Record
 
 __all__ = ["complain", "print_code", "print_errors", "progress", "save", "say"]
@@ -43,12 +44,11 @@ def print_errors(equations: Equations, records: Sequence[Record]) -> None:
     predicted = [equations.evaluate(record.x, record.u, record.t) for record in records]
     derivative = nrmse(np.concatenate(predicted) - x_dot, x_dot)
     say("\nErrors on held-out data, % of the standard deviation (NRMSE)")
-    say(f"{'':<12}{'derivative':>12}{'free run':>12}")
+    say(f"{'':<12}{'derivative':>16}{'free run':>16}")
     simulation = simulation_errors(equations, records)
     rows = zip(equations.states, derivative, simulation, strict=True)
     for state, *errors in rows:
-        cells = [f"{value:.3g}" if np.isfinite(value) else "diverges" for value in errors]
-        say(f"    {state:<8}" + "".join(f"{cell:>12}" for cell in cells))
+        say(f"    {state:<8}" + "".join(f"{percent_cell(value):>16}" for value in errors))
     if not np.max(derivative) <= POOR and not np.max(simulation) <= POOR:  # so too for NaN
         say(
             "\nThese equations do not predict what they were not fitted on: do not trust them. A "

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Callable, Sequence
 
-__all__ = ["choices", "columns", "constants", "count", "cutoff", "names", "pair", "pairs"]
+__all__ = ["choices", "columns", "constants", "count", "cutoff", "names", "pair", "pairs", "turn"]
 
 
 def names(text: str) -> tuple[str, ...]:
@@ -73,6 +74,21 @@ def constants(text: str) -> tuple[tuple[str, float], ...]:
         return tuple((name, float(value)) for name, value in found)
     except ValueError as error:
         raise argparse.ArgumentTypeError(f"must have numbers as values; got {text!r}") from error
+
+
+def turn(text: str) -> tuple[str, float]:
+    """Read ``name=number``, an angle and the size of a whole turn of it."""
+    name, value = pair("--unwrap", "phi=360")(text)
+    try:
+        size = float(value)
+    except ValueError:
+        size = math.nan
+    if not 0.0 < size < math.inf:
+        raise argparse.ArgumentTypeError(
+            f"must have a turn above zero; got {text!r}; write 360 for degrees, 6.283185 for "
+            "radians, or the counts of a turn"
+        )
+    return name, size
 
 
 def cutoff(text: str) -> str | float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from ..loop import DeclaredModel
 from ..loop.given.records import split_records
 from ..signals import Record, prepare, read_csv
 from ..signals.files import column_names
+from .angles import check_angles, unwrapped
 
 __all__ = ["check_names", "derived_names", "order_of", "read_all", "read_split"]
 
@@ -75,15 +76,22 @@ def read_all(given: Namespace, paths: Iterable[Path], states: Iterable[str]) -> 
         raise ValueError(
             f"--target must name states; got {unknown[0]!r}. Choose from {', '.join(names)}."
         )
-    return [_read(path, given, names) for path in paths]
+    measured = given.position or given.states or {state: state for state in names}
+    check_angles(given.unwrap, [*measured, *given.inputs])
+    return [_read(path, given, names, measured) for path in paths]
 
 
-def _read(path: Path, given: Namespace, states: tuple[str, ...]) -> Record:
+def _read(
+    path: Path, given: Namespace, states: tuple[str, ...], measured: Mapping[str, str]
+) -> Record:
     targets, inputs = dict(given.target), tuple(given.inputs) or None
-    measured = given.position or given.states or {state: state for state in states}
     held = [*measured.values(), *given.inputs.values(), *targets.values()]
     wanted = dict.fromkeys([given.time, *held])
-    columns = read_csv(path, list(wanted), given.delimiter, given.decimal)
+    form = given.delimiter, given.decimal
+    columns = read_csv(path, list(wanted), *form, drop_empty=given.drop_empty)
+    for angle, turn in given.unwrap:
+        column = {**measured, **given.inputs}[angle]
+        columns[column] = unwrapped(columns[column], angle, turn)
     t, y = columns[given.time], np.column_stack([columns[name] for name in measured.values()])
     u = np.column_stack([columns[name] for name in given.inputs.values()]) if inputs else None
     if given.cutoff == "auto" and set(targets) == set(states) == set(measured):

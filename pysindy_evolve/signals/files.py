@@ -23,6 +23,8 @@ def read_csv(
     columns: Sequence[str] | None = None,
     delimiter: str = ",",
     decimal: str = ".",
+    *,
+    drop_empty: bool = False,
 ) -> dict[str, Array]:
     r"""Read named columns of numbers from a CSV file whose first line holds the names.
 
@@ -36,6 +38,9 @@ def read_csv(
         One character between the fields.
     decimal : {".", ","}
         Sign before the decimals; a comma where files have semicolons between the fields.
+    drop_empty : bool
+        Leave out the rows at the beginning and at the end in which a wanted column is empty, as
+        where a sensor starts late. A gap between them is refused: it makes two records.
 
     Returns
     -------
@@ -45,7 +50,8 @@ def read_csv(
     ------
     ValueError
         If a sign is none of these, the file is empty, a name is missing or occurs twice, a row is
-        short or long, or a value is not a finite number; the message says which line of the file.
+        short or long, a value is not a finite number, or there is a gap; the message says which
+        line of the file.
     TypeError
         If `columns` is not a sequence of names.
     FileNotFoundError
@@ -79,6 +85,8 @@ def read_csv(
     _check_fields(header, rows)
     wanted = list(header) if columns is None else list(columns)
     places = [_place(header, name, path) for name in wanted]
+    if drop_empty:
+        rows = _without_empty_ends(rows, dict(zip(wanted, places, strict=True)))
     return {
         name: np.array([_value(row, place, name, line, decimal) for line, row in rows])
         for name, place in zip(wanted, places, strict=True)
@@ -177,9 +185,38 @@ def _place(header: list[str], name: str, path: str | PathLike[str]) -> int:
     return header.index(name)
 
 
+def _without_empty_ends(
+    rows: list[tuple[int, list[str]]], places: dict[str, int]
+) -> list[tuple[int, list[str]]]:
+    """Return the rows from the first to the last that is full; those between must be so, too."""
+    full = [i for i, (_, row) in enumerate(rows) if all(_text(row, k) for k in places.values())]
+    if not full:
+        empty = max(places, key=lambda name: sum(not _text(row, places[name]) for _, row in rows))
+        raise ValueError(
+            f"read_csv(path=...) must hold a row in which no wanted column is empty; got none, and "
+            f"most are empty in {empty!r}. Leave out this column, or read its rows from another "
+            "file."
+        )
+    kept = rows[full[0] : full[-1] + 1]
+    for line, row in kept:
+        for name, place in places.items():
+            if not _text(row, place):
+                raise ValueError(
+                    "read_csv(path=...) must have empty rows at the beginning and at the "
+                    f"end only; got nothing in column {name!r}, line {line}. Cut the file there "
+                    "into two, each a record of its own, or fill the gap."
+                )
+    return kept
+
+
+def _text(row: list[str], place: int) -> str:
+    """Return what stands in a field; a row may be short."""
+    return row[place].strip() if place < len(row) else ""
+
+
 def _value(row: list[str], place: int, name: str, line: int, decimal: str) -> float:
     """Return one finite number."""
-    text = row[place].strip() if place < len(row) else ""
+    text = _text(row, place)
     try:
         mixed = "_" in text or (decimal != "." and "." in text)
         value = np.nan if mixed else float(text.replace(decimal, "."))
@@ -193,6 +230,8 @@ def _value(row: list[str], place: int, name: str, line: int, decimal: str) -> fl
             if is_comma
             else "Correct or drop this row."
         )
+        if not text:
+            advice += " drop_empty=True (--drop-empty) drops those at the beginning and the end."
         raise ValueError(
             f"read_csv(path=...) must hold finite numbers; got {got} in column {name!r}, "
             f"line {line}. {advice}"

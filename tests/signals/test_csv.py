@@ -157,3 +157,31 @@ def test_a_delimiter_of_two_characters_is_refused(write):
 def test_a_missing_file_keeps_its_own_error(tmp_path):
     with pytest.raises(FileNotFoundError, match="nowhere"):
         read_csv(tmp_path / "nowhere.csv")
+
+
+LATE = "t,q,F\n0,,1\n1, ,1\n2,5,1\n3,6,\n4,7,1\n5,,1\n6\n"
+
+
+def test_empty_rows_at_both_ends_are_left_out_where_that_is_asked_for(write):
+    with pytest.raises(ValueError, match=r"nothing in column 'q', line 2\. .*--drop-empty\) drops"):
+        read_csv(write(LATE), ["t", "q"])
+    read = read_csv(write(LATE), ["t", "q"], drop_empty=True)
+    assert {name: list(column) for name, column in read.items()} == {"t": [2, 3, 4], "q": [5, 6, 7]}
+
+
+def test_a_gap_is_not_left_out_and_the_way_out_told(write):
+    gap = r"at the end only; got nothing in column 'F', line 5\. Cut the file there into two"
+    with pytest.raises(ValueError, match=gap):
+        read_csv(write(LATE), ["t", "q", "F"], drop_empty=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("t,q,F\n0,1,\n1,2,\n2,,3\n", "most are empty in 'F'"),
+        ("t,q,F\n0,,1\n1,two,1\n", "got 'two' in column 'q', line 3"),
+    ],
+)
+def test_what_is_no_empty_end_is_still_refused(write, text, message):
+    with pytest.raises(ValueError, match=message):
+        read_csv(write(text), drop_empty=True)

@@ -97,11 +97,11 @@ def _worse(report: LoopReport) -> list[str]:
         if kind == "simulation_error" and not model.n_algebraic and worse.any():
             worse &= ~(after - before <= moved_by_starts(report.after.model, report.test))
         for k in np.flatnonzero(worse):
-            now = f"{after[k]:.3g}" if np.isfinite(after[k]) else "no finite value"
-            grown.append(f"{title.format(model.states[k])} from {before[k]:.3g} to {now}")
+            now = percent(after[k]) if np.isfinite(after[k]) else "no finite value"
+            grown.append(f"{title.format(model.states[k])} from {percent(before[k])} to {now}")
     if not grown:
         return []
-    said = f"On the held-out data some errors grew, in %: {', '.join(grown)}."
+    said = f"On the held-out data some errors grew: {', '.join(grown)}."
     if any(effect.name == "periodic forcing" for effect in report.effects):
         return [f"{said} The phase of a periodic forcing may differ from record to record."]
     return [f"{said} What was found may not carry over to that record."]

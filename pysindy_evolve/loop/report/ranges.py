@@ -40,6 +40,7 @@ def beyond(report: LoopReport) -> list[str]:
         return []
     fitted, judged = percent_left(model, report.train), percent_left(model, report.test)
     times = np.where(judged > MISSED, judged / np.maximum(fitted, 1e-9), 0.0)
+    times = np.nan_to_num(times)  # a derivative that hardly varied while training has no share
     worst = int(np.argmax(times))
     wider = _wider(report, (*model.states, *model.inputs)) if times[worst] > TIMES else []
     if not wider:

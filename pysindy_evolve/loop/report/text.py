@@ -17,6 +17,7 @@ from ..effects.candidate import OFFSET
 from .advice import paragraphs
 from .cautions import held_delays
 from .remains import remains
+from .units import percent_cell
 
 if TYPE_CHECKING:
     from .effect import Alternative, Effect, Errors
@@ -132,17 +133,13 @@ def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str
     rows = []
     for name, errors in stages:
         values = [errors.derivative_error[i] for i in rated] + list(errors.simulation_error)
-        rows.append((name, [_percent(value) for value in values]))
+        rows.append((name, [percent_cell(value) for value in values]))
     return head, rows
 
 
 def _is_rated(report: LoopReport, state: int) -> bool:
     """Leave out equations such as q' = v, whose error is zero by definition."""
     return bool(report.before.derivative_error[state] > 0.0)
-
-
-def _percent(value: float) -> str:
-    return "diverges" if not np.isfinite(value) else f"{value:.3g}"
 
 
 def interval(low: float, high: float) -> str:
@@ -191,7 +188,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines.append(f"by itself removes nothing of the held-out {of_what}; {chance}")
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
-        said = f"this record cannot tell it from: {rivals}"
+        said = f"this record cannot tell it from: {rivals}{p_of_rivals(effect)}"
         lines += [said] if wide else wrap(said, 92, subsequent_indent="  ")
     return [*lines, without_rivals(effect)] if not effect.rivals else lines
 
@@ -201,6 +198,13 @@ def without_rivals(effect: Effect) -> str:
     if effect.contested:
         return "all alternatives that were tried do worse on this record, by more than chance"
     return "no other effect was tried in its place"
+
+
+def p_of_rivals(effect: Effect) -> str:
+    """Say what the p of the alternatives is; another form of the effect itself is shown without."""
+    if all(rival.name == effect.name for rival in effect.rivals):
+        return ""
+    return "; p is how often chance speaks as much against an alternative that is the cause"
 
 
 def alternative(rival: Alternative, effect: Effect) -> str:

@@ -41,7 +41,7 @@ def unexplained(report: LoopReport) -> list[str]:
     missed = percent_left(model, report.train)
     by_noise = in_percent(_noise(report), report.train)
     worst = int(np.argmax(np.where(missed > LEAST, missed / np.maximum(by_noise, 1e-9), 0.0)))
-    if missed[worst] <= max(LEAST, TIMES * by_noise[worst]):
+    if not missed[worst] > max(LEAST, TIMES * by_noise[worst]):  # so too where there is no share
         return []
     left_of, by = f"{percent(missed[worst])} of d{model.states[worst]}/dt", percent(by_noise[worst])
     return [

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["check_units", "label", "percent", "rate_label", "with_unit"]
+import numpy as np
+
+__all__ = ["check_units", "label", "percent", "percent_cell", "rate_label", "with_unit"]
 
 ROUND = 99.5  # percent, from which two digits would be written as 1e+02
+TENFOLD = 999.5  # percent, from which a factor says more
+MANY = 1e3  # times, of which nobody asks how many more
 
 
 def with_unit(value: float, name: str, units: Mapping[str, str] | None) -> str:
@@ -16,8 +20,22 @@ def with_unit(value: float, name: str, units: Mapping[str, str] | None) -> str:
 
 
 def percent(value: float) -> str:
-    """Return a number of percent with two digits, and no power of ten below a million."""
-    return f"{value:.0f} %" if ROUND <= value < 1e6 else f"{value:.2g} %"
+    """Return percent of a standard deviation with two digits, and as a factor from tenfold on."""
+    if value >= TENFOLD:
+        return f"{_times(value)} the standard deviation"
+    return f"{value:.0f} %" if value >= ROUND else f"{value:.2g} %"
+
+
+def percent_cell(value: float) -> str:
+    """Return the same for a table whose head says of what; what is not finite is a divergence."""
+    if not np.isfinite(value):
+        return "diverges"
+    return _times(value) if value >= TENFOLD else f"{value:.3g}"
+
+
+def _times(value: float) -> str:
+    factor = value / 100.0
+    return f"{factor:.0f} times" if factor < MANY else f"over {MANY:.0f} times"
 
 
 def label(name: str, units: Mapping[str, str] | None) -> str:

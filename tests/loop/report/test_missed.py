@@ -1,11 +1,14 @@
 """What the report says of a model that misses the record."""
 
+import re
+
 import numpy as np
 import pytest
 from loop_systems import equations_of
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.report.units import percent
+from pysindy_evolve.loop.report.left import percent_left
+from pysindy_evolve.loop.report.units import percent, percent_cell
 
 DRAG = equations_of({"h": "v", "v": "-9.81 - 0.05*v*Abs(v)"})
 T = np.arange(50) / 15.0
@@ -26,7 +29,48 @@ def test_who_is_told_to_judge_by_the_derivative_is_told_what_is_left_of_it():
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(0.31, "0.31 %"), (99.4, "99 %"), (99.6, "100 %"), (2345.6, "2346 %")]
+    ("value", "text", "cell"),
+    [
+        (0.31, "0.31 %", "0.31"),
+        (99.4, "99 %", "99.4"),
+        (99.6, "100 %", "99.6"),
+        (999.4, "999 %", "999"),
+        (999.6, "10 times the standard deviation", "10 times"),
+        (2345.6, "23 times the standard deviation", "23 times"),
+        (1.79e7, "over 1000 times the standard deviation", "over 1000 times"),
+    ],
 )
-def test_percents_are_written_without_powers_of_ten(value, text):
-    assert percent(value) == text
+def test_percents_are_written_without_powers_of_ten_and_from_tenfold_on_as_a_factor(
+    value, text, cell
+):
+    assert (percent(value), percent_cell(value)) == (text, cell)
+
+
+@pytest.fixture(scope="module")
+def ramp():
+    """Report of a state that falls in a line, beside one that is driven, the first forgotten."""
+    t = np.arange(0.0, 20.0, 0.01)
+    rows = np.column_stack([3.0 - 0.5 * t, 0.4 * (1.0 - np.cos(2.0 * t))])
+    record = pse.prepare(t, rows, np.sin(2.0 * t), order=1)
+    declared = pse.DeclaredModel({"x": "a*y", "y": "b*u"}, inputs=["u"])
+    options = {"max_effects": 1, "operators": (), "n_twins": 59, "random_state": 0}
+    return pse.close_loop(declared, record, **options)
+
+
+def test_what_a_model_leaves_of_a_ramp_is_no_share_of_its_derivative(ramp):
+    assert ramp.before.derivative_error[0] > 1e7
+    assert np.isnan(percent_left(ramp.after.model, ramp.train)[0])
+    assert percent_left(ramp.after.model, ramp.train)[1] < 1.0
+    said = " ".join(str(ramp).split())
+    assert "constant offset in the equation of x" in said
+    assert "the model leaves" not in said
+
+
+def test_no_number_of_percent_above_a_thousand_is_printed(ramp):
+    for said in (str(ramp), ramp.to_markdown()):
+        assert "over 1000 times" in said
+        assert not re.search(r"\d{4,}(\.\d+)? %|e\+\d+ %", " ".join(said.split()))
+        (row,) = (line for line in said.splitlines() if line.strip(" |").startswith("declared"))
+        assert all(
+            float(cell) <= 1000.0 for cell in re.findall(r"(?<= )[\d.e+-]+(?! times)\b", row)
+        )

@@ -1,0 +1,29 @@
+"""What the report says of alternatives: their p, and that only those count that were tried."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from pysindy_evolve.loop.report.effect import Alternative
+
+
+def test_the_p_of_an_alternative_is_explained_where_one_is_shown(report):
+    (effect, *_) = report.effects
+    term = effect.term
+    other = Alternative("cubic stiffness", effect.state, term, 0.012, (), np.array([2.0]))
+    form = replace(other, name=effect.name)
+    explained = "p is how often chance speaks as much against an alternative that is the cause"
+    for rivals, is_explained in (((other, form), True), ((form,), False), ((), False)):
+        said = " ".join(str(replace(report, effects=(replace(effect, rivals=rivals),))).split())
+        assert ("(p = 0.012)" in said) == is_explained
+        assert (explained in said) == is_explained
+
+
+def test_no_more_alternatives_are_said_to_do_worse_than_were_tried(report):
+    alone = replace(report.effects[0], rivals=())
+    for contested, said in (
+        (True, "all alternatives that were tried do worse on this record, by more than chance"),
+        (False, "no other effect was tried in its place"),
+    ):
+        shown = str(replace(report, effects=(replace(alone, contested=contested),)))
+        assert said in shown
