@@ -11,9 +11,10 @@ from ...breeding.genetics import CURVED
 from ...terms import Call, Product, Sum, constant, mul, simplified
 from .candidate import Candidate, Shape
 
-__all__ = ["shape_of", "with_ones"]
+__all__ = ["shape_of", "told_shape", "with_ones"]
 
 MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
+UNNAMED = ("first inner constant", "second inner constant", "third inner constant")
 NEAR = 0.1  # of one: what noise in an angle makes of the one in sin(q)
 
 
@@ -41,6 +42,29 @@ def shape_of(candidate: Candidate) -> Shape | None:
         return None
     build = partial(_built, term, np.sign(numbers))
     return Shape(tuple(np.abs(numbers).tolist()), (build,))
+
+
+def told_shape(candidate: Candidate) -> Shape | None:
+    """Return the numbers inside an effect that a record was asked for, each with its meaning.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Of the vocabulary or grown.
+
+    Returns
+    -------
+    Shape or None
+        None if there is no such number: nobody tuned the one that sin(q) could have before q.
+    """
+    shape = shape_of(candidate)
+    products = [product for term in candidate.terms for _, product in term.parts]
+    if candidate.shape is None and not any(product.constants for product in products):
+        return None
+    if shape is None or shape.meanings:
+        return shape
+    alone = len(shape.values) == 1
+    return replace(shape, meanings=("inner constant",) if alone else UNNAMED[: len(shape.values)])
 
 
 def with_ones(candidate: Candidate) -> Candidate | None:
