@@ -27,6 +27,7 @@ from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
 from .report.doubtful import most_doubtful
 from .report.making import make_report
+from .report.numbers import with_numbers_known
 from .report.report import LoopReport
 from .revision.contest import contested
 from .revision.dead_zones import told_by_slopes
@@ -177,7 +178,8 @@ def _reported(search: Search, test: Sequence[Record], is_whole: bool) -> LoopRep
         whole = with_findings(search.declared, findings)
         doubtful = most_doubtful(findings, report.effects, whole)
         if doubtful is None:
-            return report
+            child = search.rng.spawn(1)[0]
+            return with_numbers_known(report, findings, whole, search.rules, child)
         search.withdraw(findings.index(doubtful))
 
 

@@ -23,17 +23,24 @@ def bare(expression: Sum) -> Sum:
 class Shape:
     """Positive numbers that terms depend on other than linearly, and how to build the terms.
 
-    `reach` is how far the logarithm of each number may be tuned to both sides.
+    `reach` is how far the logarithm of each number may be tuned to both sides; `meanings` say what
+    each number is, such as a half width.
     """
 
     values: tuple[float, ...]
     builds: tuple[Callable[..., Sum], ...]
     reach: float = REACH
+    meanings: tuple[str, ...] = ()
 
     @property
     def terms(self) -> tuple[Sum, ...]:
         """The terms for these values."""
         return tuple(build(*self.values) for build in self.builds)
+
+    @property
+    def named(self) -> dict[str, float]:
+        """The numbers by what they mean."""
+        return dict(zip(self.meanings, self.values, strict=True))
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,7 @@ SIMPLER = (
 SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
 WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
 LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the stroke
+PATH_NUMBERS = ("length", "rate of unloading")
 UNLOADINGS = (0.25, 1.0, 4.0)  # Dahl's friction in the middle
 ENOUGH = 8  # times that a friction must have turned round, or its memory does not show
 CENTERED = 0.1  # share of half the stroke that a zero of the position may lie off its middle
@@ -57,7 +58,8 @@ def _slanted(v: Sum, x: Sum, slant: float, middle: float) -> Sum:
 def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Candidate]:
     """Go through frictions whose sign is rounded off."""
     for width in WIDTHS:
-        smooth = Shape((width * float(scales[v]),), (partial(rounded_sign, variable(v)),))
+        build = partial(rounded_sign, variable(v))
+        smooth = Shape((width * float(scales[v]),), (build,), meanings=("width of the sign",))
         yield effect("Coulomb friction", shape=smooth)
 
 
@@ -94,13 +96,14 @@ def yields(
     """Go through hysteretic frictions of a velocity, led or followed by another variable."""
     speed, stroke = float(scales[v]), float(scales[x]) - abs(middle)
     side = float(np.sign(middle)) if abs(middle) > CENTERED * stroke else 0.0
-    places = (abs(middle),) if side else ()
+    places = {"distance of the middle from zero": abs(middle)} if side else {}
     for share in (None, *WIDTHS):
-        width = () if share is None else (share * speed,)
+        width = {} if share is None else {"width of the sign": share * speed}
         for sign in (1.0, -1.0):
             build = Yield(variable(v), variable(x), sign, side, share is None)
             for slant in SLANTS:
-                shape = Shape((slant * speed / stroke, *width, *places), (build,))
+                numbers = {"slant": slant * speed / stroke, **width, **places}
+                shape = Shape(tuple(numbers.values()), (build,), meanings=tuple(numbers))
                 yield effect("hysteresis", shape=shape, refines=PLAINER)
 
 
@@ -118,7 +121,7 @@ def remembering(
     build = partial(yielding, variable(x), variable(v))
     for length in LENGTHS:
         for unloading in unloadings:
-            shape = Shape((length * stroke, unloading), (build,))
+            shape = Shape((length * stroke, unloading), (build,), meanings=PATH_NUMBERS)
             yield effect("hysteresis", shape=shape, refines=refines)
 
 

@@ -129,7 +129,12 @@ def ripple_candidates(
         effect(
             "position-periodic ripple",
             # Pieces that were passed less often bend the line; it is half a period wide each way.
-            shape=Shape((2 * np.pi * cycles / width,), _waves(position), 0.5 / (n_bins * cycles)),
+            shape=Shape(
+                (2 * np.pi * cycles / width,),
+                _waves(position),
+                0.5 / (n_bins * cycles),
+                ("wave number",),
+            ),
         )
         for cycles in lines
     ]

@@ -71,7 +71,7 @@ def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
     value, longest = _span(record)
     build, found = Relaxed(variable(source), variable(time), value), []
     while value < longest:
-        shape = Shape((value,), (build,))
+        shape = Shape((value,), (build,), meanings=("relaxation time",))
         found.append(effect("hidden state", shape=shape, refines=PLAINER, alone=True))
         value *= RATIO
     return found

@@ -12,9 +12,10 @@ from ...terms import Call, Product, Sum, constant, mul, simplified
 from .angles import DEGREE
 from .candidate import Candidate, Shape
 
-__all__ = ["shape_of", "with_units"]
+__all__ = ["shape_of", "told_shape", "with_units"]
 
 MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
+UNNAMED = ("first inner constant", "second inner constant", "third inner constant")
 UNITS = (1.0, DEGREE)  # what an angle is measured in
 NEAR = 0.1  # of a unit: what noise in an angle makes of the one in sin(q)
 
@@ -43,6 +44,31 @@ def shape_of(candidate: Candidate) -> Shape | None:
         return None
     build = partial(_built, term, np.sign(numbers))
     return Shape(tuple(np.abs(numbers).tolist()), (build,))
+
+
+def told_shape(candidate: Candidate) -> Shape | None:
+    """Return the numbers inside an effect that a record was asked for, each with its meaning.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Of the vocabulary or grown.
+
+    Returns
+    -------
+    Shape or None
+        None if there is no such number: nobody tuned the one that sin(q) could have before q, nor
+        the degree in radians.
+    """
+    shape = shape_of(candidate)
+    products = [product for term in candidate.terms for _, product in term.parts]
+    tuned = {abs(number) for product in products for number in product.constants} - set(UNITS)
+    if candidate.shape is None and not tuned:
+        return None
+    if shape is None or shape.meanings:
+        return shape
+    alone = len(shape.values) == 1
+    return replace(shape, meanings=("inner constant",) if alone else UNNAMED[: len(shape.values)])
 
 
 def with_units(candidate: Candidate) -> Candidate | None:

@@ -167,7 +167,7 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
     yield effect("Coulomb friction", _sgn(v))
     yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
     for share in STRIBECK_SPEEDS:
-        shape = Shape((share * speed,), (partial(_stribeck, v),))
+        shape = Shape((share * speed,), (partial(_stribeck, v),), meanings=("Stribeck speed",))
         yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
     yield effect("quadratic drag", mul(v, _abs(v)))
     yield effect("nonlinear damping", power(v, 3))
@@ -179,7 +179,11 @@ def _springs(effect: CandidateMaker, q: Sum, reach: float) -> Iterator[Candidate
     yield effect("cubic stiffness", power(q, 3))
     yield effect("quintic stiffness", power(q, 5))
     for share in DEAD_ZONES:
-        yield effect("dead zone", shape=Shape((share * reach,), (partial(_beyond, q),)))
+        yield effect("dead zone", shape=_half_width(share * reach, q))
+
+
+def _half_width(width: float, q: Sum) -> Shape:
+    return Shape((width,), (partial(_beyond, q),), meanings=("half width",))
 
 
 def _with_position(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:
@@ -234,8 +238,7 @@ def _between(
         yield effect("cubic stiffness", power(stretch, 3))
         for share in DEAD_ZONES:
             width = share * float(apart[position, other])
-            shape = Shape((width,), (partial(_beyond, stretch),))
-            yield effect("dead zone", shape=shape)
+            yield effect("dead zone", shape=_half_width(width, stretch))
 
 
 def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:
@@ -246,4 +249,5 @@ def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Ite
     yield effect("input nonlinearity", mul(u, _abs(u)))
     yield effect("input nonlinearity", power(u, 3))
     for share in SATURATIONS:
-        yield effect("saturation", shape=Shape((share * reach,), (partial(_clipped, u),)))
+        shape = Shape((share * reach,), (partial(_clipped, u),), meanings=("limit",))
+        yield effect("saturation", shape=shape)

@@ -27,7 +27,7 @@ from ..effects.missing import candidates
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, PRICE, columns_of, score
+from ..evidence.scoring import MARGIN, PRICE, columns_of, score, sharpened
 from ..evidence.trace import EVOLVED
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, settled
@@ -168,10 +168,14 @@ def _is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
 def _closest(
     model: Model, own: Candidate, grown: Sequence[Candidate], part: Segments
 ) -> list[Candidate]:
-    """Return the effects of the same equation that do best in the spectral view."""
+    """Return the effects of the same equation that do best in the spectral view.
+
+    A narrow dead zone between two places of the grid would lose to a grown step, so its width is
+    tuned before.
+    """
     options = [*candidates(model.design, *ranges(part.rows)), *grown]
     alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
-    scores = score(model.design, part, list(alike), pairs=False)
+    scores = score(model.design, part, sharpened(model.design, part, list(alike)), pairs=False)
     return [s.group[0] for s in scores[:N_RIVALS]]
 
 

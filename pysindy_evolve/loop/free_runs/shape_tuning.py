@@ -17,11 +17,11 @@ from ..effects.candidate import Candidate, Shape
 from ..effects.shaping import shape_of
 from ..evidence.scoring import columns_of
 from ..fitting.trial import Trial, settled
-from ..given.design import Column
+from ..given.design import Column, Design
 from .drift import Drift
 from .variants import Model
 
-__all__ = ["Contender", "tuned_by_runs"]
+__all__ = ["Contender", "slopes_of", "tuned_by_runs"]
 
 N_STEPS = 2
 FAR = 4.0  # times the least error: an effect that misses by more will not catch up
@@ -108,21 +108,47 @@ def _at(candidate: Candidate, shape: Shape, steps: np.ndarray) -> Candidate:
 def _with_slopes(one: Contender, shape: Shape, model: Model) -> Trial:
     """Return a trial with the slopes of an effect's terms in its numbers beside them."""
     candidate, trial = one.candidate, one.trial
-    weights = trial.coef[len(trial.coef) - candidate.n_columns :].tolist()
-    here = columns_of(candidate, model.design)
-    rows = SLOPE * np.eye(len(shape.values))
-    ahead = [columns_of(_at(candidate, shape, row), model.design) for row in rows]
-    columns = [_slope(here, there, weights) for there in ahead]
+    weights = trial.coef[len(trial.coef) - candidate.n_columns :]
+    columns = slopes_of(candidate, shape, model.design, weights, SLOPE)
     coef = np.append(trial.coef, np.zeros(len(columns)))
     return replace(trial, design=trial.design.adding(columns), coef=coef)
 
 
+def slopes_of(
+    candidate: Candidate, shape: Shape, design: Design, weights: np.ndarray, step: float
+) -> list[Column]:
+    """Return what the logarithm of each number inside an effect changes in the equations.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The effect.
+    shape : Shape
+        Its numbers.
+    design : Design
+        The model without it, or with it.
+    weights : ndarray of shape (n_columns,)
+        Coefficients of its columns, and of those of its partners.
+    step : float
+        Change of a logarithm by which the slope is taken.
+
+    Returns
+    -------
+    list of Column
+        One for each number.
+    """
+    here = columns_of(candidate, design)
+    rows = step * np.eye(len(shape.values))
+    ahead = [columns_of(_at(candidate, shape, row), design) for row in rows]
+    return [_slope(here, there, (weights / step).tolist()) for there in ahead]
+
+
 def _slope(here: Sequence[Column], there: Sequence[Column], weights: Sequence[float]) -> Column:
-    """Return what a step of `SLOPE` changes in each equation, for a step of one."""
+    """Return the difference that columns make in each equation, with these weights."""
     total = [Sum(())] * len(here[0].parts)
     for one, other, weight in zip(here, there, weights, strict=True):
         for state, (before, after) in enumerate(zip(one.parts, other.parts, strict=True)):
             if before.parts:
-                change = mul(constant(weight / SLOPE), sub(after, before))
+                change = mul(constant(weight), sub(after, before))
                 total[state] = add(total[state], change) if total[state].parts else change
     return Column("slope", tuple(total))

@@ -122,8 +122,10 @@ class Effect:
         memory, in units of t, or the limit of a state or of its sensor.
     of_sensor : bool
         Whether it is in what is read of the state, and not in its equation.
+    numbers : mapping of str to float
+        The numbers inside its terms that were tuned, such as a half width or a Stribeck speed.
     number_intervals : ndarray of shape (n_numbers, 2)
-        95 %, of the length or time over which it remembers a state.
+        95 % for each of them, beside the coefficients; nan where the data shows nothing of it.
     entry : str
         Where it acts, if a declared force enters the equation by the same factor, which is no
         constant: such as "as if F were larger by this times sgn(v)", or "where the damping of w
@@ -147,6 +149,7 @@ class Effect:
     by_runs: bool = False
     quantities: tuple[str, ...] = ()
     of_sensor: bool = False
+    numbers: Mapping[str, float] = field(default_factory=dict)
     number_intervals: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     entry: str = ""
 

@@ -17,7 +17,14 @@ from ...export.fractions import as_fractions
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .remains import remains
-from .text import added_up, free_parameters, table_cells, verdict_of, without_rivals
+from .text import (
+    added_up,
+    free_parameters,
+    numbers_inside,
+    table_cells,
+    verdict_of,
+    without_rivals,
+)
 from .units import check_units
 
 if TYPE_CHECKING:
@@ -89,6 +96,7 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
             (_shown_term(effect, k, symbols), *map(format_number, (value, low, high)))
             for k, (value, (low, high)) in enumerate(parts)
         ],
+        "numbers": numbers_inside(effect),
         "share": f"{100 * effect.explained:.0f}",
         "of_what": "free runs' error variance" if effect.by_runs else "residual variance",
         "p": f"{effect.p_value:.2g}",

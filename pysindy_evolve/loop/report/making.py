@@ -32,7 +32,6 @@ from ..given.design import Design
 from ..given.rules import Rules
 from .effect import Alternative, Effect, Errors, Step
 from .judge import judge
-from .numbers import with_number_intervals
 from .quantities import (
     with_intervals,
     with_limit,
@@ -116,8 +115,6 @@ class _Corrected:
         if isinstance(finding, SensorFinding):
             return with_sensor(effect, finding, self.errors.model, self.test)
         acted = [remembered(record, self.memories) for record in self.train]
-        child = self.rng.spawn(1)[0]
-        effect = with_number_intervals(effect, finding.candidate, place, design, coef, acted, child)
         return _with_rivals(effect, finding, design, acted, self.fitted)
 
 

@@ -1,93 +1,187 @@
-"""How sure the numbers are of what remembers a state, and what that leaves of its coefficient.
+"""How sure the numbers inside effects are, and what that leaves of the coefficients.
 
-What a small change of a number does to the rates is one more column of the model; the interval of
-that column's coefficient is how far the number could be off. Where a record cannot tell a time of
-relaxation from how strongly it acts, both intervals are wide. Other coefficients are given these
-numbers.
+What a small change of the logarithm of a number does to the rates is one more column of the model;
+the interval of that column's coefficient is how far the number could be off, relative to itself.
+Where a record cannot tell a time of relaxation from how strongly it acts, or a Stribeck speed from
+the height of its peak, both intervals are wide. All numbers are allowed for at once, so that each
+coefficient is known no better than they leave it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import accumulate
 
 import numpy as np
 
+from ...hidden_states.memory import remembered
 from ...signals import Record
-from ...terms import Sum, as_sum, constant, mul, sub
-from ..effects.candidate import Candidate, Shape
-from ..fitting.fit import derivative_intervals
-from ..given.design import Design, in_state
-from .effect import Effect
+from ..effects.candidate import Shape
+from ..effects.partners import joined, shares_number
+from ..effects.shaping import told_shape
+from ..evidence.findings import Finding, memories_in
+from ..fitting.fit import fit
+from ..free_runs.shape_tuning import slopes_of
+from ..given.design import Column, Design
+from ..given.rules import Rules
+from ..given.segments import variables_of
+from .effect import Effect, Errors
+from .report import LoopReport
 
-__all__ = ["with_number_intervals"]
+__all__ = ["with_numbers_known"]
 
-STEP = 0.02  # of a number, to see what it changes
+STEP = 1 / 60  # of how far a logarithm may be tuned, to see what it changes: mostly 2 % of a number
+LEAST = 1e-9  # of the rates: a change that moves them by less is rounding
 
 
-def with_number_intervals(
-    effect: Effect,
-    candidate: Candidate,
-    place: int,
+def with_numbers_known(
+    report: LoopReport,
+    findings: Sequence[Finding],
     design: Design,
-    coef: np.ndarray,
-    acted: Sequence[Record],
+    rules: Rules,
     rng: np.random.Generator,
-) -> Effect:
-    """Return an effect whose intervals say what its coefficient and numbers may be together.
+) -> LoopReport:
+    """Return a report whose intervals say what coefficients and numbers may be together.
 
     Parameters
     ----------
-    effect : Effect
-        With the interval that its coefficient has if the numbers are right.
-    candidate : Candidate
-        The effect; one that remembers no state, or whose numbers are fixed, stays as it is.
-    place : int
-        Its column in the design.
+    report : LoopReport
+        With the intervals that coefficients have if the numbers inside the effects are right.
+    findings : sequence of Finding
+        Its effects, in the same order.
     design : Design
-        The whole model, with p columns.
-    coef : ndarray of shape (p,)
-        Its coefficients.
-    acted : sequence of Record
-        Training records with what acts.
+        The corrected model, with p columns: those of the effects come last.
+    rules : Rules
+        Error that the coefficients minimize.
     rng : numpy.random.Generator
         Draws the blocks.
 
     Returns
     -------
-    Effect
+    LoopReport
+        The same one where no effect has numbers in it that were tuned.
     """
-    shape = candidate.shape
-    if shape is None or not _remembers(candidate, design):
+    shapes = [_shape_in(finding, design) for finding in findings]
+    groups = _sharing(findings, shapes)
+    if not groups:
+        return report
+    acted = [remembered(record, memories_in(findings)) for record in report.train]
+    changes = [_changes(group, findings, shapes, report.effects, design) for group in groups]
+    flat = [change for those in changes for change in those]
+    half = _half_widths(design, flat, acted, rules, rng)
+    effects = _with_wider_coefficients(report.effects, findings, half[: len(design.columns)])
+    of_numbers = iter(half[len(design.columns) :])
+    for group, those in zip(groups, changes, strict=True):
+        relative = np.array([next(of_numbers) for _ in those])
+        for place in group:
+            effects[place] = _with_numbers(effects[place], shapes[place], relative)
+    after = _with_wider_parameters(report.after, half)
+    steps = [replace(s, errors=after) if s.errors is report.after else s for s in report.steps]
+    return replace(report, effects=effects, after=after, steps=steps)
+
+
+def _shape_in(finding: Finding, design: Design) -> Shape | None:
+    """Return the numbers inside an effect; those of one that remembers may have been fixed."""
+    if not finding.columns:
+        return None
+    remembers = len(design.dropping(finding.columns).paths) < len(design.paths)
+    return finding.candidate.shape if remembers else told_shape(finding.candidate)
+
+
+def _sharing(findings: Sequence[Finding], shapes: Sequence[Shape | None]) -> list[list[int]]:
+    """Return the places of effects with numbers, those together that have the same ones."""
+    groups: list[list[int]] = []
+    for place in (k for k, shape in enumerate(shapes) if shape is not None):
+        own = findings[place].candidate
+        alike = (g for g in groups if shares_number(findings[g[0]].candidate, own))
+        group = next(alike, None)
+        if group is None:
+            groups.append([place])
+        else:
+            group.append(place)
+    return groups
+
+
+def _changes(
+    group: Sequence[int],
+    findings: Sequence[Finding],
+    shapes: Sequence[Shape | None],
+    effects: Sequence[Effect],
+    design: Design,
+) -> list[Column]:
+    """Return what the logarithm of each number changes in the rates, per unit of it."""
+    shape = shapes[group[0]]
+    if shape is None:
+        return []
+    whole = joined([findings[place].candidate for place in group])
+    weights = np.concatenate([effects[place].coefficients for place in group])
+    return slopes_of(whole, shape, design, weights, STEP * shape.reach)
+
+
+def _shows(change: Column, acted: Sequence[Record]) -> bool:
+    """Tell whether records show a change: it has values, and they are more than rounding."""
+    values = np.concatenate([change.evaluate(variables_of(record)) for record in acted])
+    largest = max(np.abs(record.x_dot).max() for record in acted)
+    return bool(np.isfinite(values).all() and np.abs(values).max() > LEAST * largest)
+
+
+def _half_widths(
+    design: Design,
+    changes: Sequence[Column],
+    acted: Sequence[Record],
+    rules: Rules,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Return half the widths of the intervals of all coefficients, those of changes at the end.
+
+    Nothing is known of a change that does not show.
+    """
+    n_own = len(design.columns)
+    half = np.concatenate([np.zeros(n_own), np.full(len(changes), np.nan)])
+    shown = [k for k, change in enumerate(changes) if _shows(change, acted)]
+    if shown:
+        whole = design.adding(changes[k] for k in shown)
+        criterion = "derivative" if design.paths else rules.criterion
+        low, high = fit(whole, acted, rng, criterion).intervals.T
+        half[[*range(n_own), *(n_own + k for k in shown)]] = 0.5 * (high - low)
+    return half
+
+
+def _with_wider_coefficients(
+    effects: Sequence[Effect], findings: Sequence[Finding], half: np.ndarray
+) -> list[Effect]:
+    """Return effects with the intervals that allow for all numbers, where these are wider."""
+    counts = [len(finding.columns) for finding in findings]
+    ends = accumulate(counts, initial=len(half) - sum(counts))
+    wide = []
+    for effect, count, first in zip(effects, counts, ends, strict=False):
+        if count:
+            own = half[first : first + count]
+            known = _wider(effect.confidence_intervals, effect.coefficients, own)
+            effect = replace(effect, confidence_intervals=known)
+        wide.append(effect)
+    return wide
+
+
+def _with_wider_parameters(errors: Errors, half: np.ndarray) -> Errors:
+    """Return errors with the intervals of the declared parameters, the first coefficients."""
+    known = errors.parameter_intervals
+    widths = zip(known, half, strict=False)
+    wide = {name: _wider(known[name], errors.parameters[name], width) for name, width in widths}
+    return replace(errors, parameter_intervals=wide)
+
+
+def _wider(ends: np.ndarray, value: np.ndarray | float, half: np.ndarray | float) -> np.ndarray:
+    """Return intervals, shape (..., 2), that hold others and so much to both sides of a value."""
+    low, high = np.minimum(ends[..., 0], value - half), np.maximum(ends[..., 1], value + half)
+    return np.stack([low, high], axis=-1)
+
+
+def _with_numbers(effect: Effect, shape: Shape | None, relative: np.ndarray) -> Effect:
+    """Return an effect with its numbers, which are positive, and their intervals."""
+    if shape is None:
         return effect
-    values = np.array(shape.values)
-    changes = [
-        in_state("change", mul(constant(coef[place]), slope), candidate.state, len(design.states))
-        for slope in _slopes(shape)
-    ]
-    ends = derivative_intervals(design.adding(changes), acted, rng)
-    half = 0.5 * (ends[:, 1] - ends[:, 0])[:, None] * [-1.0, 1.0]
-    known = effect.confidence_intervals
-    own = coef[place] + half[[place]]
-    return replace(
-        effect,
-        confidence_intervals=np.column_stack(
-            [np.minimum(known[:, 0], own[:, 0]), np.maximum(known[:, 1], own[:, 1])]
-        ),
-        number_intervals=np.maximum(values[:, None] + half[len(design.columns) :], 0.0),
-    )
-
-
-def _slopes(shape: Shape) -> list[Sum]:
-    """Return what the term of a shape changes with each of its numbers, per unit of it."""
-    found = []
-    for k, value in enumerate(shape.values):
-        further = (*shape.values[:k], (1.0 + STEP) * value, *shape.values[k + 1 :])
-        change = sub(replace(shape, values=further).terms[0], shape.terms[0])
-        found.append(mul(constant(1.0 / (STEP * value)), change))
-    return found
-
-
-def _remembers(candidate: Candidate, design: Design) -> bool:
-    """Tell whether an effect is one of the paths of a design, see path_states.py."""
-    return candidate.terms in [(as_sum(path),) for path in design.paths]
+    factors = np.maximum(1.0 + relative[:, None] * [-1.0, 1.0], 0.0)
+    intervals = np.array(shape.values)[:, None] * factors
+    return replace(effect, numbers=shape.named, number_intervals=intervals)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .report import LoopReport
 
 __all__ = ["added_up", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
-__all__ += ["verdict_of", "without_rivals"]
+__all__ += ["numbers_inside", "verdict_of", "without_rivals"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -178,8 +178,8 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
             lines.append("the interval contains zero: this record alone does not fix its sign")
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
-    sure = [" " + interval(low, high) for low, high in effect.number_intervals]
-    lines += sayings(effect.expressions, [str(symbol) for symbol in symbols], sure)
+    paths = sayings(effect.expressions, [str(symbol) for symbol in symbols], _sure(effect))
+    lines += paths or numbers_inside(effect)
     of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
     chance = f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
     if round(100 * effect.explained) > 0:
@@ -191,6 +191,18 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         said = f"this record cannot tell it from: {rivals}{p_of_rivals(effect)}"
         lines += [said] if wide else wrap(said, 92, subsequent_indent="  ")
     return [*lines, without_rivals(effect)] if not effect.rivals else lines
+
+
+def numbers_inside(effect: Effect) -> list[str]:
+    """Return the numbers inside the terms of an effect, with what is known of each."""
+    shown = zip(effect.numbers.items(), _sure(effect), strict=True)
+    return [f"{meaning} {value:.4g}{sure}" for (meaning, value), sure in shown]
+
+
+def _sure(effect: Effect) -> list[str]:
+    """Return what is said after each number inside an effect: its interval, if there is one."""
+    ends = effect.number_intervals
+    return [f" {interval(*pair)}" if np.isfinite(pair).all() else "" for pair in ends]
 
 
 def without_rivals(effect: Effect) -> str:

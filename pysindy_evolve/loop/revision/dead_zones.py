@@ -46,7 +46,9 @@ def told_by_slopes(declared: Design, findings: Sequence[Finding], part: Segments
             equations = quick_fit(with_findings(declared, findings), part)
             inside, outside = _slopes(candidate, candidate.shape.values[0], equations, part)
             if abs(inside) < MOST_LEFT * abs(outside):
-                finding = replace(finding, candidate=replace(candidate, name="dead zone"))
+                shape = replace(candidate.shape, meanings=("half width",))
+                zone = replace(candidate, name="dead zone", shape=shape)
+                finding = replace(finding, candidate=zone)
         told.append(finding)
     return told
 

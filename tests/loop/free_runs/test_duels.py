@@ -60,6 +60,14 @@ def test_a_name_takes_the_place_of_a_grown_term_that_is_no_closer_to_the_record(
     assert winner.shape.values == pytest.approx([4.0], rel=0.1)
 
 
+def test_a_dead_zone_between_two_places_of_the_grid_is_tuned_before_it_meets_a_grown_term():
+    slack = oscillator("dead zone", "- 30*(q - (abs(q + 0.07) - abs(q - 0.07))/2)", size=10.0)
+    step = call(BUILTIN["tanh"], mul(constant(20.0), variable(0)))
+    winner = held(slack, Candidate("evolved term", 1, (step,)), noise=1e-3)
+    assert winner.name == "dead zone"
+    assert winner.shape.values == pytest.approx([0.07], rel=0.03)
+
+
 def test_what_the_noise_does_not_tell_apart_stays_as_it_was():
     record = {"noise": 0.05, "size": 0.5}
     for planted in ("quadratic drag", "nonlinear damping"):

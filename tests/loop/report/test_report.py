@@ -340,11 +340,24 @@ def _alone(state):
     return Candidate("viscous damping", state, (variable(state),))
 
 
-def test_a_declared_term_that_an_effect_holds_too_is_mentioned(report):
+@pytest.fixture(scope="module")
+def softened():
+    """A loop that finds a spring without stiffness around its middle."""
     gap = oscillator("dead zone", "+ 40*0.5*(abs(q + 0.2) - abs(q - 0.2))")
-    found = pse.close_loop(gap.model, gap.record(), operators=(), random_state=0)
-    assert "Where an effect below holds one of the same terms" in str(found)
+    return pse.close_loop(gap.model, gap.record(), operators=(), random_state=0)
+
+
+def test_a_declared_term_that_an_effect_holds_too_is_mentioned(report, softened):
+    assert "Where an effect below holds one of the same terms" in str(softened)
     assert "Where an effect below holds" not in str(report)
+
+
+def test_the_loop_says_how_sure_a_half_width_is(softened):
+    (effect,) = softened.effects
+    ((low, high),) = effect.number_intervals
+    assert list(effect.numbers) == ["half width"]
+    assert 0.18 < low < 0.2 < high < 0.22
+    assert f"half width {effect.numbers['half width']:.4g} (95 %: " in str(softened)
 
 
 def test_a_parameter_that_turns_its_sign_is_mentioned(report):

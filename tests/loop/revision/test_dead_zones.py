@@ -33,3 +33,5 @@ def test_a_clipped_input_is_called_what_it_is(lacking, name):
     (told,) = told_by_slopes(design, [finding], part)
     assert told.candidate.name == name
     assert told.columns == finding.columns
+    meaning = "half width" if name == "dead zone" else "limit"
+    assert list(told.candidate.shape.named) == [meaning]

@@ -1,0 +1,27 @@
+"""Numbers inside effects, as a report tells them."""
+
+import pytest
+
+from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.effects.shaping import told_shape
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import add, call, constant, mul, variable
+
+Q = variable(0)
+
+
+def grown(name, *inside):
+    return Candidate("evolved term", 1, (call(BUILTIN[name], *inside),))
+
+
+def test_numbers_of_a_grown_term_are_inner_constants():
+    steep = told_shape(grown("tanh", mul(constant(-198.0), Q)))
+    assert steep.named == {"inner constant": pytest.approx(198.0)}
+    shifted = told_shape(grown("sin", add(mul(constant(2.1), Q), constant(0.3))))
+    assert list(shifted.named) == ["first inner constant", "second inner constant"]
+    assert sorted(shifted.named.values()) == pytest.approx([0.3, 2.1])
+
+
+def test_a_number_that_nobody_tuned_is_not_told():
+    assert told_shape(grown("sin", Q)) is None
+    assert told_shape(Candidate("viscous damping", 1, (Q,))) is None
