@@ -16,6 +16,7 @@ from .evidence.offers import awaited
 from .evidence.witness import witnessed
 from .fitting.unfolding import paths_of
 from .free_runs.refuted import unrefuted
+from .free_runs.runaway import last_runaway
 from .free_runs.state_limits import may_stop_itself
 from .given.algebraic import as_algebraic
 from .given.declared import DeclaredModel, design_of, doubted
@@ -170,17 +171,20 @@ def _run(search: Search) -> bool:
 
 
 def _reported(search: Search, test: Sequence[Record], is_whole: bool) -> LoopReport:
-    """Report what was found, without effects that the final fit is not sure of."""
+    """Report what was found, without what the final fit is not sure of, or runs away with."""
     while True:
         findings = _with_alternatives(search)
         given = search.declared, findings, search.plain, test, search.verdict, is_whole
         report = make_report(*given, search.rules, search.rng)
         whole = with_findings(search.declared, findings)
-        doubtful = most_doubtful(findings, report.effects, whole)
-        if doubtful is None:
+        gone = most_doubtful(findings, report.effects, whole)
+        if gone is None:
+            models = report.before.model, report.after.model
+            gone = last_runaway(findings, *models, search.plain)
+        if gone is None:
             child = search.rng.spawn(1)[0]
             return with_numbers_known(report, findings, whole, search.rules, child)
-        search.withdraw(findings.index(doubtful))
+        search.withdraw(findings.index(gone))
 
 
 def _with_alternatives(search: Search) -> list[Finding]:

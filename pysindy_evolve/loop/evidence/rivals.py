@@ -16,6 +16,7 @@ from ..given.design import Design
 from ..given.segments import Segments, ranges
 from .drifting_rivals import twin_chance
 from .encompassing import chance, explained
+from .same_model import hold
 from .scoring import columns_of
 from .spectral import spectral_grams
 from .trace import EVOLVED
@@ -90,7 +91,7 @@ def rivals_of(
     if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
         able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
         able = [c for c in able if not _hardly_varies(c, part)]
-    rest = (c for c in dict.fromkeys(able) if not _brings(c, candidate))
+    rest = (c for c in dict.fromkeys(able) if _differs(c, candidate, design))
     options = [c for c in rest if not _is_form(c, candidate)]
     if part.tracks:
         return _by_twins(candidate, options, design, part, level, rng)
@@ -115,9 +116,15 @@ def rivals_of(
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
 
 
-def _brings(option: Candidate, candidate: Candidate) -> bool:
-    """Tell whether an option is the effect itself, perhaps with something beside it."""
-    return option.state == candidate.state and set(candidate.terms) <= set(option.terms)
+def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:
+    """Tell whether an option brings something to the model without both, but not the effect.
+
+    What brings the effect itself, under another sign or name or with something beside it, does not
+    stand in its place; nor does what the model holds already.
+    """
+    brought = columns_of(option, bare)
+    with_option = [*bare.columns, *brought]
+    return not hold(bare.columns, brought) and not hold(with_option, columns_of(candidate, bare))
 
 
 def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate:

@@ -95,7 +95,8 @@ def _worse(report: LoopReport) -> list[str]:
         before, after = (getattr(errors, kind) for errors in (report.before, report.after))
         worse = (before < RUNAWAY) & ~(after <= np.maximum(WORSE * before, before + GREW))
         if kind == "simulation_error" and not model.n_algebraic and worse.any():
-            worse &= ~(after - before <= moved_by_starts(report.after.model, report.test))
+            by_start = after - before <= moved_by_starts(report.after.model, report.test)
+            worse &= ~(by_start & np.isfinite(after))  # diverges from any start
         for k in np.flatnonzero(worse):
             now = percent(after[k]) if np.isfinite(after[k]) else "no finite value"
             grown.append(f"{title.format(model.states[k])} from {percent(before[k])} to {now}")

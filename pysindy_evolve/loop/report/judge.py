@@ -21,6 +21,8 @@ from .effect import Errors
 
 __all__ = ["judge"]
 
+BEATEN = 1.2  # times both errors of another fit: more than the choice among good fits makes
+
 
 def judge(
     design: Design,
@@ -41,6 +43,8 @@ def judge(
     """
     train = [remembered(record, memories) for record in train]
     fitted = fit(design, train, rng, rules.criterion)
+    if fitted.criterion == "trajectory":
+        fitted = _unless_beaten(design, fitted, train, rng)
     if by_runs:
         fitted = fit_by_runs(design, fitted, train, rng)
     elif final and fitted.criterion != "trajectory":
@@ -55,3 +59,22 @@ def judge(
     valued = [np.isfinite(rates_on(equations, record)).all(axis=1) for record in test]
     undefined = 1.0 - float(np.mean(np.concatenate(valued)))
     return fitted, Errors(derivative, simulation, whole, undefined=undefined)
+
+
+def _unless_beaten(
+    design: Design, fitted: Fit, train: Sequence[Record], rng: np.random.Generator
+) -> Fit:
+    """Return the fit of a trajectory, or another one that is closer to its record in every way.
+
+    Where a random force takes the blame for what the columns would explain, the likeliest
+    coefficients are not those that the machine has.
+    """
+    other = fit(design, train, rng)
+    own, its = (_training_errors(design, one.coef, train) for one in (fitted, other))
+    return other if np.all(own > BEATEN * its) else fitted
+
+
+def _training_errors(design: Design, coef: np.ndarray, train: Sequence[Record]) -> np.ndarray:
+    """Return the errors of derivative and free run, each of the state that is missed most."""
+    derivative = derivative_errors(design, coef, train, choose_windows(list(train)))
+    return np.array([derivative.max(), simulation_errors(design.equations(coef), train).max()])

@@ -17,6 +17,7 @@ from ..effects.candidate import OFFSET
 from .advice import paragraphs
 from .cautions import held_delays
 from .remains import remains
+from .unexplained import leaves_much
 from .units import percent_cell
 
 if TYPE_CHECKING:
@@ -32,14 +33,20 @@ VERDICTS = {
     "untraced": "untraced: the residual has structure that none of the tried effects explains.",
 }
 
-
 HOLD_ONLY = "traced: nothing is missing but the half sample by which an input lags that is held."
+MUCH_LEFT = (
+    "complete: none of the effects that were tried passes, but the model misses the record by more "
+    "than the noise of the sensors explains; see what remains."
+)
 
 
 def verdict_of(report: LoopReport) -> str:
     """Return the verdict in a sentence; that an input is held is no lack of the machine's model."""
     held = held_delays(report)
-    return HOLD_ONLY if held and len(held) == len(report.effects) else VERDICTS[report.verdict]
+    if held and len(held) == len(report.effects):
+        return HOLD_ONLY
+    much_left = report.verdict == "complete" and leaves_much(report)
+    return MUCH_LEFT if much_left else VERDICTS[report.verdict]
 
 
 def as_text(report: LoopReport) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from loop_systems import Hidden, oscillator
+from loop_systems import Hidden, equations_of, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
@@ -10,13 +10,15 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.encompassing import chance, explained
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import rivals_of
+from pysindy_evolve.loop.evidence.same_model import hold
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.segments import ranges, segments
 from pysindy_evolve.loop.revision.contest import contested
 from pysindy_evolve.loop.twins.chance import draws_for, p_value_of
 from pysindy_evolve.operators import BUILTIN
-from pysindy_evolve.terms import call, constant, mul, power, variable
+from pysindy_evolve.terms import add, call, constant, mul, power, variable
 
 N_SEGMENTS, N_ROWS, N_COLUMNS = 16, 60, 8
 
@@ -137,6 +139,47 @@ def test_an_effect_with_an_offset_beside_it_is_no_alternative_of_itself():
     square = Candidate("quadratic stiffness", 1, (power(variable(0), 2),))
     found = rivals_of(square, design, part, 0.05, np.random.default_rng(0))
     assert not [r for r in found if square.terms[0] in r.candidate.terms]
+
+
+def test_columns_hold_what_is_their_sum_in_the_same_equation():
+    q, v = variable(0), variable(1)
+    beside = [in_state("between", add(q, mul(constant(-1.0), v)), 1, 2), in_state("own", q, 1, 2)]
+    assert hold(beside, [in_state("other", mul(constant(-2.0), v), 1, 2)])
+    assert not hold(beside[:1], [in_state("other", v, 1, 2)])
+    assert not hold(beside, [in_state("elsewhere", v, 0, 2)])
+    assert not hold([], beside)
+
+
+COUPLED = Hidden(
+    "linear stiffness",
+    {"q": "v", "v": "-40*q - 0.8*v + F", "p": "w", "w": "-90*(p - q) - 3*(w - v) - 30*p"},
+    {"q": "v", "v": "-k*q - c*v + b*F", "p": "w", "w": "-m*(p - q) - d*(w - v)"},
+)
+
+
+@pytest.mark.parametrize(("name", "own"), [("linear stiffness", 2), ("coupling", 0)])
+def test_an_effect_is_no_alternative_of_itself_written_in_another_way(name, own):
+    # Beside a spring between both, a spring to the ground is a pull by the other one, negative.
+    record = COUPLED.record()
+    design = design_of(COUPLED.model, [record])
+    part, effect = segments([record], design.velocities), Candidate(name, 3, (variable(own),))
+    rivals = rivals_of(effect, design, part, 0.05, np.random.default_rng(0))
+    assert not [r for r in rivals if r.candidate.terms in ((variable(0),), (variable(2),))]
+
+
+@pytest.mark.parametrize(("air", "is_held"), [("- m*h", True), ("", False)])
+def test_what_the_model_holds_already_is_no_alternative_on_a_short_record(air, is_held):
+    t = np.arange(40) / 15.0
+    falling = equations_of({"h": "v", "v": "-9.81 - 0.4*v*Abs(v)"})
+    h = pse.simulate(falling, [47.0, 0.0], t)[:, :1]
+    record = pse.prepare(t, h + 0.03 * np.random.default_rng(0).standard_normal(h.shape))
+    model = pse.DeclaredModel({"h": "v", "v": f"-9.81 - k*(h + v) {air}"})
+    design = design_of(model, [record])
+    part = segments([record], design.velocities).tracked([record])
+    drag = Candidate("quadratic drag", 1, (mul(variable(1), call(BUILTIN["abs"], variable(1))),))
+    rivals = rivals_of(drag, design, part, 0.01, np.random.default_rng(0))
+    assert rivals
+    assert ("viscous damping" in [rival.name for rival in rivals]) != is_held
 
 
 def test_drag_and_cubic_damping_are_alternatives_in_a_noisy_record_and_not_in_a_good_one():

@@ -15,9 +15,11 @@ from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.hidden_states.relaxing import relaxing
 from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.doubtful import most_doubtful
 from pysindy_evolve.loop.report.quantities import with_share_of_runs
+from pysindy_evolve.loop.report.starts import moved_by_starts
 from pysindy_evolve.loop.report.text import interval
 from pysindy_evolve.terms import power, variable
 
@@ -385,6 +387,16 @@ def test_errors_that_grew_on_held_out_data_are_mentioned(report):
     said = " ".join(str(replace(report, after=grown)).split())
     assert "On the held-out data some errors grew: dv/dt from" in said
     assert "errors grew" not in str(report)
+
+
+def test_a_corrected_model_that_diverges_where_the_declared_one_did_not_is_mentioned(report):
+    wild = equations_of({"q": "v", "v": "9*q**3"}, ("F",))
+    after = replace(report.after, model=wild, simulation_error=simulation_errors(wild, report.test))
+    assert np.isinf(after.simulation_error).all()
+    assert np.isinf(moved_by_starts(wild, report.test)).all()  # which explains nothing here
+    said = " ".join(str(replace(report, after=after)).split())
+    was = f"{report.before.simulation_error[0]:.3g}"
+    assert f"some errors grew, in %: the free run of q from {was} to no finite value" in said
 
 
 def test_a_list_of_records_and_a_folder_are_refused(report, tmp_path):

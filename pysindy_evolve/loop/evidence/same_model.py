@@ -1,0 +1,51 @@
+"""Whether columns are sums of others as expressions, and not only on the rows of one record.
+
+Beside a spring between two bodies, k (q2 - q1), one from q2 to the ground and a pull by q1 are the
+same model, written in two ways: no record can tell them apart, and neither is the other's cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..given.design import Column
+
+__all__ = ["hold"]
+
+ROUNDING = 1e-9  # of columns of unit size: less is left of what is no sum of the others
+
+
+def hold(columns: Sequence[Column], others: Sequence[Column]) -> bool:
+    """Tell whether columns with free coefficients can say all that others do.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        Columns of a model.
+    others : sequence of Column
+        What it may hold, up to the values of the coefficients.
+
+    Returns
+    -------
+    bool
+    """
+    rows = _numbers([*columns, *others])
+    return _rank(rows) == _rank(rows[: len(columns)])
+
+
+def _rank(rows: np.ndarray) -> int:
+    return int(np.linalg.matrix_rank(rows, tol=ROUNDING))
+
+
+def _numbers(columns: Sequence[Column]) -> np.ndarray:
+    """Return the numbers before each product in each equation, a row of unit size per column."""
+    rows = [
+        {(state, term): c for state, part in enumerate(column.parts) for c, term in part.parts}
+        for column in columns
+    ]
+    places = list(dict.fromkeys(place for row in rows for place in row))
+    numbers = np.array([[row.get(place, 0.0) for place in places] for row in rows])
+    size = np.linalg.norm(numbers, axis=1, keepdims=True)
+    return np.asarray(numbers / np.where(size > 0.0, size, 1.0))

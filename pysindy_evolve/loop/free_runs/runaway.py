@@ -1,0 +1,85 @@
+"""Effects with which a model runs away from the records that it was fitted to.
+
+What explains a derivative within the range of a record may drive a run out of it, where nothing was
+measured, and on to infinity. Such a model simulates nothing, though it predicts every derivative.
+A machine that is unstable itself, and was held by a controller, has such a model too: its
+deviations grow along the record itself, so that the noise in its first state drives any run away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...equations import Equations
+from ...hidden_states.hidden import MemoryEquations
+from ...hidden_states.memory import remembered
+from ...signals import Record
+from ..evidence.findings import Finding, SensorFinding, is_needed
+from ..fitting.residual import MAX_GROWTH, jacobian, respond
+from ..fitting.runs import free_run
+from ..given.segments import segments
+
+__all__ = ["last_runaway"]
+
+FAR = 1e3  # ranges of the record: a run that only drifts does not come so far beyond it
+ROWS = 64  # of a record, at which it is seen how deviations have grown
+
+
+def last_runaway(
+    findings: Sequence[Finding],
+    declared: Equations,
+    corrected: Equations,
+    records: Sequence[Record],
+) -> Finding | None:
+    """Return the last effect, if the model runs away with the effects and not without them.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+        What was found, in this order.
+    declared : Equations
+        The model at the start, fitted.
+    corrected : Equations
+        The model with all that was found, fitted.
+    records : sequence of Record
+        Training records.
+
+    Returns
+    -------
+    Finding or None
+        None if the runs hold, or if deviations grow along a record.
+    """
+    free = [
+        one
+        for one in findings
+        if not isinstance(one, SensorFinding)  # which changes no equation
+        and not is_needed(one, [f for f in findings if f is not one])
+    ]
+    if not free or declared.n_algebraic:  # nothing runs
+        return None
+    for record in records:
+        if _runs_away(corrected, record) and not _runs_away(declared, record):
+            return None if _is_unstable(corrected, record) else free[-1]
+    return None
+
+
+def _runs_away(equations: Equations, record: Record) -> bool:
+    """Tell whether a free run diverges, or leaves the range of a record far behind."""
+    run = free_run(equations, record, on_divergence="nan", tolerance=1e-7)[:, : record.n_states]
+    low, high = record.x.min(axis=0), record.x.max(axis=0)
+    reach = FAR * np.where(high > low, high - low, 1.0)
+    return not bool(np.all((run >= low - reach) & (run <= high + reach)))  # False for NaN too
+
+
+def _is_unstable(equations: Equations, record: Record) -> bool:
+    """Tell whether deviations grow along a record by so much that no run can follow it."""
+    if isinstance(equations, MemoryEquations):
+        record, equations = remembered(record, equations.memories), equations.inner
+    whole = segments([record], (), 1, max_rows=None)
+    slopes = jacobian(equations, whole.z, whole.state_scale)
+    nothing = np.zeros((*slopes.shape[:3], 0))
+    keep = max(1, slopes.shape[1] // ROWS)
+    grown, _ = respond(slopes, nothing, whole.dt, whole.state_scale, keep)
+    return bool(np.max(np.abs(grown)) > MAX_GROWTH)
