@@ -209,6 +209,18 @@ def test_a_term_that_only_fits_one_sample_is_left_out(data):
     assert dictionary.terms == ()
 
 
+def test_a_slow_term_stays_whose_spectrum_is_one_line():
+    q = np.sin(2.0 * np.pi * np.arange(400) / 400.0)
+    x = np.column_stack([q, np.eye(400)[7]])  # a wave, and a single sample
+    slow, spike = term(variable(0)), term(variable(1))
+
+    def lines(columns):
+        return np.fft.rfft(columns, axis=0).imag
+
+    dictionary = build_dictionary(Problem(x, q, np.empty((400, 0)), lines), [slow, spike])
+    assert dictionary.terms == (slow,)
+
+
 def test_fitness_prefers_the_term_that_replaces_many(data):
     x, _ = data
     q, v = variable(0), variable(1)

@@ -28,7 +28,7 @@ Project = Callable[[np.ndarray], np.ndarray]
 
 TWIN = 1.0 - 1e-9  # correlation above which two columns are one signal up to scale
 SIBLING = 0.98  # the same for two terms that differ only in their inner constants
-SPIKE = 0.5  # share of a column's power in a single row above which it only fits that row
+SPIKE = 0.5  # share of a column's power in a single sample above which it only fits that one
 SPANNED = 1e-9  # share of a column's power that the fixed columns must leave
 KINKS = (BUILTIN["abs"], BUILTIN["sgn"])
 WAVES = (BUILTIN["sin"], BUILTIN["cos"], BUILTIN["tan"])
@@ -145,9 +145,11 @@ def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
     terms = sorted((t for t in dict.fromkeys(terms) if not idle(t)), key=lambda term: term.size)
     theta, y = problem.regression(terms, idle.cache)
     n_fixed = problem.fixed.shape[1]
+    # In samples: after a projection on spectra, what is slow lies in a row or two.
+    samples = theta if problem.project is None else problem.theta(terms, cache=idle.cache)
     with np.errstate(all="ignore"):
         power = np.einsum("ij,ij->j", theta, theta)
-        spike = np.square(np.abs(theta).max(axis=0)) / power
+        spike = np.square(np.abs(samples).max(axis=0)) / np.einsum("ij,ij->j", samples, samples)
     good = np.isfinite(power) & (power > np.finfo(float).tiny) & (spike < SPIKE)
     good[:n_fixed] = True
     scale = np.sqrt(np.where(good & (power > 0.0), power, 1.0) / len(y))

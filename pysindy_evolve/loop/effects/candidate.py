@@ -54,7 +54,8 @@ class Candidate:
     refinement.py. One that is `alone` is scored in no pair: it bends so far that any other effect
     beside it would seem to be worth something, or there are too many of its kind. One that is tuned
     with `partners`, effects of other equations, stands for them all: they have coefficients of
-    their own, see partners.py.
+    their own, see partners.py. So many nodes as are `spared` cost nothing: a declared term that a
+    grown one holds whole is known, and reads as one node.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Candidate:
     refines: tuple[str, ...] = field(default=(), compare=False)
     alone: bool = field(default=False, compare=False)
     partners: tuple[Candidate, ...] = ()
+    spared: int = field(default=0, compare=False)
 
     @property
     def is_exchange(self) -> bool:
@@ -84,8 +86,8 @@ class Candidate:
 
     @property
     def size(self) -> int:
-        """Number of nodes of its terms."""
-        return sum(term.size for term in self.terms)
+        """Number of nodes of its terms that have a price."""
+        return sum(term.size for term in self.terms) - self.spared
 
     @property
     def n_columns(self) -> int:

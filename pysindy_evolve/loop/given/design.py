@@ -90,6 +90,11 @@ class Design:
         """Return the values of the known parts, shape (n_samples, n_states)."""
         return Column("known", self.fixed).evaluate(variables)
 
+    def terms_of(self, state: int) -> tuple[Product, ...]:
+        """Return the terms that stand in an equation, known and free ones."""
+        sides = (self.fixed[state], *(column.parts[state] for column in self.columns))
+        return tuple(dict.fromkeys(term for side in sides for _, term in side.parts))
+
     def kinematic(self, state: int) -> bool:
         """Tell whether an equation only says that one state is the derivative of another."""
         used = any(column.parts[state].parts for column in self.columns)

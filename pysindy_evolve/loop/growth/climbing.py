@@ -20,6 +20,7 @@ from ..evidence.scoring import MARGIN, PRICE, net, score, tuned
 from ..evidence.trace import Score
 from ..given.design import Design
 from ..given.segments import Segments
+from .naming import sparing
 from .seeds import functions
 
 __all__ = ["climbed"]
@@ -31,7 +32,11 @@ MAX_STEPS = 4  # from where a search ended, the right term is seldom far
 
 
 def climbed(
-    begin: Candidate, design: Design, part: Segments, operators: Sequence[Operator]
+    begin: Candidate,
+    design: Design,
+    part: Segments,
+    operators: Sequence[Operator],
+    declared: Sequence[Product] = (),
 ) -> Candidate:
     """Return a term that no exchange of one factor betters any more.
 
@@ -45,6 +50,8 @@ def climbed(
         Pieces to search in.
     operators : sequence of Operator
         Basis functions.
+    declared : sequence of Product
+        Terms of its equation, of which one that is held whole counts as one node.
 
     Returns
     -------
@@ -52,16 +59,22 @@ def climbed(
         The same one if nothing around it gains more than the price of its nodes.
     """
     factors = functions(operators, part.rows[:, :-1])
-    best = _best(design, part, [begin])
+    best = _best(design, part, [begin], declared)
     for _ in range(MAX_STEPS):
         if best is None:  # not to be told from what the model holds
             return begin
-        around = [replace(begin, terms=(term,)) for term in _around(best.group[0], factors)]
-        other = _best(design, part, _promising(design, part, around))
+        around = [_moved(begin, term, declared) for term in _around(best.group[0], factors)]
+        other = _best(design, part, _promising(design, part, around), declared)
         if other is None or net(other) <= net(best) + MARGIN:
             break
         best = other
     return best.group[0] if best else begin
+
+
+def _moved(candidate: Candidate, term: Product, declared: Sequence[Product]) -> Candidate:
+    """Return a candidate with another term in its place; one that was tuned may spare no more."""
+    terms, spared = (Sum(((1.0, term),)),), sparing(term, declared)
+    return replace(candidate, terms=terms, shape=None, spared=spared)
 
 
 def _promising(design: Design, part: Segments, around: Sequence[Candidate]) -> list[Candidate]:
@@ -85,14 +98,16 @@ def _with_slopes(candidate: Candidate) -> Candidate:
     return replace(candidate, terms=(*candidate.terms, *slopes))
 
 
-def _best(design: Design, part: Segments, candidates: Sequence[Candidate]) -> Score | None:
+def _best(
+    design: Design, part: Segments, candidates: Sequence[Candidate], declared: Sequence[Product]
+) -> Score | None:
     """Return the score of the best candidate, numbers tuned; None if none can be told apart."""
-    sharp = [tuned(replace(c, shape=shape_of(c)), design, part) for c in candidates]
-    plain = [replace(candidate, shape=None) for candidate in sharp]
+    sharp = (tuned(replace(c, shape=shape_of(c)), design, part) for c in candidates)
+    plain = [_moved(c, term, declared) for c in sharp for _, term in c.terms[0].parts]
     return max(score(design, part, plain, pairs=False), key=net, default=None)
 
 
-def _around(candidate: Candidate, factors: Sequence[Sum]) -> list[Sum]:
+def _around(candidate: Candidate, factors: Sequence[Sum]) -> list[Product]:
     """Return the terms that differ from one in a factor: another one, one more or one less."""
     (term,) = (product for _, product in candidate.terms[0].parts)
     rests = [term, *_with_one_less(term)]
@@ -100,8 +115,7 @@ def _around(candidate: Candidate, factors: Sequence[Sum]) -> list[Sum]:
         mul(Sum(((1.0, rest),)), f) for rest in rests for f in (Sum(((1.0, ONE),)), *factors)
     )
     found = dict.fromkeys(p for product in products for _, p in product.parts)
-    short = [one for one in found if 0 < len(one.factors) <= MOST_FACTORS and one != term]
-    return [Sum(((1.0, one),)) for one in short]
+    return [one for one in found if 0 < len(one.factors) <= MOST_FACTORS and one != term]
 
 
 def _with_one_less(term: Product) -> Iterator[Product]:

@@ -34,7 +34,7 @@ from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
 from .naming import named, shifted
 from .poles import has_pole
-from .seeds import screened, small_terms
+from .seeds import screened, small_terms, varied
 
 __all__ = ["OPERATORS", "TermGrower", "grow"]
 
@@ -51,12 +51,18 @@ USEFUL = 0.1  # log error that it must gain in the derivative or in the simulati
 
 
 def grow(
-    design: Design, part: Segments, operators: Sequence[Operator], rng: np.random.Generator
+    declared: Design,
+    design: Design,
+    part: Segments,
+    operators: Sequence[Operator],
+    rng: np.random.Generator,
 ) -> list[Candidate]:
     """Grow terms on top of a design, for each equation that may lack something.
 
     Parameters
     ----------
+    declared : Design
+        The model at the start, with whose terms the search begins as well.
     design : Design
         The model so far; its columns are refitted beside every term.
     part : Segments
@@ -83,7 +89,9 @@ def grow(
         anywhere = shifted(design, state, signed)
         target, fixed = flat[:, state, -1], flat[:, state, :-1]
         project = partial(_project, part=part, state=state, weight=weights[place])
-        problem = Problem(variables, target, fixed, project)
+        problem, whole = Problem(variables, target, fixed, project), declared.terms_of(state)
+        small = [*small_terms(operators, variables), *varied(whole, operators, variables)]
+        seeds = screened(problem, list(dict.fromkeys(small)), N_SEEDS)
         evolution = evolve(
             variables,
             target,
@@ -91,14 +99,17 @@ def grow(
             rng=rng,
             fixed=fixed,
             project=project,
-            begin=screened(problem, small_terms(operators, variables), N_SEEDS),
+            begin=seeds,
             settings=SETTINGS,
             keep_if_interrupted=False,  # the loop says itself that it was interrupted
         )
-        finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS])
-        name = partial(named, state=state, known=known, variables=variables, signed=anywhere)
+        # The best seed too: the search may drop what it holds for long, though it explains most.
+        finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS], *seeds[:1])
+        name = partial(
+            named, state=state, known=known, variables=variables, signed=anywhere, declared=whole
+        )
         grown = [name(term) for term in dict.fromkeys(finalists)]
-        grown += [name(term) for term in _above(grown, design, part, operators)]
+        grown += [name(term) for term in _above(grown, design, part, operators, whole)]
         found += dict.fromkeys(grown)
     return found
 
@@ -113,14 +124,18 @@ def _without_quotients(operators: Sequence[Operator]) -> list[Operator]:
 
 
 def _above(
-    grown: Sequence[Candidate], design: Design, part: Segments, operators: Sequence[Operator]
+    grown: Sequence[Candidate],
+    design: Design,
+    part: Segments,
+    operators: Sequence[Operator],
+    declared: Sequence[Product],
 ) -> list[Product]:
     """Return the term to which the best one without a name climbs, if that is worth its nodes."""
     free = [replace(c, parents=()) for c in grown if c.name == EVOLVED]
     best = max(score(design, part, free, pairs=False), key=net, default=None)
     if best is None or net(best) <= 0.0:
         return []
-    top = climbed(best.group[0], design, part, operators)
+    top = climbed(best.group[0], design, part, operators, declared)
     return [term for _, term in top.terms[0].parts]
 
 
@@ -219,7 +234,7 @@ class TermGrower:
         if not self.operators or self.seen.tracks or len(self.fresh.z) < MIN_FRESH:
             return []
         known = fitted(design)  # what is known may be wrong
-        grown = grow(design, self.seen, self.operators, self.rng)
+        grown = grow(self.declared, design, self.seen, self.operators, self.rng)
         fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
         rows = self.seen.rows
         new = [

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...operators import Operator
-from ...terms import Product, Sum
+from ...terms import Call, Product, Sum, div
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates
 from ..evidence.trace import EVOLVED
@@ -15,7 +15,7 @@ from ..given.design import Design
 from ..given.segments import Segments, ranges
 from .seeds import small_terms
 
-__all__ = ["named", "shifted", "small_candidates"]
+__all__ = ["named", "shifted", "small_candidates", "sparing"]
 
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
 
@@ -85,6 +85,7 @@ def named(
     known: Sequence[Candidate],
     variables: np.ndarray,
     signed: np.ndarray,
+    declared: Sequence[Product] = (),
 ) -> Candidate:
     """Return a grown term as a candidate, named if it is an effect of the vocabulary.
 
@@ -102,6 +103,8 @@ def named(
         States and inputs.
     signed : ndarray of bool of shape (n_variables + 1,)
         Which of them may be measured from anywhere, time last.
+    declared : sequence of Product
+        Terms of its equation, of which one that it holds whole counts as one node.
 
     Returns
     -------
@@ -112,7 +115,47 @@ def named(
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
     poses = _poses_as_offset(term, variables, signed)
-    return Candidate(EVOLVED, state, (expression,), (OFFSET,) if poses else ())
+    parents, spared = (OFFSET,) if poses else (), sparing(term, declared)
+    return Candidate(EVOLVED, state, (expression,), parents, spared=spared)
+
+
+def sparing(term: Product, declared: Sequence[Product]) -> int:
+    """Return how many nodes a term has less if a declared one that it holds whole counts as one.
+
+    Parameters
+    ----------
+    term : Product
+        The term.
+    declared : sequence of Product
+        Terms of its equation; the one counts that spares most.
+
+    Returns
+    -------
+    int
+        Zero if it holds none, as a factor or inside of a function.
+    """
+    return max((_spared(term, one) for one in declared), default=0)
+
+
+def _spared(term: Product, declared: Product) -> int:
+    """Return how many nodes one declared term spares."""
+    inside = [
+        _spared(part, declared)
+        for atom, _ in term.factors
+        for argument in (atom.args if isinstance(atom, Call) else ())
+        for _, part in argument.parts
+    ]
+    if not _is_factor(declared, term):
+        return max(inside, default=0)
+    rest = div(Sum(((1.0, term),)), Sum(((1.0, declared),)))
+    beside = 0 if rest == OFFSET else rest.size + 1  # with the product of the two
+    return max(0, term.size - (1 + beside), *inside)
+
+
+def _is_factor(declared: Product, term: Product) -> bool:
+    """Tell whether a term holds all powers of another one, or higher ones."""
+    powers = dict(term.factors)
+    return all(powers.get(atom, 0) * n >= n * n for atom, n in declared.factors)
 
 
 def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:

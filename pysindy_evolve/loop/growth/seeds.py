@@ -1,7 +1,8 @@
 """Small terms that a search begins with, as its random ones seldom hold all of them.
 
 A root of the speed with its sign is one of some hundred products of two functions of one variable.
-All of them are looked at one by one, and those that explain most begin the search.
+All of them are looked at one by one, beside the declared terms times one such function, and those
+that explain most begin the search.
 
 References
 ----------
@@ -19,10 +20,20 @@ from ...breeding.dictionary import Problem, build_dictionary
 from ...breeding.genetics import CURVED
 from ...operators import Operator
 from ...sparse.regression import gains
-from ...terms import Product, Sum, call, constant, mul, power, variable
+from ...terms import (
+    Product,
+    Sum,
+    Variable,
+    as_product,
+    call,
+    constant,
+    mul,
+    power,
+    variable,
+)
 from .poles import is_away
 
-__all__ = ["functions", "screened", "small_terms"]
+__all__ = ["functions", "screened", "small_terms", "varied"]
 
 SCALES = (0.5, 1.0, 3.0)  # numbers in a curved function, over the size of the variable
 CHUNK = 200  # terms that are evaluated at a time, so that memory does not grow with them
@@ -49,6 +60,39 @@ def small_terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
         found += [mul(a, b) for a in straight for b in curved]
     terms = (term for one in found for _, term in one.parts)
     return list(dict.fromkeys(term for term in terms if term.variables))
+
+
+def varied(
+    declared: Sequence[Product], operators: Sequence[Operator], x: np.ndarray
+) -> list[Product]:
+    """Return declared terms times a function of one variable, or the square of one.
+
+    A model that somebody wrote down is mostly right: what it lacks is often that a force, such as
+    the thrust T cos(theta) near the ground, depends on one thing more.
+
+    Parameters
+    ----------
+    declared : sequence of Product
+        Terms of one equation. Those of the time, and constants, are passed over.
+    operators : sequence of Operator
+        Basis functions; without ``mul`` there are no products.
+    x : ndarray of shape (n, n_variables)
+        Measured variables, without the time.
+
+    Returns
+    -------
+    list of Product
+    """
+    if not any(operator.name == "mul" for operator in operators):
+        return []
+    measured = frozenset(range(x.shape[1]))
+    able = (term for term in declared if term.variables and term.variables <= measured)
+    wholes = [Sum(((1.0, term),)) for term in able]
+    straight, _ = _of_one_variable(operators, x)
+    squares = [power(f, 2) for f in straight if _is_power(f)]  # of a sign or a root: nothing new
+    products = (mul(whole, factor) for whole in wholes for factor in (*straight, *squares))
+    found = dict.fromkeys(term for product in products for _, term in product.parts)
+    return [term for term in found if term.variables and term not in declared]
 
 
 def functions(operators: Sequence[Operator], x: np.ndarray) -> list[Sum]:
@@ -104,6 +148,11 @@ def _of_one_variable(operators: Sequence[Operator], x: np.ndarray) -> tuple[list
         for f in _curved(operators, variable(i), float(size))
     ]
     return straight, curved
+
+
+def _is_power(f: Sum) -> bool:
+    ((atom, _),) = as_product(f).factors
+    return isinstance(atom, Variable)
 
 
 def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iterator[Sum]:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from pysindy_evolve.breeding.dictionary import Problem
-from pysindy_evolve.loop.growth.seeds import screened, small_terms
-from pysindy_evolve.operators import resolve
+from pysindy_evolve.loop.growth.seeds import screened, small_terms, varied
+from pysindy_evolve.operators import BUILTIN, resolve
+from pysindy_evolve.terms import ONE, call, mul, variable
 
 NAMES = ("q", "v")
 
@@ -64,3 +65,41 @@ def test_the_term_that_explains_most_beside_the_fixed_columns_comes_first(x):
     assert len(first) == 3
     alone = screened(Problem(x, target, x[:, :0]), terms, 3)
     assert alone[0].name(NAMES) == "q"
+
+
+THRUST, TIME = variable(2), variable(3)
+
+
+def varied_names(operators, declared):
+    """Return names of declared terms of a tilt, a height that stays above zero, and a thrust."""
+    x = np.random.default_rng(0).uniform([-0.4, 0.5, -1.0], [0.4, 2.0, 1.0], (400, 3))
+    found = varied(declared, resolve(operators, "test"), x)
+    assert len(set(found)) == len(found)
+    return [term.name(("a", "z", "T", "t")) for term in found]
+
+
+def only(expression):
+    ((_, term),) = expression.parts
+    return term
+
+
+def test_declared_terms_are_varied_by_one_variable():
+    lift = only(mul(THRUST, call(BUILTIN["cos"], variable(0))))
+    found = varied_names(("mul", "div", "abs", "sgn", "sqrt", "tanh"), [lift])
+    assert {"T cos(a)/z", "T cos(a)/z^2", "z T cos(a)", "z^2 T cos(a)", "T abs(a) cos(a)"} <= set(
+        found
+    )
+    assert all("cos(a)" in name and "tanh" not in name for name in found)
+    assert not any("/a" in name or "/T" in name for name in found)  # these cross zero
+    assert len(found) == 15
+
+
+def test_constants_and_terms_of_time_are_not_varied():
+    assert varied_names(("mul", "abs"), [ONE, only(mul(TIME, THRUST))]) == []
+    assert varied_names(("abs", "sgn"), [only(THRUST)]) == []  # without products
+
+
+def test_a_declared_term_is_no_variation_of_another():
+    found = varied_names(("mul",), [only(variable(0)), only(mul(variable(0), THRUST))])
+    assert "a T" not in found
+    assert {"a^2", "a T^2", "a z"} <= set(found)

@@ -1,0 +1,58 @@
+"""A declared term that a grown one holds whole counts as one node."""
+
+import numpy as np
+import pytest
+
+from pysindy_evolve.loop.evidence.scoring import PRICE, net
+from pysindy_evolve.loop.evidence.trace import Score
+from pysindy_evolve.loop.growth.naming import named, sparing
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import Sum, call, constant, mul, power, variable
+
+HEIGHT, TILT, THRUST = map(variable, range(3))
+
+
+def product(*factors):
+    """Return the one term of a product of sums."""
+    whole = constant(1.0)
+    for factor in factors:
+        whole = mul(whole, factor)
+    ((_, term),) = whole.parts
+    return term
+
+
+LIFT = product(THRUST, call(BUILTIN["cos"], TILT))  # four nodes
+
+
+@pytest.mark.parametrize(
+    ("term", "spared"),
+    [
+        (product(Sum(((1.0, LIFT),)), power(HEIGHT, -2)), 3),
+        (product(Sum(((1.0, LIFT),)), THRUST), 2),  # its square of the thrust is two nodes
+        (product(call(BUILTIN["tanh"], Sum(((1.0, LIFT),))), HEIGHT), 3),
+        (LIFT, 3),
+        (product(THRUST, power(HEIGHT, -2)), 0),  # a part of it only
+        (product(THRUST, call(BUILTIN["sin"], TILT)), 0),
+        (product(call(BUILTIN["cos"], TILT), power(THRUST, -1)), 0),
+    ],
+)
+def test_what_is_held_whole_is_one_node(term, spared):
+    assert sparing(term, [product(HEIGHT), LIFT]) == spared
+
+
+def test_of_several_declared_terms_the_one_counts_that_spares_most():
+    term = product(Sum(((1.0, LIFT),)), power(HEIGHT, 2))
+    assert sparing(term, [product(power(HEIGHT, 2))]) == 1
+    assert sparing(term, [product(power(HEIGHT, 2)), LIFT]) == 3
+    assert sparing(term, []) == 0
+
+
+def test_spared_nodes_have_no_price():
+    rows = np.random.default_rng(0).uniform(0.5, 1.5, (50, 3))
+    term = product(Sum(((1.0, LIFT),)), power(HEIGHT, -2))
+    dear, cheap = (
+        named(term, 1, [], rows, np.ones(4, dtype=bool), declared) for declared in ([], [LIFT])
+    )
+    assert (dear.size, cheap.size) == (term.size, term.size - 3)
+    gains = [net(Score((one,), 0, np.ones(1), np.ones(1), 1.0)) for one in (cheap, dear)]
+    assert gains[0] - gains[1] == pytest.approx(3 * PRICE)
