@@ -22,6 +22,7 @@ from .differences import differences, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
+from .thresholds import thresholds
 from .varying import drifts, varying
 
 __all__ = ["VOCABULARY", "of_equation"]
@@ -39,6 +40,7 @@ VOCABULARY = (
     "cubic stiffness",
     "quintic stiffness",
     "dead zone",
+    "threshold",
     "saturation",
     "gravity",
     "constant offset",
@@ -98,7 +100,7 @@ def of_equation(
     if design.algebraic:
         found = _of_target(effect, design, scales, middle)
     else:
-        found = _of_rate(effect, design, scales, apart)
+        found = _of_rate(effect, design, scales, apart, middle)
     named: set[tuple[Sum, ...]] = set()
     for candidate in found:
         if candidate.terms not in named:
@@ -107,7 +109,11 @@ def of_equation(
 
 
 def _of_rate(
-    effect: CandidateMaker, design: Design, scales: np.ndarray, apart: np.ndarray
+    effect: CandidateMaker,
+    design: Design,
+    scales: np.ndarray,
+    apart: np.ndarray,
+    middle: np.ndarray,
 ) -> Iterator[Candidate]:
     """Go through the effects of the rate of a state."""
     state, n_states, n_inputs = effect.state, len(design.states), len(design.inputs)
@@ -118,17 +124,18 @@ def _of_rate(
         q = variable(position)
         yield from _springs(effect, q, float(scales[position]))
         yield from _with_position(effect, q, v, float(scales[position]))
+    own = state if position is None else position
+    yield from thresholds(effect, design, own, float(scales[own]), float(middle[own]))
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, state, other)
             yield from differences(effect, design, state, other)
             yield from _between(effect, design, state, other, apart)
-            angle = state if position is None else position
-            if {angle, other} <= turning:
-                yield from between_angles(effect, variable(angle), variable(other))
+            if {own, other} <= turning:
+                yield from between_angles(effect, variable(own), variable(other))
     for column in range(n_states, n_states + n_inputs):
-        own = [v] if position is None else [v, variable(position)]
-        yield from _inputs(effect, variable(column), own, float(scales[column]))
+        states = [v] if position is None else [v, variable(position)]
+        yield from _inputs(effect, variable(column), states, float(scales[column]))
         if position is None:
             yield from losses(effect, design, column)
     yield from radial(effect, design, turning)

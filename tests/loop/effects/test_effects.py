@@ -25,6 +25,7 @@ STATIC = {
     "cubic stiffness",
     "quintic stiffness",
     "dead zone",
+    "threshold",
     "saturation",
     "gravity",
     "constant offset",
