@@ -245,22 +245,13 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         metavar="HZ",
         help="low-pass, cycles per unit of t; auto takes it from the noise, none omits it (auto)",
     )
-    columns.add_argument(
-        "--unwrap",
-        action="append",
-        type=turn,
-        default=[],
-        metavar="ANGLE=TURN",
-        help="angle that starts again after a whole turn, 360 or 6.283185, and is to go on "
-        "instead; may be repeated",
-    )
     _add_format(columns)
     _add_result(parser)
     return columns
 
 
 def _add_format(columns: argparse._ArgumentGroup) -> None:
-    """Add how the numbers of a file are written."""
+    """Add how the numbers of a file are written, and angles that start again."""
     columns.add_argument(
         "--delimiter", default=",", metavar="SIGN", help="character between the fields (,)"
     )
@@ -271,6 +262,15 @@ def _add_format(columns: argparse._ArgumentGroup) -> None:
         "--drop-empty",
         action="store_true",
         help="leave out the rows at the beginning and the end in which a needed column is empty",
+    )
+    columns.add_argument(
+        "--unwrap",
+        action="append",
+        type=turn,
+        default=[],
+        metavar="ANGLE=TURN",
+        help="angle that starts again after a whole turn, 360 or 6.283185, and is to go on "
+        "instead; may be repeated",
     )
 
 
