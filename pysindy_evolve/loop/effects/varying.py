@@ -16,11 +16,12 @@ __all__ = ["drifts", "varying"]
 
 
 def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
-    """Go through each declared term times a state or an input."""
+    """Go through each declared term times a state or an input; squares have names of their own."""
     for part in _parts(design, effect.state):
-        for other in range(len(design.states) + len(design.inputs)):
-            product = mul(variable(other), part)
-            yield effect("varying coefficient", product, parents=(OFFSET, part), alone=True)
+        for other in map(variable, range(len(design.states) + len(design.inputs))):
+            if other != part:
+                parents = (OFFSET, part)
+                yield effect("varying coefficient", mul(other, part), parents=parents, alone=True)
 
 
 def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:

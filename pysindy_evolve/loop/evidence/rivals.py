@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
+from itertools import accumulate, pairwise
 
 import numpy as np
 
@@ -95,13 +96,11 @@ def rivals_of(
     options = [c for c in rest if not _is_form(c, candidate)]
     if part.tracks:
         return _by_twins(candidate, options, design, part, level, rng)
+    options = _at_best_places(options, design, part)
     everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
     grams = spectral_grams(part, design, [*design.columns, *everything])
     first = len(design.columns)
-    base, places = tuple(range(first)), []
-    for one in (candidate, *options):
-        places.append(_places(first, one))
-        first = places[-1][-1] + 1
+    base, places = tuple(range(first)), _places(first, (candidate, *options))
     own, *others = places
     ours, *theirs = explained(grams, base, places)
     if ours <= 0.0:  # it explains nothing beside the others any more, and so does anything
@@ -114,6 +113,23 @@ def rivals_of(
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
+
+
+def _at_best_places(
+    options: Sequence[Candidate], design: Design, part: Segments
+) -> list[Candidate]:
+    """Keep of each name at many places, such as a threshold, the one that explains most.
+
+    All others at the ends of a range live on a few pieces each, and gain much by chance.
+    """
+    many = [c for c in options if c.alone and c.shape is not None]
+    columns = [column for c in many for column in columns_of(c, design)]
+    grams, first = spectral_grams(part, design, [*design.columns, *columns]), len(design.columns)
+    squares = explained(grams, range(first), _places(first, many))
+    best: dict[str, Candidate] = {}
+    for k in np.argsort(squares)[::-1]:
+        best.setdefault(many[k].name, many[k])
+    return [c for c in options if c not in many or c in best.values()]
 
 
 def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:
@@ -160,8 +176,10 @@ def _by_twins(
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
 
 
-def _places(first: int, candidate: Candidate) -> tuple[int, ...]:
-    return tuple(range(first, first + len(candidate.terms)))
+def _places(first: int, candidates: Sequence[Candidate]) -> list[tuple[int, ...]]:
+    """Return the columns of each candidate, one after the other."""
+    ends = list(accumulate((len(one.terms) for one in candidates), initial=first))
+    return [tuple(range(*pair)) for pair in pairwise(ends)]
 
 
 def _is_form(one: Candidate, other: Candidate) -> bool:

@@ -171,12 +171,15 @@ def _closest(
     """Return the effects of the same equation that do best in the spectral view.
 
     A narrow dead zone between two places of the grid would lose to a grown step, so its width is
-    tuned before.
+    tuned before. Of those of a name that differ in their numbers, one is enough.
     """
     options = [*candidates(model.design, *ranges(part.rows)), *grown]
     alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
     scores = score(model.design, part, sharpened(model.design, part, list(alike)), pairs=False)
-    return [s.group[0] for s in scores[:N_RIVALS]]
+    best: dict[Candidate | str, Candidate] = {}
+    for candidate in (s.group[0] for s in scores):
+        best.setdefault(candidate if candidate.shape is None else candidate.name, candidate)
+    return list(best.values())[:N_RIVALS]
 
 
 def fitted_with(

@@ -196,7 +196,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
         said = f"this record cannot tell it from: {rivals}{p_of_rivals(effect)}"
-        lines += [said] if wide else wrap(said, 92, subsequent_indent="  ")
+        lines += [said] if wide else wrap(said, 92, subsequent_indent="  ", break_on_hyphens=False)
     return [*lines, without_rivals(effect)] if not effect.rivals else lines
 
 

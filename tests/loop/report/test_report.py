@@ -21,6 +21,7 @@ from pysindy_evolve.loop.report.doubtful import most_doubtful
 from pysindy_evolve.loop.report.quantities import with_share_of_runs
 from pysindy_evolve.loop.report.starts import moved_by_starts
 from pysindy_evolve.loop.report.text import interval
+from pysindy_evolve.loop.report.units import percent
 from pysindy_evolve.terms import power, variable
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
@@ -395,8 +396,8 @@ def test_a_corrected_model_that_diverges_where_the_declared_one_did_not_is_menti
     assert np.isinf(after.simulation_error).all()
     assert np.isinf(moved_by_starts(wild, report.test)).all()  # which explains nothing here
     said = " ".join(str(replace(report, after=after)).split())
-    was = f"{report.before.simulation_error[0]:.3g}"
-    assert f"some errors grew, in %: the free run of q from {was} to no finite value" in said
+    was = percent(report.before.simulation_error[0])
+    assert f"some errors grew: the free run of q from {was} to no finite value" in said
 
 
 def test_a_list_of_records_and_a_folder_are_refused(report, tmp_path):
