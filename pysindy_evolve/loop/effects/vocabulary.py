@@ -22,7 +22,6 @@ from .differences import differences, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
-from .thresholds import thresholds
 from .varying import drifts, varying
 
 __all__ = ["VOCABULARY", "of_equation"]
@@ -40,7 +39,6 @@ VOCABULARY = (
     "cubic stiffness",
     "quintic stiffness",
     "dead zone",
-    "threshold",
     "saturation",
     "gravity",
     "constant offset",
@@ -100,7 +98,7 @@ def of_equation(
     if design.algebraic:
         found = _of_target(effect, design, scales, middle)
     else:
-        found = _of_rate(effect, design, scales, apart, middle)
+        found = _of_rate(effect, design, scales, apart)
     named: set[tuple[Sum, ...]] = set()
     for candidate in found:
         if candidate.terms not in named:
@@ -109,11 +107,7 @@ def of_equation(
 
 
 def _of_rate(
-    effect: CandidateMaker,
-    design: Design,
-    scales: np.ndarray,
-    apart: np.ndarray,
-    middle: np.ndarray,
+    effect: CandidateMaker, design: Design, scales: np.ndarray, apart: np.ndarray
 ) -> Iterator[Candidate]:
     """Go through the effects of the rate of a state."""
     state, n_states, n_inputs = effect.state, len(design.states), len(design.inputs)
@@ -125,7 +119,6 @@ def _of_rate(
         yield from _springs(effect, q, float(scales[position]))
         yield from _with_position(effect, q, v, float(scales[position]))
     own = state if position is None else position
-    yield from thresholds(effect, design, own, float(scales[own]), float(middle[own]))
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, state, other)

@@ -96,7 +96,6 @@ def rivals_of(
     options = [c for c in rest if not _is_form(c, candidate)]
     if part.tracks:
         return _by_twins(candidate, options, design, part, level, rng)
-    options = _at_best_places(options, design, part)
     everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
     grams = spectral_grams(part, design, [*design.columns, *everything])
     first = len(design.columns)
@@ -115,23 +114,6 @@ def rivals_of(
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
 
 
-def _at_best_places(
-    options: Sequence[Candidate], design: Design, part: Segments
-) -> list[Candidate]:
-    """Keep of each name at many places, such as a threshold, the one that explains most.
-
-    All others at the ends of a range live on a few pieces each, and gain much by chance.
-    """
-    many = [c for c in options if c.alone and c.shape is not None]
-    columns = [column for c in many for column in columns_of(c, design)]
-    grams, first = spectral_grams(part, design, [*design.columns, *columns]), len(design.columns)
-    squares = explained(grams, range(first), _places(first, many))
-    best: dict[str, Candidate] = {}
-    for k in np.argsort(squares)[::-1]:
-        best.setdefault(many[k].name, many[k])
-    return [c for c in options if c not in many or c in best.values()]
-
-
 def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:
     """Tell whether an option brings something to the model without both, but not the effect.
 
@@ -148,15 +130,7 @@ def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate
     if OFFSET not in candidate.parents or (candidate.state, OFFSET) in known:
         return candidate
     others = tuple(parent for parent in candidate.parents if parent != OFFSET)
-    shape = candidate.shape
-    if shape is not None:
-        shape = replace(shape, builds=(_as_offset, *shape.builds))
-    return replace(candidate, terms=(OFFSET, *candidate.terms), parents=others, shape=shape)
-
-
-def _as_offset(*_: float) -> Sum:
-    """Return the offset, whatever the numbers of the effect beside it."""
-    return OFFSET
+    return replace(candidate, terms=(OFFSET, *candidate.terms), parents=others)
 
 
 def _by_twins(

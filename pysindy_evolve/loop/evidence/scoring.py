@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
 from ...equations import Equations
 from ...signals import Record
-from ..effects.candidate import OFFSET, Candidate
+from ..effects.candidate import Candidate
 from ..effects.missing import candidates, standing
 from ..effects.periodic import periodic_candidates, ripple_candidates
 from ..effects.vocabulary import VOCABULARY
@@ -105,25 +104,15 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
     """Return candidates with the promising shapes tuned, beside those on the grid.
 
     Between two places of the grid a power of the input can look more like a saturation than
-    either of them does. A threshold is tuned without the offset that it can pose as: beside a wrong
-    one, an offset makes up for what is wrong.
+    either of them does.
     """
-    free = [_without_parent(candidate) for candidate in proposed]
-    own = dict(zip(free, proposed, strict=True))
-    scores = score(design, part, free, pairs=False)
+    scores = score(design, part, proposed, pairs=False)
     leader = scores[0].value if scores else 0.0
-    first: dict[tuple[str, int], Candidate] = {}
+    first: dict[tuple[str, int], Score] = {}
     for s in scores:
         if s.group[0].shape is not None and s.value > max(MARGIN, leader / 2):
-            first.setdefault((s.group[0].name, s.group[0].state), s.group[0])
-    sharp = (replace(tuned(c, design, part), parents=own[c].parents) for c in first.values())
-    return [*proposed, *sharp]
-
-
-def _without_parent(candidate: Candidate) -> Candidate:
-    if candidate.shape is None or candidate.parents != (OFFSET,):
-        return candidate
-    return replace(candidate, parents=())
+            first.setdefault((s.group[0].name, s.group[0].state), s)
+    return [*proposed, *(tuned(s.group[0], design, part) for s in first.values())]
 
 
 def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:

@@ -25,7 +25,6 @@ STATIC = {
     "cubic stiffness",
     "quintic stiffness",
     "dead zone",
-    "threshold",
     "saturation",
     "gravity",
     "constant offset",

@@ -9,7 +9,7 @@ from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.encompassing import chance, explained
 from pysindy_evolve.loop.evidence.findings import Finding
-from pysindy_evolve.loop.evidence.rivals import _with_offset, rivals_of
+from pysindy_evolve.loop.evidence.rivals import rivals_of
 from pysindy_evolve.loop.evidence.same_model import hold
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
@@ -139,13 +139,6 @@ def test_an_effect_with_an_offset_beside_it_is_no_alternative_of_itself():
     square = Candidate("quadratic stiffness", 1, (power(variable(0), 2),))
     found = rivals_of(square, design, part, 0.05, np.random.default_rng(0))
     assert not [r for r in found if square.terms[0] in r.candidate.terms]
-
-
-def test_a_rival_with_numbers_in_it_keeps_its_offset_at_other_numbers():
-    design = oscillator("nothing", "").model.design()
-    stop = next(c for c in candidates(design, np.ones(4)) if c.name == "threshold")
-    brought = _with_offset(stop, set())
-    assert brought.at([0.3]).terms == (OFFSET, stop.at([0.3]).terms[0])
 
 
 def test_columns_hold_what_is_their_sum_in_the_same_equation():
