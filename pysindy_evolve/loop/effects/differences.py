@@ -31,8 +31,7 @@ def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Cand
 
     An input that acts on the state already is no such surroundings, but what heats it.
     """
-    sides = [design.fixed[effect.state], *(one.parts[effect.state] for one in design.columns)]
-    if not any(column in side.variables for side in sides):
+    if not any(column in side.variables for side in design.sides_of(effect.state)):
         yield from _difference(effect, design, effect.state, column)
 
 

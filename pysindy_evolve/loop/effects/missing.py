@@ -112,8 +112,7 @@ def standing(design: Design) -> set[tuple[int, Sum]]:
     found = set()
     for state in range(len(design.states)):
         found |= {(state, Sum(((1.0, term),))) for _, term in design.fixed[state].parts}
-        parts = (design.fixed[state], *(column.parts[state] for column in design.columns))
-        found |= {(state, bare(part)) for part in parts if part.parts}
+        found |= {(state, bare(part)) for part in design.sides_of(state) if part.parts}
     return found
 
 

@@ -90,10 +90,14 @@ class Design:
         """Return the values of the known parts, shape (n_samples, n_states)."""
         return Column("known", self.fixed).evaluate(variables)
 
+    def sides_of(self, state: int) -> tuple[Sum, ...]:
+        """Return what is known of an equation, and what each coefficient multiplies in it."""
+        return (self.fixed[state], *(column.parts[state] for column in self.columns))
+
     def terms_of(self, state: int) -> tuple[Product, ...]:
         """Return the terms that stand in an equation, known and free ones."""
-        sides = (self.fixed[state], *(column.parts[state] for column in self.columns))
-        return tuple(dict.fromkeys(term for side in sides for _, term in side.parts))
+        terms = (term for side in self.sides_of(state) for _, term in side.parts)
+        return tuple(dict.fromkeys(terms))
 
     def kinematic(self, state: int) -> bool:
         """Tell whether an equation only says that one state is the derivative of another."""

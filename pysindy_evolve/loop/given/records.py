@@ -123,8 +123,7 @@ def _check_velocities(design: Design, records: Sequence[Record]) -> None:
     A name that is no state is a free parameter, so nothing else would say so.
     """
     for position, velocity in permutations(range(len(design.states)), 2):
-        sides = (design.fixed[position], *(c.parts[position] for c in design.columns))
-        if any(velocity in side.variables for side in sides):
+        if any(velocity in side.variables for side in design.sides_of(position)):
             continue
         if all(np.array_equal(r.x_dot[:, position], r.x[:, velocity]) for r in records):
             if design.derivative_of(position) is not None:

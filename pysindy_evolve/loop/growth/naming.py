@@ -54,10 +54,9 @@ def small_candidates(
 
 def _acting(design: Design, state: int) -> frozenset[int]:
     """Return the variables that act in an equation."""
-    sides = (design.fixed[state], *(column.parts[state] for column in design.columns))
     position = design.position_of(state)
     own = {state} if position is None else {state, position}
-    return frozenset(own).union(*(side.variables for side in sides))
+    return frozenset(own).union(*(side.variables for side in design.sides_of(state)))
 
 
 def shifted(design: Design, state: int, signed: np.ndarray) -> np.ndarray:

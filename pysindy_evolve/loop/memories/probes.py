@@ -52,10 +52,7 @@ def users_of(design: Design, column: int) -> tuple[int, ...]:
     return tuple(
         state
         for state in design.open_states
-        if any(
-            index in part.variables
-            for part in (design.fixed[state], *(c.parts[state] for c in design.columns))
-        )
+        if any(index in part.variables for part in design.sides_of(state))
     )
 
 
@@ -199,9 +196,10 @@ class Probes:
         memory = self.memories[k]
         state = users_of(self.design, memory.column)[0]
         swap = self.swap(k)
-        parts = (design.fixed[state], *(c.parts[state] for c in design.columns))
         terms = tuple(
-            sub(substituted(part, swap), part) for part in parts if set(swap) & part.variables
+            sub(substituted(part, swap), part)
+            for part in design.sides_of(state)
+            if set(swap) & part.variables
         )
         return MemoryCandidate(memory.kind, state, terms, memory=memory)
 

@@ -17,7 +17,7 @@ from ..effects.candidate import OFFSET
 from .advice import paragraphs
 from .cautions import held_delays
 from .remains import remains
-from .unexplained import leaves_much
+from .unexplained import unexplained
 from .units import percent_cell
 
 if TYPE_CHECKING:
@@ -45,8 +45,9 @@ def verdict_of(report: LoopReport) -> str:
     held = held_delays(report)
     if held and len(held) == len(report.effects):
         return HOLD_ONLY
-    much_left = report.verdict == "complete" and leaves_much(report)
-    return MUCH_LEFT if much_left else VERDICTS[report.verdict]
+    if report.verdict == "complete" and unexplained(report):
+        return MUCH_LEFT
+    return VERDICTS[report.verdict]
 
 
 def as_text(report: LoopReport) -> str:

@@ -15,7 +15,7 @@ from .units import percent
 if TYPE_CHECKING:
     from .report import LoopReport
 
-__all__ = ["leaves_much", "unexplained"]
+__all__ = ["unexplained"]
 
 LEAST = 5.0  # percent of the standard deviation, that is left of a derivative
 TIMES = 3.0  # what the noise of the sensors leaves of it; less may be an error of its estimate
@@ -48,11 +48,6 @@ def unexplained(report: LoopReport) -> list[str]:
         f"In the training data the model leaves {left_of}, where the noise of the sensors leaves "
         f"{by}. A cutoff so low that it takes off a part of the motion leaves more, too."
     ]
-
-
-def leaves_much(report: LoopReport) -> bool:
-    """Tell whether the model misses the records by more than the noise of the sensors explains."""
-    return bool(unexplained(report))
 
 
 def _noise(report: LoopReport) -> np.ndarray:
