@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from ...operators import BUILTIN
 from ...terms import Call, Sum, call, constant, mul, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
 
-__all__ = ["DEGREE", "angles_of", "between_angles"]
+__all__ = ["UNITS", "angles_of", "between_angles", "units_of"]
 
-DEGREE = math.pi / 180.0  # in radians
+RADIAN, DEGREE = 1.0, math.pi / 180.0
+UNITS = (RADIAN, DEGREE)  # what an angle is measured in, in radians
+BENT = 30.0  # degrees, from where on a sine is clearly no line
 WAVES = (BUILTIN["sin"], BUILTIN["cos"])
 
 
@@ -20,6 +24,16 @@ def angles_of(design: Design) -> frozenset[int]:
     """Return the variables that are angles: they stand in a sine or cosine of the model."""
     sides = [*design.fixed, *(part for column in design.columns for part in column.parts)]
     return frozenset().union(*map(_in_waves, sides))
+
+
+def units_of(design: Design, variable: int, scales: np.ndarray) -> tuple[float, ...]:
+    """Return in radians what a variable may be measured in, if it is an angle.
+
+    In degrees only where these go far enough, and where no sine of the model says what it is.
+    """
+    if scales[variable] < BENT or variable in angles_of(design):
+        return (RADIAN,)
+    return UNITS
 
 
 def _in_waves(expression: Sum) -> frozenset[int]:

@@ -9,14 +9,13 @@ import numpy as np
 
 from ...breeding.genetics import CURVED
 from ...terms import Call, Product, Sum, constant, mul, simplified
-from .angles import DEGREE
+from .angles import UNITS
 from .candidate import Candidate, Shape
 
 __all__ = ["shape_of", "told_shape", "with_units"]
 
 MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
 UNNAMED = ("first inner constant", "second inner constant", "third inner constant")
-UNITS = (1.0, DEGREE)  # what an angle is measured in
 NEAR = 0.1  # of a unit: what noise in an angle makes of the one in sin(q)
 
 

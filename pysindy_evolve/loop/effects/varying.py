@@ -10,15 +10,20 @@ from collections.abc import Iterator
 
 from ...terms import Sum, mul, variable
 from ..given.design import Design
+from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, bare
 
 __all__ = ["drifts", "varying"]
 
 
 def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
-    """Go through each declared term times a state or an input; squares have names of their own."""
+    """Go through each declared term times a state or an input; squares have names of their own.
+
+    An angle is left out: what changes with it is the same after a turn, and so no multiple of it.
+    """
+    acting = set(range(len(design.states) + len(design.inputs))) - angles_of(design)
     for part in _parts(design, effect.state):
-        for other in map(variable, range(len(design.states) + len(design.inputs))):
+        for other in map(variable, sorted(acting)):
             if other != part:
                 parents = (OFFSET, part)
                 yield effect("varying coefficient", mul(other, part), parents=parents, alone=True)

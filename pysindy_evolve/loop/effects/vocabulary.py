@@ -16,7 +16,7 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .angles import DEGREE, angles_of, between_angles
+from .angles import angles_of, between_angles, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
 from .differences import differences, losses
 from .entries import entries_of
@@ -117,7 +117,7 @@ def _of_rate(
     if position is not None:
         q = variable(position)
         yield from _springs(effect, q, float(scales[position]))
-        yield from _with_position(effect, q, v, float(scales[position]))
+        yield from _with_position(effect, q, v, units_of(design, position, scales))
     own = state if position is None else position
     for other in range(n_states):
         if other not in (state, position):
@@ -151,7 +151,7 @@ def _of_target(
             continue
         yield from _frictions(effect, variable(v), float(scales[v]))
         yield from _springs(effect, variable(x), float(scales[x]))
-        yield from _with_position(effect, variable(x), variable(v), float(scales[x]))
+        yield from _with_position(effect, variable(x), variable(v), units_of(design, x, scales))
         yield from rounded(effect, v, scales)
         yield from yields(effect, x, v, scales, float(middle[x]))
         yield from remembering(effect, x, v, scales, float(middle[x]))
@@ -186,10 +186,12 @@ def _half_width(width: float, q: Sum) -> Shape:
     return Shape((width,), (partial(_beyond, q),), meanings=("half width",))
 
 
-def _with_position(effect: CandidateMaker, q: Sum, v: Sum, reach: float) -> Iterator[Candidate]:
+def _with_position(
+    effect: CandidateMaker, q: Sum, v: Sum, units: tuple[float, ...]
+) -> Iterator[Candidate]:
     """Go through what a weight, or a damping or friction that changes with the position, does."""
-    in_degrees = mul(constant(DEGREE), q)
-    for angle in [q, in_degrees] if reach > np.pi else [q]:
+    for unit in units:
+        angle = mul(constant(unit), q)
         yield effect("gravity", call(BUILTIN["sin"], angle))
         yield effect("gravity", call(BUILTIN["cos"], angle), parents=(OFFSET,), whole=True)
     yield effect("nonlinear damping", mul(power(q, 2), v))

@@ -65,12 +65,20 @@ def test_surroundings_that_are_measured_but_act_nowhere_take_heat():
 
 def test_angles_in_degrees_have_a_weight_where_they_go_that_far():
     design = pse.DeclaredModel({"q": "v", "v": "-c*v"}).design()
-    for reach, n_sines in ((2.0, 1), (90.0, 2)):
+    for reach, n_sines in ((20.0, 1), (90.0, 2)):
         offered = candidates(design, np.full(3, reach))
         weights = [c.terms[0] for c in offered if c.name == "gravity" and not c.parents]
         assert len(weights) == n_sines
     at_right_angle = weights[-1].evaluate(np.array([[90.0, 0.0, 0.0]]))
     assert at_right_angle == pytest.approx([1.0])
+
+
+def test_an_angle_in_a_sine_of_the_model_is_in_radians_and_its_multiples_are_no_effects():
+    design = pse.DeclaredModel({"q": "v", "v": "a*sin(q) - b*v"}).design()
+    names = [c.terms[0].name(("q", "v", "t")) for c in candidates(design, np.full(3, 90.0))]
+    assert "cos(q)" in names
+    assert "v sin(q)" in names
+    assert not [name for name in names if "0.017" in name or name == "q sin(q)"]
 
 
 def test_a_pendulum_in_degrees_has_its_weight_found():
