@@ -10,6 +10,8 @@ x       (n_states, n_columns)      states
 u, du   (n_inputs, n_columns)      inputs at the start of a step, and their slopes
 s       (n_switches, n_columns)    frozen signs, or equivalent ones where a switch is held
 held    (n_switches, n_columns)    whether a switch is held at zero
+coef    (n_states, n_terms,        coefficients of the model of each column
+        n_columns)
 ======  =========================  ======================================================
 """
 
@@ -54,12 +56,17 @@ class Field:
     switches: tuple[Switch, ...]
     affine: bool
 
+    def coef_of(self, n_columns: int) -> np.ndarray:
+        """Return the coefficients of each column, those of the first model first."""
+        one = np.moveaxis(self.coef, 0, -1)
+        return np.repeat(one, n_columns // len(self.coef), axis=-1)
+
 
 @dataclass(frozen=True)
 class Columns:
     """State of some columns at the start of a step; see the table of the module.
 
-    `t` and `model`, of shape (n_columns,), hold the time and the row of `coef` of each column.
+    `t`, of shape (n_columns,), holds the time of each column.
     """
 
     x: np.ndarray
@@ -68,11 +75,11 @@ class Columns:
     t: np.ndarray
     s: np.ndarray
     held: np.ndarray
-    model: np.ndarray
+    coef: np.ndarray
 
     def pick(self, at: np.ndarray) -> Columns:
         """Return some of the columns."""
-        parts = (self.x, self.u, self.du, self.t, self.s, self.held, self.model)
+        parts = (self.x, self.u, self.du, self.t, self.s, self.held, self.coef)
         return Columns(*(part[..., at] for part in parts))
 
     def fed(self, u: np.ndarray, du: np.ndarray, t: np.ndarray) -> Columns:
@@ -148,7 +155,7 @@ def _plain_rates(field: Field, c: Columns, s: np.ndarray) -> np.ndarray:
     theta = field.tape.theta([*c.x, *c.u, c.t], s)
     if len(field.coef) == 1:
         return field.coef[0] @ theta
-    return np.einsum("csk,kc->sc", field.coef[c.model], theta)
+    return np.einsum("skc,kc->sc", c.coef, theta)
 
 
 def switching(field: Field, c: Columns) -> np.ndarray:

@@ -25,12 +25,11 @@ def advance(field: Field, columns: Columns, h: np.ndarray) -> Columns:
     columns = _synchronized(field, columns, h)
     after = step(field, columns, h)
     todo, crossed = _crossed(field, after)
-    now, left = columns, h
+    now, left, end = columns, h, after
     for _ in range(MAX_EVENTS):
         if not len(todo):
             break
-        now, left = now.pick(crossed), left[crossed]
-        now, left = _cross(field, now, left)
+        now, left = _cross(field, now.pick(crossed), left[crossed], end.pick(crossed))
         end = step(field, now, left)
         after.put(todo, end)
         beyond, crossed = _crossed(field, end)
@@ -85,9 +84,9 @@ def _crossed(field: Field, after: Columns) -> tuple[np.ndarray, np.ndarray]:
     return np.flatnonzero(beyond), beyond
 
 
-def _cross(field: Field, c: Columns, h: np.ndarray) -> tuple[Columns, np.ndarray]:
+def _cross(field: Field, c: Columns, h: np.ndarray, after: Columns) -> tuple[Columns, np.ndarray]:
     """Go to the first switch in each column and decide there; return it and the rest of h."""
-    fraction, first = _fractions(field, c, h)
+    fraction, first = _fractions(field, c, h, after)
     at = step(field, c, fraction * h)
     zero = at.held.copy()
     zero[first, np.arange(len(h))] = True
@@ -101,11 +100,13 @@ def _cross(field: Field, c: Columns, h: np.ndarray) -> tuple[Columns, np.ndarray
     return at, (1.0 - fraction) * h
 
 
-def _fractions(field: Field, c: Columns, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _fractions(
+    field: Field, c: Columns, h: np.ndarray, after: Columns
+) -> tuple[np.ndarray, np.ndarray]:
     """Locate the first switch within a step: its fraction of h, and which switch it is."""
     signs = np.where(c.held, 0.0, c.s)
     start = np.maximum(signs * switching(field, c), 0.0)
-    end = signs * switching(field, step(field, c, h))
+    end = signs * switching(field, after)
     with np.errstate(all="ignore"):
         share = np.where(end < 0.0, start / (start - end), np.inf)
     first = np.argmin(share, axis=0)

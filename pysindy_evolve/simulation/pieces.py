@@ -48,8 +48,8 @@ def simulate_pieces(
     out = np.empty((n, len(equations.states), n_pieces))
     out[0] = x0.T
     nothing = np.zeros((len(field.switches), n_pieces))
-    model = np.repeat(np.arange(len(coef)), n_pieces // len(coef))
-    columns = Columns(out[0], given[0], slopes[0], t[:, 0], nothing, nothing.astype(bool), model)
+    signs = nothing, nothing.astype(bool)
+    columns = Columns(out[0], given[0], slopes[0], t[:, 0], *signs, field.coef_of(n_pieces))
     with np.errstate(all="ignore"):
         columns = start_signs(field, columns, steps[:, 0])
         n_steps = choose_substeps(field, columns, steps[:, 0], TOLERANCE, MAX_SUBSTEPS)

@@ -114,7 +114,7 @@ def _columns(
         t=np.tile(t[starts], n_models),
         s=np.zeros((n_switches, n_columns)),
         held=np.zeros((n_switches, n_columns), dtype=bool),
-        model=np.repeat(np.arange(n_models), len(starts)),
+        coef=field.coef_of(n_columns),
     )
 
 
