@@ -121,6 +121,7 @@ def test_hysteresis_of_a_damper_is_found_with_its_numbers(length, unloading, see
     assert report.after.derivative_error[0] < 0.1 * report.before.derivative_error[0]
 
 
+@pytest.mark.slow
 def test_found_hysteresis_is_a_state_of_the_reported_model_and_its_runs():
     report = close(damper(0.3, 1.0))
     assert report.model.feature_names == ["F", "x_yield", "x", "v"]

@@ -4,8 +4,7 @@ The cases, their splits and the bounds stand in benchmarks/measured.py, so that 
 there is what holds here.
 """
 
-import importlib.util
-import sys
+import importlib
 
 import pytest
 
@@ -28,19 +27,20 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def benchmark(repository):
-    path = repository / "benchmarks" / "measured.py"
-    spec = importlib.util.spec_from_file_location("benchmark_measured", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
+    """The module of the benchmark, importable by its own processes too."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(repository / "benchmarks")
+        yield importlib.import_module("measured")
 
 
-@pytest.fixture(scope="module", params=NAMES)
+# All that is asked of a case runs in the same worker, which measures it once.
+GROUPED = [pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in NAMES]
+
+
+@pytest.fixture(scope="module", params=GROUPED)
 def measured(request, benchmark, data_dir):
-    """Name of a case and what came out of it."""
-    return request.param, benchmark.measure(request.param, data_dir)
+    """Name of a case and what came out of it, in a process of its own."""
+    return request.param, benchmark.in_new_process(request.param, data_dir)
 
 
 def test_every_case_of_the_benchmark_is_tested(benchmark):
@@ -71,17 +71,6 @@ def test_free_runs_of_a_corrected_model_beat_the_declared_ones(measured, request
         assert after < before or not result.effects, result.text
 
 
-def test_memory_stays_below_a_gigabyte(data_dir, repository):
-    """In a process of its own, as the peak of a process never sinks."""
-    import subprocess
-
-    done = subprocess.run(
-        [sys.executable, "benchmarks/measured.py", "emps", "--folder", str(data_dir)],
-        cwd=repository,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    cells = [cell.strip() for cell in done.stdout.splitlines()[-1].strip("| ").split("|")]
-    assert cells[0] == "emps"
-    assert float(cells[-1].removesuffix(" MB")) < 1000.0
+def test_memory_stays_below_a_gigabyte(measured):
+    _, result = measured
+    assert result.megabytes < 1000.0

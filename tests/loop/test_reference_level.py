@@ -23,7 +23,8 @@ def vessel(seed, dt=0.02, duration=60.0):
     return pse.prepare(t, noisy, flow + 2e-6 * rng.standard_normal(len(t)), order=1)
 
 
-@pytest.mark.parametrize("seed", [1, 3, 4])  # in 4 a grown term would come first
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 4])  # in 4 a grown term would come first
 def test_a_leak_to_the_ambient_has_its_pressure(seed):
     declared = pse.DeclaredModel({"p": "b*mdot"}, inputs=["mdot"])
     report = pse.close_loop(declared, vessel(seed), vessel(2), random_state=0)
@@ -50,9 +51,10 @@ def cooled(seed, dt=0.01, every=10, duration=150.0):
     return pse.prepare(t[::every], noisy, u.T[::every], order=1)
 
 
+@pytest.mark.slow
 def test_a_leak_is_found_beside_a_known_constant():
     declared = pse.DeclaredModel({"T": "350 - T + b*Q + UA*(Tc - T)"}, inputs=["Tc", "Q"])
-    report = pse.close_loop(declared, cooled(1), cooled(2), random_state=0)
+    report = pse.close_loop(declared, cooled(1), cooled(2), operators=(), random_state=0)
     found = {effect.name: float(effect.coefficients[0]) for effect in report.effects}
     assert set(found) == {"viscous damping", "constant offset"}, str(report)
     assert found["viscous damping"] == pytest.approx(-0.05, rel=0.2)

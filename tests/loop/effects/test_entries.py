@@ -54,6 +54,7 @@ def test_without_a_declared_damping_a_force_may_depend_on_any_speed():
     assert entry.velocities == (1, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_friction_of_a_changing_inertia_is_found_with_it(friction, tmp_path):
     true = equations_of(

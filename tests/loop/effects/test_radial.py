@@ -29,6 +29,7 @@ def throws(drag, seeds):
     return records
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drag", [0.0, 0.02])
 def test_the_drag_of_a_thrown_ball_depends_on_the_speed_in_the_plane(drag):
     declared = pse.DeclaredModel({"x": "vx", "vx": "0", "y": "vy", "vy": "-9.81"})
@@ -40,6 +41,7 @@ def test_the_drag_of_a_thrown_ball_depends_on_the_speed_in_the_plane(drag):
         assert effect.coefficients[0] == pytest.approx(-drag, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_shaft_grows_stiffer_the_further_out_it_whirls():
     stiff = "(4 + 0.5*(x**2 + y**2))"
     true = equations_of(

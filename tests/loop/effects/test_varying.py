@@ -46,6 +46,7 @@ def heated(loss, seed, noise=2e-3):
     return pse.prepare(t, y, u, order=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("loss", "found"), [("- 0.4*T - 0.5*T*w", ["T*w"]), ("- 0.4*T", [])])
 def test_a_fan_that_cools_better_the_faster_it_turns(loss, found):
     records = [heated(loss, seed) for seed in range(3)]
@@ -81,6 +82,7 @@ def test_an_angle_in_a_sine_of_the_model_is_in_radians_and_its_multiples_are_no_
     assert not [name for name in names if "0.017" in name or name == "q sin(q)"]
 
 
+@pytest.mark.slow
 def test_a_pendulum_in_degrees_has_its_weight_found():
     rng, t = np.random.default_rng(0), np.arange(0.0, 20.0, 0.01)
     model = pse.DeclaredModel({"q": "v", "v": "-30*sin(q) - 0.2*v"}).design().equations([])

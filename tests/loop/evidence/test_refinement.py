@@ -32,6 +32,7 @@ def names(record, seed):
     return [effect.name for effect in report.effects]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=SLOW) for k in range(1, 4))])
 def test_friction_seen_through_a_noisy_velocity_is_not_named_hysteresis(seed):
     record = measured_force(lambda x, v: 5.0 * np.sign(v), 0.02, seed)

@@ -220,6 +220,7 @@ def test_a_rounded_sign_counts_as_another_form_of_the_friction():
     assert sharp == ()
 
 
+@pytest.mark.slow
 def test_alternatives_do_not_hold_the_name_itself():
     rubbed = oscillator("Coulomb friction", "- 2*sgn(v)")
     record = rubbed.record(noise=0.02)

@@ -27,18 +27,21 @@ def measured(strength):
     return pse.prepare(t, solution.y[0] + noise, u(t))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("strength", "verdict"), [(0.15, "untraced"), (0.0, "complete")])
 def test_structure_that_no_tried_effect_explains_is_said_to_be_there(strength, verdict):
     report = pse.close_loop(DECLARED, measured(strength), operators=(), random_state=0)
     assert report.verdict == verdict, str(report)
 
 
+@pytest.mark.slow
 def test_a_grown_term_explains_it():
     report = pse.close_loop(DECLARED, measured(0.15), random_state=0)
     assert [effect.name for effect in report.effects] == ["evolved term"], str(report)
     assert str(report.effects[0].term) in {"q*u*v", "q*v*u"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 4])
 def test_an_input_that_answers_the_noise_of_the_sensor_is_no_structure(seed):
     declared = pse.DeclaredModel({"z": "v", "v": "g - C*i**2/z**2"}, inputs=["i"])
@@ -70,6 +73,7 @@ def coil(noise, n=6000, dt=0.005):
     return pse.prepare(t, current, voltage + noise * rng.standard_normal(n), order=1)
 
 
+@pytest.mark.slow
 def test_noise_of_the_sensor_of_an_input_is_no_structure():
     declared = pse.DeclaredModel({"i": "a*u - r*i"}, inputs=["u"])
     for noise in (0.0, 0.02, 0.1):
@@ -86,6 +90,7 @@ def test_an_input_that_is_held_has_no_noise_that_its_steps_could_be_taken_for():
     assert levels[1] >= 0.02
 
 
+@pytest.mark.slow
 def test_what_a_found_effect_leaves_is_said_to_depend_on_what_was_measured():
     record = measured(0.15)
     declared = pse.DeclaredModel({"q": "v", "v": "-k*q + b*u"}, inputs=["u"])

@@ -165,6 +165,7 @@ def test_the_cause_stays_among_the_alternatives_and_a_wrong_one_does_not(design)
     assert chances["quadratic drag"] > 0.05 >= chances["linear stiffness"]
 
 
+@pytest.mark.slow
 def test_drag_is_named_on_a_film_of_a_light_ball():
     record, second = filmed(WHIFFLE, seed=2), filmed(WHIFFLE, seed=3)
     report = pse.close_loop(FALL, record, test=second, n_twins=99, random_state=0)
@@ -175,6 +176,7 @@ def test_drag_is_named_on_a_film_of_a_light_ball():
         assert np.isfinite(rival.coefficients).all()
 
 
+@pytest.mark.slow
 def test_an_alternative_has_the_coefficient_that_it_would_take():
     record = filmed(WHIFFLE, seed=5, noise=0.25)
     report = pse.close_loop(FALL, record, test=record, n_twins=99, random_state=0)
@@ -193,6 +195,7 @@ def test_nothing_is_named_where_a_ball_falls_freely(seed):
     assert report.verdict == "complete"
 
 
+@pytest.mark.slow
 def test_an_effect_of_the_states_is_named_where_a_drift_would_do_as_well():
     """A light ball's film of three seconds: what is linear in the time fits it best."""
     record, second = (filmed(WHIFFLE, seed=s, noise=0.2) for s in (2, 1002))

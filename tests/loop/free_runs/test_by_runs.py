@@ -69,6 +69,7 @@ def found_in(record, declared=TANK, **options):
     return list(look.found)
 
 
+@pytest.mark.slow
 def test_hidden_vessel_is_found_with_its_time_constant():
     (finding, *_) = found_in(tanks(1, upper=(40.0,), noise=0.1))
     assert isinstance(finding, MemoryFinding)
@@ -79,6 +80,7 @@ def test_hidden_vessel_is_found_with_its_time_constant():
 AXIS = pse.DeclaredModel({"q": "v", "v": "b*F - c*v"}, inputs=["F"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lacking", "name"),
     [("- 0.15*v*abs(v)", "quadratic drag"), ("- 0.4*sgn(v)", "Coulomb friction")],
@@ -118,6 +120,7 @@ def regulated(seed):
     return pse.prepare(np.arange(n) * dt, seen, force)
 
 
+@pytest.mark.slow
 def test_brim_of_a_hidden_vessel_is_found():
     truth = (40.0, 12.0, 1.0)
     (finding, *_) = found_in(tanks(2, upper=truth, noise=0.1))
@@ -125,6 +128,7 @@ def test_brim_of_a_hidden_vessel_is_found():
     assert finding.memory.values == pytest.approx(truth, rel=0.25)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_single_tank_that_an_unmeasured_inflow_disturbs_has_nothing_hidden(seed):
     assert found_in(tanks(seed, walk=0.003)) == []

@@ -110,6 +110,7 @@ def test_of_what_does_clearly_better_that_wins_which_does_best():
     assert winner.shape.values == pytest.approx([0.25], rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_gain_that_was_declared_too_large_does_not_saturate(seed):
     truth = {"q": "v", "v": "F - 0.8*v"}
@@ -120,6 +121,7 @@ def test_a_gain_that_was_declared_too_large_does_not_saturate(seed):
     assert [effect.name for effect in report.effects] == ["input gain"]
 
 
+@pytest.mark.slow
 def test_no_rival_whose_runs_diverge_takes_the_place_of_a_grown_term():
     rates = {"x": "1 - 4.03*x + 3.1*x**2*y", "y": "3.03*x - 3.1*x**2*y"}
     starts = ((0.7, 1.4), (2.1, 1.3), (1.2, 0.5))
@@ -151,6 +153,7 @@ def test_numbers_far_from_a_unit_stay():
     assert with_units(Candidate("evolved term", 1, (parse("tanh(3*v)", ("q", "v")).known,))) is None
 
 
+@pytest.mark.slow
 def test_a_sine_of_an_angle_stays_one_where_no_other_number_in_it_does_clearly_better():
     truth = {"q": "v", "v": "-39.2*sin(q) - 0.5*v"}
     records = [measured(truth, order=2, x0=(q0, 0.0), duration=20.0, seed=k, noise=2e-3)
@@ -163,6 +166,7 @@ def test_a_sine_of_an_angle_stays_one_where_no_other_number_in_it_does_clearly_b
     assert "the record asks for\n-39.2" in str(report)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [2e-4, 2e-3])
 def test_runs_refute_drag_in_free_decays_with_dry_friction(noise):
     rng, t, records = np.random.default_rng(0), np.arange(0.0, 8.0, 0.005), []

@@ -64,6 +64,7 @@ def test_only_what_drives_the_run_over_the_training_data_away_is_withdrawn(recor
     assert np.isfinite(report.after.simulation_error).all()
 
 
+@pytest.mark.slow
 def test_an_unstable_machine_that_a_controller_held_keeps_its_effect():
     t, rng = np.arange(0.0, 40.0, 0.01), np.random.default_rng(0)
     asked = multisine(20.0, 0)(t)

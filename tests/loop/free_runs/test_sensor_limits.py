@@ -88,6 +88,7 @@ def test_runs_tell_a_tank_that_runs_over_from_a_sensor_that_ends(seed):
     assert sensor.limit.value == 8.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 5])
 def test_tank_that_runs_over_is_found_to_stop_there(seed):
     record = tank(seed, brim=8.0, top=8.0)

@@ -43,6 +43,7 @@ def test_coulomb_friction_in_a_force_is_found_with_its_size():
     assert effect.coefficients == pytest.approx([5.0], rel=0.05)
 
 
+@pytest.mark.slow
 def test_hysteresis_in_a_force_is_found_and_betters_what_was_held_out():
     report = close(measured_force(lambda x, v: 8.0 * np.tanh((v + 2.0 * x) / 2.0)))
     assert report.effects[0].name == "hysteresis"

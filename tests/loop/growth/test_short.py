@@ -60,6 +60,7 @@ def test_names_keep_their_place_where_a_term_does_as_well():
     assert [effect.name for effect in report.effects] == ["viscous damping"]
 
 
+@pytest.mark.slow
 def test_one_term_takes_the_place_of_two_names_that_do_worse():
     records = records_of({"x": "0.3 - 1.5*tanh(2*x)"}, ((3.0,), (-3.5,), (2.0,)))
     declared = pse.DeclaredModel({"x": "g"})

@@ -112,6 +112,7 @@ def test_memory_of_a_part_knows_the_input_before_it():
     assert part.u == pytest.approx(whole[300:].u)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "memory",
     [Memory("input delay", 0, (0.004,)), Memory("actuator lag", 0, (0.05,))],
@@ -130,6 +131,7 @@ def test_memory_is_found_with_its_value_and_both_errors_fall(memory):
     assert f"{memory.values[0]:.2g}"[:4] in str(report)
 
 
+@pytest.mark.slow
 def test_a_delay_that_no_sindy_model_holds_is_told_and_rounded_where_it_is_printed():
     report = close(record_with(Memory("input delay", 0, (0.0123456,))))
     with pytest.warns(UserWarning, match=r"takes F as it was 0\.0123\d* earlier\. Shift the input"):
@@ -150,6 +152,7 @@ def test_lag_is_a_state_of_the_reported_model():
     assert report.residual_after[0].shape == report.test[0].x.shape
 
 
+@pytest.mark.slow
 def test_delay_and_friction_are_found_together():
     report = close(record_with(Memory("input delay", 0, (0.01,)), friction=2.0))
     found = {effect.name: effect for effect in report.effects}
@@ -181,6 +184,7 @@ def test_a_delay_is_found_from_where_a_vessel_was_the_best_of_the_grid():
     assert tuned.values == pytest.approx((7.0,), rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_delay_of_half_a_sample_is_said_to_be_that_of_an_input_that_is_held():
     held = Memory("input delay", 0, (0.5 * DT,))
     report = close(record_with(held))
@@ -189,6 +193,7 @@ def test_a_delay_of_half_a_sample_is_said_to_be_that_of_an_input_that_is_held():
     assert "Verdict: traced: nothing is missing but the half sample" in str(report)
 
 
+@pytest.mark.slow
 def test_memories_that_cannot_be_told_apart_get_a_proposal_too():
     report = close(record_with(Memory("actuator lag", 0, (0.006,)), noise=0.01))
     (effect,) = report.effects
@@ -198,6 +203,7 @@ def test_memories_that_cannot_be_told_apart_get_a_proposal_too():
     assert "Record steps of it, sampled in much less than the 0.00" in plan
 
 
+@pytest.mark.slow
 def test_in_a_closed_loop_a_held_input_is_a_delay_and_no_damping():
     # Half a sample is shorter than all that is tried first; a damping comes close to it.
     declared = pse.DeclaredModel({"z": "v", "v": "g - C*i**2/z**2"}, inputs=["i"])
@@ -207,6 +213,7 @@ def test_in_a_closed_loop_a_held_input_is_a_delay_and_no_damping():
     assert report.effects[0].coefficients[0] == pytest.approx(5e-4, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_lag_of_an_input_that_is_known_is_found_in_a_model_without_parameters():
     truth = Memory("actuator lag", 0, (0.2,))
     record = record_with(truth)

@@ -238,6 +238,7 @@ def test_rates_of_a_model_without_inputs_need_no_hidden_states():
     assert along == pytest.approx(full.evaluate(run, None, T)[:, :2], abs=0.02)
 
 
+@pytest.mark.slow
 def test_model_without_free_parameters_may_lack_a_hidden_state():
     numbers = pse.DeclaredModel({"q": "v", "v": "-20*q - 0.3*v + F"}, inputs=["F"])
     report = pse.close_loop(numbers, measured(), operators=(), random_state=0, n_twins=59)
@@ -302,6 +303,7 @@ def test_free_runs_need_what_is_there_and_not_what_is_not():
     assert gains_of_runs(plain, full, [other])[0] < 0.1
 
 
+@pytest.mark.slow
 def test_hidden_state_of_an_oscillator_is_found_with_its_numbers():
     report = pse.close_loop(DECLARED, measured(), operators=(), random_state=0, n_twins=59)
     (effect,) = report.effects

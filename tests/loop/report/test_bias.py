@@ -35,6 +35,7 @@ def covered(design, fitted):
     ]
 
 
+@pytest.mark.slow
 def test_friction_is_as_large_as_it_was_and_its_interval_holds_it():
     before, after = [], []
     for seed in range(8):

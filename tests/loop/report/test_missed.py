@@ -29,6 +29,7 @@ def test_who_is_told_to_judge_by_the_derivative_is_told_what_is_left_of_it():
     assert "judge by the derivative. In the training data the model leaves" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("strength", "sentence"), [(0.0, VERDICTS["complete"]), (20.0, MUCH_LEFT)])
 def test_a_complete_model_that_a_random_force_drives_off_is_not_said_to_lack_nothing(
     strength, sentence

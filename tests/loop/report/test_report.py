@@ -101,6 +101,7 @@ def test_table_shows_the_errors_of_the_report(report):
     assert shown == pytest.approx(errors, rel=6e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["report", "drifting"])
 def test_model_predicts_what_the_equations_evaluate(which, request):
     report = request.getfixturevalue(which)
@@ -204,6 +205,7 @@ def test_markdown_holds_the_table_and_every_effect(report):
         assert f"### {effect.name} in the equation of v" in page
 
 
+@pytest.mark.slow
 def test_each_term_of_an_effect_is_printed_with_its_own_coefficient():
     hidden = oscillator("periodic forcing", "+ 3*sin(7.3*t) + 0.5*cos(7.3*t)")
     forced = pse.close_loop(hidden.model, hidden.record(), operators=(), random_state=0)
@@ -215,6 +217,7 @@ def test_each_term_of_an_effect_is_printed_with_its_own_coefficient():
     assert f"{cosine:.4g} times cos(" in str(forced)
 
 
+@pytest.mark.slow
 def test_a_sum_that_a_coefficient_multiplies_stands_in_parentheses():
     hidden = oscillator("dead zone", "+ 40*0.5*(abs(q + 0.2) - abs(q - 0.2))")
     played = pse.close_loop(hidden.model, hidden.record(), operators=(), random_state=0)
@@ -252,6 +255,7 @@ def test_a_free_run_that_misses_the_record_is_mentioned(complete):
     assert "still misses" not in str(complete)
 
 
+@pytest.mark.slow
 def test_what_is_left_of_a_derivative_beside_the_noise_is_mentioned(complete):
     t, rng = np.arange(0.0, 40.0, 0.01), np.random.default_rng(3)
     force, push = multisine(20.0, 3)(t), np.interp(t, t[::20], rng.normal(0.0, 4.0, t[::20].size))
@@ -276,6 +280,7 @@ def test_short_records_say_that_only_small_terms_were_tried(complete):
         assert ("too short to search for terms" in said) == is_said
 
 
+@pytest.mark.slow
 def test_held_out_data_beyond_the_training_data_is_mentioned_where_the_model_errs_there():
     truth = {"q": "v", "v": "-40*q - 2*v - 300*q**3 + F"}
     small, other, large = (measured(truth, size=s, seed=k) for k, s in enumerate((1.0, 1.0, 60.0)))
@@ -371,6 +376,7 @@ def test_a_parameter_that_turns_its_sign_is_mentioned(report):
     assert "reverses the sign" not in str(report)
 
 
+@pytest.mark.slow
 def test_a_wrong_known_value_is_found_under_its_own_name_and_told():
     sides = {"q": "v", "v": "-30*q - c*v + b*F"}
     record = measured({**sides, "v": "-30*q - 0.8*v + F"}, noise=5e-3)
@@ -419,6 +425,7 @@ def test_a_line_whose_phase_differs_between_records_is_told_and_not_named(terms)
     assert [float(line) for line in lines] == pytest.approx([21.3 / (2 * np.pi)] * any(terms), 1e-2)
 
 
+@pytest.mark.slow
 def test_no_line_is_told_of_a_record_too_short_to_know_its_noise():
     truth = pse.DeclaredModel({"S": "-0.4*S*I", "I": "0.4*S*I - 0.1*I"}).design().equations([])
     t, records = np.linspace(0.0, 120.0, 600), []
@@ -435,6 +442,7 @@ def test_no_line_is_told_of_a_record_too_short_to_know_its_noise():
         assert "has a line at" not in str(report)
 
 
+@pytest.mark.slow
 def test_a_wrong_weight_is_no_gravity_of_an_angle():
     sides = {"q": "v", "v": "-k*q - c*v + b*F"}
     record = measured({"q": "v", "v": "-30*q - 0.8*v + F - 14.8"}, noise=1e-3)

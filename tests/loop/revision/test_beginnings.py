@@ -52,6 +52,7 @@ def test_record_in_balance_with_its_first_input_stays_as_it_is():
     assert memories_in(found.findings) == (Memory(LAG, 0, (TIME_CONSTANT,)),)
 
 
+@pytest.mark.slow
 def test_heater_switched_on_with_the_first_sample_is_found_with_its_numbers():
     report = pse.close_loop(DECLARED, heated(before=0.0), operators=(), n_twins=59, random_state=0)
     assert [effect.name for effect in report.effects] == [LAG]

@@ -57,6 +57,7 @@ def test_of_effects_as_plain_as_each_other_the_one_that_was_found_is_named(desig
     assert plainer(kept, design, 0.05) is kept
 
 
+@pytest.mark.slow
 def test_of_a_constant_and_what_cannot_be_told_from_it_the_constant_is_named():
     t = np.arange(0.0, 200.0, 0.1)
     heated = equations_of({"T": "0.4*u - 0.2*(T - 20) + 0.5"}, ("u",))

@@ -23,13 +23,15 @@ def motor(noise, seed, levels=(-1.0, 1.0), limit=np.inf):
     return pse.prepare(DT * np.arange(N), y, u + noise * rng.standard_normal(N), order=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [0.0, 0.005, 0.02])
 def test_a_noisy_input_that_jumps_between_two_levels_does_not_saturate(noise):
     for seed in (1, 2):  # each was named a saturation at each noise
-        report = pse.close_loop(MOTOR, motor(noise, seed), random_state=seed)
+        report = pse.close_loop(MOTOR, motor(noise, seed), operators=(), random_state=seed)
         assert report.verdict == "complete", str(report)
 
 
+@pytest.mark.slow
 def test_an_input_that_does_saturate_is_named_beside_its_noise():
     levels = np.linspace(-1.0, 1.0, 9)
     report = pse.close_loop(MOTOR, motor(0.01, 0, levels, limit=0.7), random_state=0)
@@ -49,6 +51,7 @@ def converter(gain, seed):
     return pse.prepare(t[finer], y, duty[finer], order=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gain", [5.0, -5.0])
 def test_a_missing_gain_is_no_error_of_an_input_that_jumps(gain):
     records = [converter(gain, seed) for seed in range(3)]
@@ -109,6 +112,7 @@ def test_nothing_is_known_of_inputs_without_raw_data():
     assert input_error(made, np.random.default_rng(0)) is None
 
 
+@pytest.mark.slow
 def test_the_means_of_a_square_wave_make_no_friction():
     held = np.tile(np.repeat([1.0, -1.0], 80), 16)[:N]
     decay, v = np.exp(-1.5 * DT), np.zeros(N)
@@ -122,6 +126,7 @@ def test_the_means_of_a_square_wave_make_no_friction():
     assert report.before.simulation_error[0] == pytest.approx(0.1, rel=0.1)  # the sensor's noise
 
 
+@pytest.mark.slow
 def test_noise_of_one_input_says_nothing_of_an_effect_of_another():
     rng, t = np.random.default_rng(3), DT * np.arange(N)
     noisy = np.repeat(rng.choice([-1.0, 1.0], 1 + N // 62), 62)[:N]

@@ -92,6 +92,7 @@ def test_a_gap_is_found_along_both_equations_and_along_neither_of_them(clutch):
     assert [(f.step, f.candidate.state) for f in kept] == [(1, 1), (2, 3)]
 
 
+@pytest.mark.slow
 def test_a_gap_that_equations_share_is_tuned_by_free_runs_and_kept_in_duels(clutch):
     record, design, effects = clutch
     findings = planted([one.at([1.15 * GAP]) for one in effects], design)
