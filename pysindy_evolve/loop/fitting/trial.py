@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...equations import Equations
+from ...lazily import lazily
 from ...simulation.pieces import simulate_pieces
 from ..given.design import Design
 from ..given.segments import Segments
@@ -77,12 +78,12 @@ class Trial:
         """What the low-passes of records leave of the runs, shape (n_stretches, n, n_states)."""
         return self.part.shown(self.x)
 
-    @property
+    @lazily
     def miss(self) -> np.ndarray:
         """What the sensors show of the states to meet, minus what they show of the runs."""
         return self.part.missed(self.x)
 
-    @property
+    @lazily
     def error(self) -> float:
         """Sum of the squared misses; infinite if a run diverges."""
         with np.errstate(over="ignore", invalid="ignore"):

@@ -52,8 +52,9 @@ class Band:
             own = np.flatnonzero([place[0] == k for place in self.places])
             if len(own) and self.length >= SHORTEST and _cutoff(record) is not None:
                 before, after = self._cut(k, record.x), self._cut(k, self._passed[k])
-                left = [_low_passed(record, difference) for difference in x[own] - before]
-                found[own] = after + np.stack(left)
+                columns = np.moveaxis(x[own] - before, 0, 1)  # (n, n_pieces, n_states)
+                left = _low_passed(record, columns.reshape(self.length, -1))
+                found[own] = after + np.moveaxis(left.reshape(columns.shape), 1, 0)
         return found
 
     def _cut(self, k: int, x: np.ndarray) -> np.ndarray:

@@ -259,16 +259,27 @@ def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -
     grams = spectral_grams(part, design, [*columns, Column("known", design.fixed)])
     folds = part.folds
     by_fold = np.array([grams[folds == k].sum(axis=0) for k in range(int(folds.max()) + 1)])
-    each = np.arange(len(by_fold))
-    without = fold_errors(by_fold, np.arange(n_own)[None, :], each)[0]
-    found = []
-    for place in places:
-        target = _with_target(by_fold, place[n_own]) if n_own in place else by_fold
-        moved = [place.get(k, k) for k in range(n_own)]
-        both = [*range(n_own), *(p for k, p in place.items() if k < n_own)]
-        alone, beside = (fold_errors(target, np.array([m]), each)[0] for m in (moved, both))
-        found.append(Exchange(without, alone, beside))
-    return found
+    targets = [place.get(n_own) for place in places]
+    moved = [tuple(place.get(k, k) for k in range(n_own)) for place in places]
+    both = [(*range(n_own), *(p for k, p in place.items() if k < n_own)) for place in places]
+    (without,) = _errors(by_fold, [tuple(range(n_own))], [None])
+    alone, beside = (_errors(by_fold, models, targets) for models in (moved, both))
+    return [Exchange(without, *errors) for errors in zip(alone, beside, strict=True)]
+
+
+def _errors(
+    grams: np.ndarray, models: Sequence[tuple[int, ...]], targets: Sequence[int | None]
+) -> list[np.ndarray]:
+    """Return the errors of models in each fold, those of one length and target at once."""
+    alike: dict[tuple[int | None, int], list[int]] = {}
+    for i, (model, target) in enumerate(zip(models, targets, strict=True)):
+        alike.setdefault((target, len(model)), []).append(i)
+    each, found = np.arange(len(grams)), dict[int, np.ndarray]()
+    for (target, _), members in alike.items():
+        aimed = grams if target is None else _with_target(grams, target)
+        errors = fold_errors(aimed, np.array([models[i] for i in members]), each)
+        found |= dict(zip(members, errors, strict=True))
+    return [found[i] for i in range(len(models))]
 
 
 @lru_cache(maxsize=4096)  # each twin asks for the same ones
