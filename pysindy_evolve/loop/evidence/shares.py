@@ -42,12 +42,10 @@ class Shares:
             views = view_grams(part, design, columns, slopes)
         self._grams = {name: grams.sum(axis=0) for name, grams in views.items()}
         self._base = tuple(range(len(design.columns)))
-        n_columns = len(design.columns) + len(extra)
+        self._errors: dict[tuple[str, tuple[int, ...]], float] = {}
+        every = tuple(range(len(design.columns) + len(extra)))
         self._of_declared, self._of_present = (
-            {
-                name: _error(gram, range(n)) - _error(gram, range(n_columns))
-                for name, gram in self._grams.items()
-            }
+            {name: self._left(name, every[:n]) - self._left(name, every) for name in self._grams}
             for n in (len(declared.columns), len(design.columns))
         )
 
@@ -62,10 +60,16 @@ class Shares:
         explainable = self._of_present if exchange else self._of_declared
         others = tuple(place for place in score.places if place not in own)
         return max(
-            (_error(gram, self._base + others) - _error(gram, self._base + score.places))
+            (self._left(name, self._base + others) - self._left(name, self._base + score.places))
             / max(explainable[name], 1e-300)
-            for name, gram in self._grams.items()
+            for name in self._grams
         )
+
+    def _left(self, view: str, columns: tuple[int, ...]) -> float:
+        """Return what columns leave of the target's square, computed once: groups share many."""
+        if (view, columns) not in self._errors:
+            self._errors[view, columns] = _error(self._grams[view], columns)
+        return self._errors[view, columns]
 
 
 def view_gain(design: Design, group: Sequence[Candidate], part: Segments) -> float:

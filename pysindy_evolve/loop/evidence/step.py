@@ -83,9 +83,9 @@ def find(
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
     zeros = zeros_of(standing(design) - standing(declared), len(design.states))
-    matter = (s for s in scores if _is_one_of(zeros, s) or _matters(s, shares, rules))
-    worthy = [s for s in matter if s.value > 0.0]
-    gaining = [s for s in scores[:1] if s.value > 0.0]
+    able = [s for s in scores if s.value > 0.0]
+    worthy = [s for s in able if _is_one_of(zeros, s) or _matters(s, shares, rules)]
+    gaining = able[:1]
     names = (*design.states, *design.inputs, "t")
     # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
     if not worthy and (design.columns != declared.columns or not gaining):

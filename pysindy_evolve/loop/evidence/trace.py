@@ -21,7 +21,7 @@ from ..effects.candidate import OFFSET, Candidate
 from ..fitting.linear import RIDGE, TINY, solve, solve_many
 from ..given.segments import LARGEST
 
-__all__ = ["Score", "fold_errors", "is_new", "rank", "ranked"]
+__all__ = ["Score", "are_new", "fold_errors", "rank", "ranked"]
 
 ROUNDING = 1e-16  # relative to the square of the target
 EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
@@ -161,7 +161,8 @@ def ranked(
     for candidate in candidates:
         own.append(tuple(range(start, start + candidate.n_columns)))
         start += candidate.n_columns
-    new = [i for i in range(len(candidates)) if is_new(total, n_fixed, own[i])]
+    fresh = are_new(total[:-1, :-1], n_fixed)
+    new = [i for i, columns in enumerate(own) if all(fresh[k - n_fixed] for k in columns)]
     groups: list[tuple[int, ...]] = [(i,) for i in new]
     paired = [i for i in new if pairs and not candidates[i].alone]
     groups += [
@@ -171,7 +172,8 @@ def ranked(
     ]
     missing = [{(c.state, parent) for parent in c.parents} - present for c in candidates]
     brought = [{(c.state, term) for term in c.terms} for c in candidates]
-    allowed = [g for g in groups if all(missing[i] <= _union(brought, g) for i in g if missing[i])]
+    needs = [lacks - terms for lacks, terms in zip(missing, brought, strict=True)]
+    allowed = [g for g in groups if all(_is_met(needs[i], i, g, brought) for i in g)]
     offsets = {candidates[i].state: i for i in new if candidates[i].terms == (OFFSET,)}
     posing = [i for i in new if candidates[i].parents == (OFFSET,) and missing[i]]
     lacking = [(offsets[candidates[i].state], i) for i in posing if candidates[i].state in offsets]
@@ -228,32 +230,33 @@ def _scored(
     return scores
 
 
-def _union(sets: Sequence[set[tuple[int, Sum]]], group: Sequence[int]) -> set[tuple[int, Sum]]:
-    return set().union(*(sets[i] for i in group))
+def _is_met(
+    needs: set[tuple[int, Sum]],
+    place: int,
+    group: Sequence[int],
+    brought: Sequence[set[tuple[int, Sum]]],
+) -> bool:
+    """Tell whether the other effect of a group, if there is one, brings what one needs."""
+    return not needs or any(needs <= brought[other] for other in group if other != place)
 
 
-def is_new(total: np.ndarray, n_fixed: int, own: Sequence[int]) -> bool:
-    """Tell whether columns are finite and no combinations of the first `n_fixed` ones.
+def are_new(gram: np.ndarray, n_fixed: int) -> np.ndarray:
+    """Tell which columns are finite and no combinations of the first `n_fixed` ones.
 
     Parameters
     ----------
-    total : ndarray of shape (p + 1, p + 1)
-        Inner products, target last.
+    gram : ndarray of shape (p, p)
+        Inner products of the columns.
     n_fixed : int
         Columns of the model.
-    own : sequence of int
-        Columns in question.
 
     Returns
     -------
-    bool
+    ndarray of bool of shape (p - n_fixed,)
     """
-    base = np.arange(n_fixed)
-    for column in own:
-        size = total[column, column]
-        if not TINY < size < LARGEST**2:
-            return False
-        fit = solve(total[np.ix_(base, base)], total[base, column])
-        if size - fit @ total[base, column] <= NEW * size:
-            return False
-    return True
+    size, beside = np.diagonal(gram)[n_fixed:], gram[:n_fixed, n_fixed:]
+    with np.errstate(over="ignore", invalid="ignore"):
+        fits = solve_many(gram[:n_fixed, :n_fixed], beside)
+        left = size - np.sum(fits * beside, axis=0)
+        repeated = left <= NEW * size
+    return np.asarray((size > TINY) & (size < LARGEST**2) & ~repeated)

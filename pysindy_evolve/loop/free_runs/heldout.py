@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..evidence.trace import is_new
+from ..evidence.trace import are_new
 from ..fitting.linear import solve_many
 from ..fitting.trial import Trial
 from .whitening import Whitener
@@ -86,4 +86,4 @@ class HeldOut:
         """Tell whether columns are finite and no combinations of the first `own` ones."""
         index = np.array([*range(own), *columns])
         total = self.grams[:, index[:, None], index].sum(axis=0)
-        return is_new(total, own, range(own, len(index)))
+        return bool(are_new(total, own).all())
