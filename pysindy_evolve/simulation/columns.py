@@ -116,7 +116,8 @@ def step(field: Field, c: Columns, h: np.ndarray) -> Columns:
 
 def moved(c: Columns, k: np.ndarray, h: np.ndarray) -> Columns:
     """Return the columns after h at the rates k."""
-    return replace(c, x=c.x + h * k, u=c.u + h * c.du, t=c.t + h)
+    # Not replace(), which takes longer than what it is asked for here.
+    return Columns(c.x + h * k, c.u + h * c.du, c.du, c.t + h, c.s, c.held, c.coef)
 
 
 def _rates(field: Field, c: Columns, h: np.ndarray) -> np.ndarray:
