@@ -28,6 +28,7 @@ import sympy
 
 from ..operators import BUILTIN, Operator
 from ..terms import Call, Sum, add, call, constant, mul, sub
+from .turning import turning_along
 
 __all__ = ["BOUC_WEN", "Hysteresis", "yielding", "yielding_along"]
 
@@ -55,43 +56,7 @@ def yielding_along(
     -------
     ndarray of shape (n_samples,)
     """
-    ups, begins = _directions(x)
-    runs = np.abs(np.diff(x[begins])) / length
-    fading, slower = np.exp(-runs), np.exp(-unloading * runs)
-    w, at_turns = start, []
-    for up, fades, holds in zip(ups.tolist(), fading.tolist(), slower.tolist(), strict=True):
-        at_turns.append(w)
-        along = up * w  # seen along the motion
-        if along >= 0.0:
-            along = 1.0 - (1.0 - along) * fades
-        else:
-            held = (1.0 - unloading * along) * holds  # 1 where w comes to zero
-            along = (1.0 - held) / unloading if held > 1.0 else 1.0 - held ** (1.0 / unloading)
-        w = up * along
-    # The same on all rows between two turns: numpy is slow on one row, and a loop on many.
-    rows = np.diff(begins)
-    first, turned, up = (np.repeat(p, rows) for p in (x[begins[:-1]], np.array(at_turns), ups))
-    along, run = up * turned, np.abs(x[1:] - first) / length
-    held = (1.0 - unloading * np.minimum(along, 0.0)) * np.exp(-unloading * run)
-    after_zero = 1.0 - np.minimum(held, 1.0) ** (1.0 / unloading)
-    turning = np.where(held > 1.0, (1.0 - held) / unloading, after_zero)
-    moved = np.where(along >= 0.0, 1.0 - (1.0 - along) * np.exp(-run), turning)
-    return np.concatenate([[start], up * moved])
-
-
-def _directions(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the signs of the stretches in which a path goes one way, and where they begin.
-
-    The last row ends them. A rest belongs to what came before it.
-    """
-    ups = np.sign(np.diff(x))
-    moves = np.flatnonzero(ups)
-    if not len(moves):
-        return np.ones(1 if len(x) > 1 else 0), np.unique([0, len(x) - 1])
-    signs = ups[moves]
-    turns = np.flatnonzero(np.diff(signs)) + 1
-    begins = np.concatenate([[0], moves[turns], [len(x) - 1]]).astype(int)
-    return signs[np.concatenate([[0], turns])], begins
+    return turning_along(x / length, 1.0, unloading, start)
 
 
 def _on_rows(x: np.ndarray, v: np.ndarray, length: np.ndarray, unloading: np.ndarray) -> np.ndarray:

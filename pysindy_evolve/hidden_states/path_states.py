@@ -7,7 +7,8 @@ weights, so that these can be fitted as coefficients are:
 ======================  ==================================  ======================  ==========
 kind                    hidden state                        weights                 term
 ======================  ==================================  ======================  ==========
-hysteresis, boucwen.py  w, between -1 and 1                 1 / L, k / L            w
+friction, boucwen.py    w, between -1 and 1                 1 / L, k / L            w
+spring, wen_spring.py   w                                   1 / L, beta / L         w
 relaxation, relaxing.py h, within the range of the state x  1 / T                   x - h
 ======================  ==================================  ======================  ==========
 """
@@ -26,6 +27,7 @@ from ..substitution import substituted
 from ..terms import Call, Sum, add, constant, mul
 from .boucwen import BOUC_WEN, Hysteresis
 from .relaxing import RELAXING, Relaxation
+from .wen_spring import WEN_SPRING, SpringHysteresis
 
 __all__ = ["PathKind", "kind_of", "moved", "path_rate", "paths_in", "sayings", "source_of"]
 
@@ -80,7 +82,11 @@ class PathKind(Protocol):
 
 
 UNSAID = ("", "")  # nothing after any number
-KINDS: dict[Operator, PathKind] = {BOUC_WEN: Hysteresis(), RELAXING: Relaxation()}
+KINDS: dict[Operator, PathKind] = {
+    BOUC_WEN: Hysteresis(),
+    WEN_SPRING: SpringHysteresis(),
+    RELAXING: Relaxation(),
+}
 
 
 def kind_of(path: Call) -> PathKind:

@@ -2,19 +2,20 @@
 
 Hysteresis is a friction whose sign changes before or after the velocity does, sgn(v + c x) or
 sgn(v + c a), sharp or rounded off. A position may be measured from anywhere, so the middle of the
-stroke takes the place of its zero. Bouc and Wen's hysteresis depends on the path only, see
-boucwen.py.
+stroke takes the place of its zero. Bouc and Wen's hysteresis depends on the path only: a friction,
+see boucwen.py, or a spring, see wen_spring.py.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from ...hidden_states.boucwen import yielding, yielding_along
+from ...hidden_states.boucwen import yielding
+from ...hidden_states.wen_spring import springing
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
 from .candidate import Candidate, CandidateMaker, Shape
@@ -40,6 +41,9 @@ SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and 
 WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
 LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the stroke
 PATH_NUMBERS = ("length", "rate of unloading")
+SPRING_LENGTHS = (0.1, 0.3, 1.0)  # over which a spring forgets, in halves of the stroke
+SPRING_NUMBERS = ("length", "loss")
+EVEN = 0.5  # loss of a spring that grows neither stiffer nor softer on the way out
 UNLOADINGS = (0.25, 1.0, 4.0)  # Dahl's friction in the middle
 ENOUGH = 8  # times that a friction must have turned round, or its memory does not show
 CENTERED = 0.1  # share of half the stroke that a zero of the position may lie off its middle
@@ -111,18 +115,23 @@ def remembering(
     effect: CandidateMaker,
     x: int,
     v: int,
-    scales: np.ndarray | Mapping[int, float],
-    middle: float,
+    stroke: float,
     unloadings: Sequence[float] = UNLOADINGS,
     refines: tuple[str, ...] = PLAINER,
 ) -> Iterator[Candidate]:
-    """Go through hystereses of Bouc and Wen, which remember the path of a position."""
-    stroke = float(scales[x]) - abs(middle)
-    build = partial(yielding, variable(x), variable(v))
+    """Go through frictions and springs of Bouc and Wen, which remember the path of a position.
+
+    `stroke` is half of what the position goes through.
+    """
+    friction = partial(yielding, variable(x), variable(v))
     for length in LENGTHS:
         for unloading in unloadings:
-            shape = Shape((length * stroke, unloading), (build,), meanings=PATH_NUMBERS)
+            shape = Shape((length * stroke, unloading), (friction,), meanings=PATH_NUMBERS)
             yield effect("hysteresis", shape=shape, refines=refines)
+    spring = partial(springing, variable(x), variable(v))
+    for length in SPRING_LENGTHS:
+        shape = Shape((length * stroke, EVEN), (spring,), meanings=SPRING_NUMBERS)
+        yield effect("hysteresis", shape=shape, refines=refines)
 
 
 def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]:
@@ -140,16 +149,16 @@ def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]
     Returns
     -------
     list of Candidate
-        With the friction of Dahl in the middle; the rate of unloading is tuned from there.
+        Frictions as Dahl's, and springs; their second numbers are tuned from there.
     """
-    low, high = float(x.min()), float(x.max())
-    scales = {position: max(abs(low), abs(high))}
-    middle, dahl = 0.5 * (low + high), UNLOADINGS[1:2]
-    ways = remembering(CandidateMaker(state), position, state, scales, middle, dahl, SIMPLER)
-    return [way for way in ways if _turns(way, x) >= ENOUGH]
+    stroke, dahl = 0.5 * float(np.ptp(x)), UNLOADINGS[1:2]
+    ways = remembering(CandidateMaker(state), position, state, stroke, dahl, SIMPLER)
+    return [way for way in ways if _turns(way, position, x) >= ENOUGH]
 
 
-def _turns(way: Candidate, x: np.ndarray) -> int:
-    """Return how often a friction changes its sign along a path."""
-    w = yielding_along(x, *way.shape.values) if way.shape else np.zeros(1)
+def _turns(way: Candidate, position: int, x: np.ndarray) -> int:
+    """Return how often what remembers changes its sign along a path."""
+    rows = np.zeros((len(x), max(position, way.state) + 1))
+    rows[:, position] = x
+    w = way.terms[0].evaluate(rows)
     return int(np.sum(w[1:] * w[:-1] < 0.0))

@@ -154,7 +154,7 @@ def _of_target(
         yield from _with_position(effect, variable(x), variable(v), units_of(design, x, scales))
         yield from rounded(effect, v, scales)
         yield from yields(effect, x, v, scales, float(middle[x]))
-        yield from remembering(effect, x, v, scales, float(middle[x]))
+        yield from remembering(effect, x, v, float(scales[x]) - abs(float(middle[x])))
         moving |= {x, v}
     for column in range(first, first + len(design.inputs)):
         if column not in moving:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from ...equations import Equations
 from ...hidden_states.boucwen import BOUC_WEN
 from ...hidden_states.path_states import source_of
+from ...hidden_states.wen_spring import WEN_SPRING
 from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate
@@ -93,7 +94,8 @@ def offer_for(
 def _hystereses_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
     """Return the frictions that remember, of positions that have none yet."""
     longest = max(records, key=len)
-    taken = {source_of(path) for path in paths_of(design) if path.operator == BOUC_WEN}
+    turning = BOUC_WEN, WEN_SPRING
+    taken = {source_of(path) for path in paths_of(design) if path.operator in turning}
     found = []
     for state in design.open_states:
         position = design.position_of(state)

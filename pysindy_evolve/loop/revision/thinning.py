@@ -2,7 +2,8 @@
 
 Where no name fits, names that come close may enter before the term is grown: a square and a cube of
 the input for the exponential of a voltage. Beside them its numbers settle where they fill the gaps,
-and so each of them still seems needed.
+and so each of them still seems needed. So it is with a Coulomb friction that came in before the
+hysteresis it is a part of.
 """
 
 from __future__ import annotations
@@ -22,9 +23,11 @@ from ..given.segments import Segments
 
 __all__ = ["thinned"]
 
+FILLS_GAPS = (EVOLVED, "hysteresis")
+
 
 def thinned(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Return findings without those that a grown term, tuned anew, can do without.
+    """Return findings without those that a grown term or a hysteresis, tuned anew, can do without.
 
     All that were named before the term are dropped together if the rest predicts as well, else one
     by one.
@@ -56,7 +59,7 @@ def _came_before(one: Finding, grown: Finding) -> bool:
     earlier = one.step < grown.step and one.candidate.state == grown.candidate.state
     # The derivative is blind to what only runs show, and what remembers adds no term.
     shows = not (isinstance(one, MemoryFinding) or one.by_runs)
-    return grown.candidate.name == EVOLVED and earlier and shows
+    return grown.candidate.name in FILLS_GAPS and earlier and shows
 
 
 def _without(
