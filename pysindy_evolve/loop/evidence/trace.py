@@ -18,7 +18,7 @@ import numpy as np
 
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
-from ..fitting.linear import RIDGE, TINY, solve, solve_many
+from ..fitting.linear import TINY, errors_of, solve_many
 from ..given.segments import LARGEST
 
 __all__ = ["Score", "are_new", "fold_errors", "rank", "ranked"]
@@ -60,40 +60,11 @@ def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.
     ndarray of shape (n_models, n_folds)
         Sum of squared errors in each fold.
     """
-    used, places = np.unique(np.asarray(models, dtype=int), return_inverse=True)
-    models = places.reshape(np.shape(models))
-    grams = grams[:, [*used, -1]][:, :, [*used, -1]]
-    last, each = len(used), range(int(folds.max()) + 1)
-    held = np.array([grams[folds == k].sum(axis=0) for k in each])
+    held = np.array([grams[folds == k].sum(axis=0) for k in range(int(folds.max()) + 1)])
     # Not the sum of all less this one: a column that is zero elsewhere would leave its rounding.
-    rest = np.array([np.delete(held, k, axis=0).sum(axis=0) for k in each])
-    n_shared = int(np.argmin([*np.all(models == models[0], axis=0), False]))
-    trained, judged = _without(models[0, :n_shared], rest, held)
-    index = np.column_stack([models[:, n_shared:], np.full(len(models), last)])
-    pick = (slice(None), index[:, :, None], index[:, None, :])
-    trained, judged = trained[pick], judged[pick]
-    coef = solve(trained[..., :-1, :-1], trained[..., :-1, -1])
-    contrast = np.concatenate([coef, np.full((*coef.shape[:-1], 1), -1.0)], axis=-1)
-    errors = np.einsum("fmi,fmij,fmj->mf", contrast, judged, contrast)
+    rest = np.array([np.delete(held, k, axis=0).sum(axis=0) for k in range(len(held))])
     # Below rounding one fit is not better than another, and ratios of errors would overflow.
-    return np.maximum(errors, ROUNDING * held[:, last, last])
-
-
-def _without(
-    shared: np.ndarray, rest: np.ndarray, held: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Project columns out of all, as fitted to the rest (Frisch and Waugh): models share them.
-
-    All matrices have the shape (n_folds, p + 1, p + 1).
-    """
-    ridge = RIDGE * np.maximum(np.diagonal(rest, axis1=1, axis2=2), TINY / RIDGE)
-    ridge[:, -1] = 0.0  # the target is no column
-    ridged = rest + ridge[:, :, None] * np.eye(rest.shape[1])
-    fits = solve_many(rest[:, shared[:, None], shared], rest[:, shared])
-    left = np.broadcast_to(np.eye(rest.shape[1]), rest.shape).copy()
-    left[:, shared] -= fits
-    turned = np.swapaxes(left, 1, 2)
-    return turned @ ridged @ left, turned @ held @ left
+    return np.maximum(errors_of(rest, held, models), ROUNDING * held[:, -1, -1])
 
 
 def rank(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["RIDGE", "TINY", "log_ratio", "solve", "solve_gram", "solve_many"]
+__all__ = ["TINY", "errors_of", "log_ratio", "solve", "solve_gram", "solve_many"]
 
 TINY = 1e-300  # what nothing is divided by less than
 RIDGE = 1e-10  # relative; keeps a column that repeats another one from blowing up
@@ -59,6 +59,56 @@ def solve_gram(gram: np.ndarray) -> np.ndarray:
     ndarray of shape (p,)
     """
     return solve(gram[:-1, :-1], gram[:-1, -1])
+
+
+def errors_of(trained: np.ndarray, judged: np.ndarray, models: np.ndarray) -> np.ndarray:
+    """Fit many models to one part of the data each time, and judge them by another.
+
+    The columns that come first in all of them are projected out once, whatever their number.
+
+    Parameters
+    ----------
+    trained, judged : ndarray of shape (n_parts, p + 1, p + 1)
+        Inner products of columns and, last, target: those to fit, those to judge by.
+    models : ndarray of int of shape (n_models, n_columns)
+        Columns of each model.
+
+    Returns
+    -------
+    ndarray of shape (n_models, n_parts)
+        Sum of squared errors.
+    """
+    models = np.asarray(models, dtype=int)
+    n_shared = int(np.argmin([*np.all(models == models[0], axis=0), False]))
+    shared, own = models[0, :n_shared], models[:, n_shared:]
+    others, places = np.unique(np.insert(own, own.shape[1], -1, axis=1), return_inverse=True)
+    index = places.reshape(len(models), -1)
+    size = np.maximum(np.diagonal(trained, axis1=1, axis2=2), TINY / RIDGE)
+    size[:, -1] = 0.0  # the target is no column
+    ridged = trained + RIDGE * size[:, :, None] * np.eye(trained.shape[1])
+    fits = solve_many(trained[:, shared[:, None], shared], trained[:, shared[:, None], others])
+    fitted, held = (_left(grams, shared, others, fits, index) for grams in (ridged, judged))
+    coef = solve(fitted[..., :-1, :-1], fitted[..., :-1, -1])
+    contrast = np.concatenate([coef, np.full((*coef.shape[:-1], 1), -1.0)], axis=-1)
+    return np.asarray(np.einsum("fmi,fmij,fmj->mf", contrast, held, contrast))
+
+
+def _left(
+    grams: np.ndarray, shared: np.ndarray, others: np.ndarray, fits: np.ndarray, index: np.ndarray
+) -> np.ndarray:
+    """Return what shared columns leave of the inner products in each model (Frisch and Waugh).
+
+    `index` are the places of a model's columns among the others, (n_models, k); the result has the
+    shape (n_parts, n_models, k, k).
+    """
+    beside = grams[:, shared[:, None], others]
+    moved = grams[:, shared[:, None], shared] @ fits - beside
+    rows, columns = index[:, :, None], index[:, None, :]
+    if index.shape[1] > 2:  # many columns meet in pairs
+        turned = np.swapaxes(fits, 1, 2) @ moved - np.swapaxes(beside, 1, 2) @ fits
+        return (grams[:, others[:, None], others] + turned)[:, rows, columns]
+    turned = fits[:, :, rows] * moved[:, :, columns] - beside[:, :, rows] * fits[:, :, columns]
+    return grams[:, others[rows], others[columns]] + turned.sum(axis=1)
 
 
 def log_ratio(before: float, after: float) -> float:

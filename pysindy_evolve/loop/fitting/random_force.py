@@ -11,7 +11,9 @@ symbol  shape                                           meaning
 ratio   scalar                                          variance of the drift D w, over that of e
 memory  scalar                                          of w, in lengths of the record
 starts  (n, order)                                      what the unknown first state adds
-weights (n_noises, n, n)                                inner products of rows, free of starts
+axes    (n_memories, n, n)                              of D C D^T, which all ratios share
+scales  (n_noises, n)                                   that make the rows along them white
+fitted  (n_noises, n, order)                            orthonormal: the starts, made white
 ======  ==============================================  ======================================
 """
 
@@ -23,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.linalg import cholesky, solve_triangular, toeplitz
+from scipy.linalg import cholesky, toeplitz
 
 __all__ = ["NOISES", "Noise", "Whitening", "drift_size", "whitening"]
 
@@ -38,31 +40,46 @@ class Noise(NamedTuple):
 RATIOS = np.geomspace(1e-2, 1e6, 13)  # from hardly any force to nothing else
 MEMORIES = (0.0, 0.05, 0.15)  # a force that lasts longer is taken for an effect
 NOISES = (Noise(0.0, 0.0), *(Noise(float(r), m) for m in MEMORIES for r in RATIOS))
+OF_MEMORY = np.array([MEMORIES.index(noise.memory) for noise in NOISES])
 
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
-    """Weights of the rows for each noise, and the log determinants of the restricted likelihood."""
+    """How rows are weighed for each noise, and the log determinants of the restricted likelihood.
 
-    weights: np.ndarray
+    Symbols as above.
+    """
+
+    axes: np.ndarray
+    scales: np.ndarray
+    fitted: np.ndarray
     logdets: np.ndarray
+
+    def grams(self, rows: np.ndarray) -> np.ndarray:
+        """Return inner products of columns of shape (n, p), free of starts: (n_noises, p, p)."""
+        along = np.swapaxes(self.axes, 1, 2) @ rows
+        white = self.scales[:, :, None] * along[OF_MEMORY]
+        starts = np.swapaxes(self.fitted, 1, 2) @ white
+        return np.asarray(np.swapaxes(white, 1, 2) @ white - np.swapaxes(starts, 1, 2) @ starts)
 
 
 @lru_cache(maxsize=32)
 def whitening(n: int, order: int) -> Whitening:
     """Return how n rows are weighed whose disturbing force is integrated `order` times."""
-    starts = _starts(n, order)
-    weights, logdets = [], []
-    for noise in NOISES:
-        drift = _drift(n, order, noise.memory) / drift_size(n, order, noise.memory)
-        root = cholesky(np.eye(n) + noise.ratio * drift @ drift.T, lower=True)
-        white = solve_triangular(root, np.eye(n), lower=True)
-        basis, upper = np.linalg.qr(white @ starts)
-        white -= basis @ (basis.T @ white)
-        weights.append(white.T @ white)
-        diagonals = np.concatenate([np.diagonal(root), np.diagonal(upper)])
-        logdets.append(2.0 * np.log(np.abs(diagonals)).sum())
-    return Whitening(np.array(weights), np.array(logdets))
+    starts, axes, spreads = _starts(n, order), [], []
+    for memory in MEMORIES:
+        drift = _drift(n, order, memory) / drift_size(n, order, memory)
+        left, sizes, _ = np.linalg.svd(drift)
+        axes.append(left)
+        spreads.append(sizes**2)
+    ratios = np.array([noise.ratio for noise in NOISES])
+    variances = 1.0 + ratios[:, None] * np.array(spreads)[OF_MEMORY]
+    scales = 1.0 / np.sqrt(variances)
+    along = np.swapaxes(np.array(axes), 1, 2) @ starts
+    fitted, upper = np.linalg.qr(scales[:, :, None] * along[OF_MEMORY])
+    corners = np.abs(np.diagonal(upper, axis1=1, axis2=2))
+    logdets = np.log(variances).sum(axis=1) + 2.0 * np.log(corners).sum(axis=1)
+    return Whitening(np.array(axes), scales, fitted, logdets)
 
 
 @lru_cache(maxsize=64)

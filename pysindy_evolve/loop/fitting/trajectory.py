@@ -16,7 +16,7 @@ more gains by chance.
 symbol  shape                                           meaning
 ======  ==============================================  ======================================
 rows    (n, n_columns + 1)                              integrated columns and target of a record
-grams   (n_noises, n_columns + 1, n_columns + 1)        inner products of the rows, weighed
+grams   (n_noises, n_acting + 2, n_acting + 2)          inner products of the rows, weighed
 logdets (n_noises,)                                     log determinants that go with them
 ======  ==============================================  ======================================
 
@@ -43,7 +43,7 @@ from ...signals import Preparation, Record
 from ...terms import Cache
 from ..given.design import Column, Design
 from ..given.segments import LARGEST, variables_of
-from .linear import solve, solve_gram
+from .linear import errors_of, solve_gram
 from .random_force import NOISES, drift_size, whitening
 
 __all__ = ["Disturbance", "Trajectories", "followable", "made_of"]
@@ -107,15 +107,23 @@ class _Course:
         return sum(len(rows) - self.order for rows in self.rows)
 
     @cached_property
+    def acting(self) -> np.ndarray:
+        """Places of the columns that are not those of other equations, and so zero in this one."""
+        acts = np.any(np.concatenate(self.rows), axis=0)
+        return np.flatnonzero(np.append(acts[:-1], True))
+
+    @cached_property
     def grams(self) -> np.ndarray:
-        # The columns of other equations are zero in this one.
-        acting = np.flatnonzero(np.concatenate(self.rows).any(axis=0))
-        own = [rows[:, acting] for rows in self.rows]
-        part = np.sum([r.T @ whitening(len(r), self.order).weights @ r for r in own], axis=0)
+        """Inner products of nothing, of the acting columns and of the target, for each noise."""
+        own = [np.insert(rows[:, self.acting], 0, 0.0, axis=1) for rows in self.rows]
+        return np.sum([whitening(len(r), self.order).grams(r) for r in own], axis=0)
+
+    def gram(self, place: int) -> np.ndarray:
+        """Return the inner products of all columns and the target for one of the noises."""
         n_columns = self.rows[0].shape[1]
-        grams = np.zeros((len(part), n_columns, n_columns))
-        grams[:, acting[:, None], acting] = part
-        return grams
+        full = np.zeros((n_columns, n_columns))
+        full[self.acting[:, None], self.acting] = self.grams[place, 1:, 1:]
+        return full
 
     @cached_property
     def logdets(self) -> np.ndarray:
@@ -123,19 +131,18 @@ class _Course:
 
     def deviances(self, models: np.ndarray) -> np.ndarray:
         """Return -2 log likelihood at the best noise variance, (n_noises, n_models)."""
-        last = self.grams.shape[1] - 1
-        pick = (slice(None), models[:, :, None], models[:, None, :])
-        xy = self.grams[:, models, last]
-        coef = solve(self.grams[pick], xy)
-        target = self.grams[:, last, last][:, None]
-        left = np.maximum(target - np.sum(coef * xy, axis=-1), ROUNDING * target + 1e-300)
-        return self.n_free * np.log(left / self.n_free) + self.logdets[:, None]
+        places = np.zeros(self.rows[0].shape[1], dtype=int)
+        places[self.acting] = np.arange(1, len(self.acting) + 1)
+        apart, alike = np.unique(places[models], axis=0, return_inverse=True)
+        least = ROUNDING * self.grams[:, -1, -1] + 1e-300
+        left = np.maximum(errors_of(self.grams, self.grams, apart), least).T[:, alike.ravel()]
+        return np.asarray(self.n_free * np.log(left / self.n_free) + self.logdets[:, None])
 
     def likeliest(self) -> tuple[int, float]:
         """Return the place of the ratio that makes the model likeliest, and the noise variance."""
-        n_columns = self.grams.shape[1] - 1
+        n_columns = self.rows[0].shape[1] - 1
         place = int(np.argmin(self.deviances(np.arange(n_columns)[None])[:, 0]))
-        gram = self.grams[place]
+        gram = self.gram(place)
         left = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
         free = max(self.n_free - n_columns, 1)
         return place, float(max(left, ROUNDING * gram[-1, -1], 1e-300)) / free
@@ -172,9 +179,8 @@ class Trajectories:
 
     def total(self, place: int) -> np.ndarray:
         """Return the Gram matrix for one of the ratios, each equation in units of its target."""
-        return np.sum(
-            [c.grams[place] / max(c.grams[place][-1, -1], 1e-300) for c in self.courses], axis=0
-        )
+        grams = [course.gram(place) for course in self.courses]
+        return np.sum([gram / max(gram[-1, -1], 1e-300) for gram in grams], axis=0)
 
     def errors(self, models: np.ndarray) -> np.ndarray:
         """Return the variance that each model leaves, each with its own likeliest force.
@@ -199,7 +205,7 @@ class Trajectories:
         grams = []
         for course in self.courses:
             place, variance = course.likeliest()
-            grams.append(course.grams[place] / variance)
+            grams.append(course.gram(place) / variance)
         total = np.sum(grams, axis=0)
         coef = solve_gram(total)
         free = max(sum(c.n_free for c in self.courses) - len(coef), 1)

@@ -55,7 +55,7 @@ def test_weights_make_each_noise_white_and_ignore_the_start(order):
     n = 30
     made = whitening(n, order)
     starts = np.vander(np.arange(n) / n, order)
-    for noise, weights in zip(NOISES, made.weights, strict=True):
+    for noise, weights in zip(NOISES, made.grams(np.eye(n)), strict=True):
         apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
         alike = np.exp(-apart / (noise.memory * n)) if noise.memory else np.eye(n)
         integral = np.linalg.matrix_power(np.tril(np.ones((n, n))), order)
