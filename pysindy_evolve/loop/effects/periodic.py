@@ -14,7 +14,13 @@ from ...operators import BUILTIN
 from ...terms import Sum, call, constant, mul, variable
 from .candidate import Candidate, CandidateMaker, Shape
 
-__all__ = ["FEWEST_FREQUENCIES", "lines_of", "periodic_candidates", "ripple_candidates"]
+__all__ = [
+    "FEWEST_FREQUENCIES",
+    "is_same_ripple",
+    "lines_of",
+    "periodic_candidates",
+    "ripple_candidates",
+]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
@@ -138,6 +144,14 @@ def ripple_candidates(
         )
         for cycles in lines
     ]
+
+
+def is_same_ripple(one: Candidate, other: Candidate) -> bool:
+    """Tell whether either of two ripples can be tuned to the wave number of the other."""
+    if one.shape is None or other.shape is None:
+        return False
+    apart = abs(np.log(one.shape.values[0] / other.shape.values[0]))
+    return bool(apart <= max(one.shape.reach, other.shape.reach))
 
 
 def _waves(column: int) -> tuple[Callable[[float], Sum], ...]:

@@ -11,7 +11,7 @@ from ...equations import Equations
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, standing
-from ..effects.periodic import periodic_candidates, ripple_candidates
+from ..effects.periodic import is_same_ripple, periodic_candidates, ripple_candidates
 from ..effects.vocabulary import VOCABULARY
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams
@@ -58,20 +58,39 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
     """Return what may be missing: the vocabulary, and waves over time and position."""
     variables = np.concatenate([variables_of(record) for record in records])
     proposed = candidates(design, *ranges(variables))
-    longest = max(records, key=len)
-    residual = as_observed(
-        longest, longest.x_dot - equations.evaluate(longest.x, longest.u, longest.t)
-    )
-    time = len(design.states) + len(design.inputs)
+    left = [_left(record, equations) for record in records]
+    first = int(np.argmax([len(record) for record in records]))
+    longest, time = records[first], len(design.states) + len(design.inputs)
     for state in design.open_states:
         drivers = longest.x[:, :0] if longest.u is None else longest.u
-        proposed += periodic_candidates(state, time, residual[:, state], drivers, longest.dt)
+        residual = left[first][:, state]
+        proposed += periodic_candidates(state, time, residual, drivers, longest.dt)
         position = design.position_of(state)
         if position is not None:
-            made, q = longest.preparation, longest.x[:, position]
-            noise = 0.0 if made is None else float(made.noise[position // made.order])
-            proposed += ripple_candidates(state, position, residual[:, state], q, noise)
+            residuals = [own[:, state] for own in left]
+            proposed += _ripples(state, position, residuals, records)
     return proposed
+
+
+def _left(record: Record, equations: Equations) -> np.ndarray:
+    """Return what equations leave of the derivative, as the sensor would show it."""
+    return as_observed(record, record.x_dot - equations.evaluate(record.x, record.u, record.t))
+
+
+def _ripples(
+    state: int, position: int, residuals: Sequence[np.ndarray], records: Sequence[Record]
+) -> list[Candidate]:
+    """Return the ripples that any record shows: one that went slowly may show it best."""
+    found: list[Candidate] = []
+    for residual, record in zip(residuals, records, strict=True):
+        made, q = record.preparation, record.x[:, position]
+        noise = 0.0 if made is None else float(made.noise[position // made.order])
+        found += [
+            ripple
+            for ripple in ripple_candidates(state, position, residual, q, noise)
+            if not any(is_same_ripple(ripple, other) for other in found)
+        ]
+    return found
 
 
 def score(
