@@ -17,6 +17,7 @@ import numpy as np
 from .. import terms
 from ..operators import BUILTIN, Operator
 from ..terms import Sum
+from .extremes import EXTREMES
 from .grammar import MAX_EXPONENT, MAX_SIZE, Source, as_text, chain
 from .names import advise_function, advise_parameter, check_known
 
@@ -74,7 +75,7 @@ def parse(
     ----------
     text : str, sympy.Expr or float
         The right-hand side: numbers, ``pi``, names, ``+ - * /``, ``**`` or ``^``, and calls of
-        `FUNCTIONS` or of `operators`.
+        `FUNCTIONS`, of ``min`` and ``max``, or of `operators`.
     variables : mapping of str to int, or sequence of str
         Name and column of each variable; a sequence numbers them from 0.
     known : mapping of str to float, optional
@@ -241,6 +242,8 @@ class _Reader:
         if not isinstance(node.func, ast.Name) or node.keywords:
             self.source.fail_syntax(node)
         name = self.source.name(node.func)
+        if name in EXTREMES and name not in self.functions and node.args:
+            return EXTREMES[name](*(self._parameter_free(argument) for argument in node.args))
         operator = self.functions.get(name)
         if operator is None:
             advice = advise_function(name, self.functions)

@@ -185,7 +185,7 @@ def test_other_types_are_a_type_error(text):
         (sympy.I * sympy.Symbol("q"), "must be real and finite"),
         (sympy.oo, "must be real and finite"),
         (sympy.Function("q")(sympy.Symbol("t")), "must call known functions"),
-        (sympy.Max(sympy.Symbol("q"), 0), "must call known functions"),
+        (sympy.Heaviside(sympy.Symbol("q")), "must call known functions"),
     ],
 )
 def test_sympy_outside_the_whitelist_is_an_error(expression, message):
@@ -272,3 +272,22 @@ def test_text_means_what_python_means_by_it(text):
     # A difference of rounding is not ours: sin(t**20) turns by many radians for it.
     if expected.imag == 0.0 and abs(expected) < 1e6 and rounding < 1e-8:
         assert found == pytest.approx(expected.real, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("min(q, 0.2)", 0.2),
+        ("max(q, 0.2)", 0.7),
+        ("min(max(v, -1), 1)", -1.0),
+        ("max(q, v, F)", 2.0),
+        (sympy.Max(sympy.Symbol("q"), 3 * sympy.Symbol("F")), 6.0),
+    ],
+)
+def test_limits_may_be_written_with_min_and_max(text, value):
+    assert known_value(text) == pytest.approx(value)
+
+
+def test_a_limit_must_not_hold_a_free_parameter():
+    with pytest.raises(ValueError, match="free parameter"):
+        parse("min(q, limit)", NAMES)

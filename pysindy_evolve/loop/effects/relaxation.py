@@ -18,7 +18,7 @@ from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape
 from .hysteresis import SIMPLER
 
-__all__ = ["relaxations_of", "relaxed_ways", "within_reach"]
+__all__ = ["longest_relaxation", "relaxations_of", "relaxed_ways", "within_reach"]
 
 # A shorter one looks like one more derivative of the state, in which noise of the target, and any
 # late or lagging input, can be told from the measured state itself.
@@ -75,6 +75,11 @@ def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
         found.append(effect("hidden state", shape=shape, refines=PLAINER, alone=True))
         value *= RATIO
     return found
+
+
+def longest_relaxation(record: Record) -> float:
+    """Return the longest relaxation time that is looked for in a record."""
+    return _span(record)[1]
 
 
 def _span(record: Record) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""What to keep in mind of a report: held inputs, turned signs, runs that miss the record."""
+"""What to keep in mind of a report: held inputs, what is slow, turned signs, wrong runs."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
 from ...terms import ONE
 from ..effects.periodic import FEWEST_FREQUENCIES, lines_of
+from ..effects.relaxation import longest_relaxation
 from ..given.kinematics import disagreement
 from .left import residual_of
 from .missed import missed
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["cautions", "held_delays"]
 
+DRIFT = "drift"
 HELD = 0.1  # sampling times by which a delay may differ from half of one
 WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
 GREW = 0.1  # percent of the standard deviation: a smaller rise is none
@@ -33,7 +35,8 @@ RUNAWAY = 100.0  # percent of the standard deviation: such an error cannot grow
 
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
-    found = [*_doubted(report), *_known(report), *_held(report), *_turned(report)]
+    found = [*_doubted(report), *_known(report), *_held(report), *_slow(report)]
+    found += _turned(report)
     found += [*_worse(report), *_undefined(report), *_lines(report), *beyond(report)]
     found += missed(report)
     return [*found, *_left(report)]
@@ -123,6 +126,18 @@ def _held(report: LoopReport) -> list[str]:
         "time. An input that is held from one sample to the next (zero-order hold) acts late by "
         "just that, so no part of the machine need be slow."
         for one in held_delays(report)
+    ]
+
+
+def _slow(report: LoopReport) -> list[str]:
+    """Say of a drift that it may be a state that nobody measured, too slow to be looked for."""
+    drifting = dict.fromkeys(one.state for one in report.effects if one.name == DRIFT)
+    longest = max(longest_relaxation(record) for record in report.train)
+    return [
+        f"The drift of {state} may also be a state that nobody measured and that follows slowly, "
+        f"over more than {format_number(longest)}, an eighth of the record: the loop looks for "
+        "quicker ones only. A longer record would tell."
+        for state in drifting
     ]
 
 
