@@ -26,12 +26,16 @@ def angles_of(design: Design) -> frozenset[int]:
     return frozenset().union(*map(_in_waves, sides))
 
 
-def units_of(design: Design, variable: int, scales: np.ndarray) -> tuple[float, ...]:
+def units_of(
+    design: Design, variable: int, scales: np.ndarray, middle: np.ndarray
+) -> tuple[float, ...]:
     """Return in radians what a variable may be measured in, if it is an angle.
 
-    In degrees only where these go far enough, and where no sine of the model says what it is.
+    In degrees only where these go far enough to both sides of their middle, as no height of a fall
+    from forty metres does, and where no sine of the model says what it is.
     """
-    if scales[variable] < BENT or variable in angles_of(design):
+    swing = scales[variable] - abs(middle[variable])
+    if swing < BENT or variable in angles_of(design):
         return (RADIAN,)
     return UNITS
 

@@ -185,7 +185,10 @@ def _lines(
         if not free[peak] or spectrum[peak] < LINE * floor[peak]:
             break
         cycles = _vertex(spectrum, peak) / n_fine
-        its_own = not any(_has_line(*_spectrum_and_floor(other, n_fine), peak) for other in others)
+        # A peak that begins to rise where the search does belongs to what is too slow for a line.
+        its_own = cycles * n_fine > FINENESS * n_periods - 1 and not any(
+            _has_line(*_spectrum_and_floor(other, n_fine), peak) for other in others
+        )
         if its_own and not _is_response(whole, others, peak, n_fine):
             yield cycles
             n_found += 1

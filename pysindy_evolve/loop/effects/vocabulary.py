@@ -98,7 +98,7 @@ def of_equation(
     if design.algebraic:
         found = _of_target(effect, design, scales, middle)
     else:
-        found = _of_rate(effect, design, scales, apart)
+        found = _of_rate(effect, design, scales, apart, middle)
     named: set[tuple[Sum, ...]] = set()
     for candidate in found:
         if candidate.terms not in named:
@@ -107,7 +107,11 @@ def of_equation(
 
 
 def _of_rate(
-    effect: CandidateMaker, design: Design, scales: np.ndarray, apart: np.ndarray
+    effect: CandidateMaker,
+    design: Design,
+    scales: np.ndarray,
+    apart: np.ndarray,
+    middle: np.ndarray,
 ) -> Iterator[Candidate]:
     """Go through the effects of the rate of a state."""
     state, n_states, n_inputs = effect.state, len(design.states), len(design.inputs)
@@ -117,7 +121,7 @@ def _of_rate(
     if position is not None:
         q = variable(position)
         yield from _springs(effect, q, float(scales[position]))
-        yield from _with_position(effect, q, v, units_of(design, position, scales))
+        yield from _with_position(effect, q, v, units_of(design, position, scales, middle))
     own = state if position is None else position
     for other in range(n_states):
         if other not in (state, position):
@@ -151,7 +155,9 @@ def _of_target(
             continue
         yield from _frictions(effect, variable(v), float(scales[v]))
         yield from _springs(effect, variable(x), float(scales[x]))
-        yield from _with_position(effect, variable(x), variable(v), units_of(design, x, scales))
+        yield from _with_position(
+            effect, variable(x), variable(v), units_of(design, x, scales, middle)
+        )
         yield from rounded(effect, v, scales)
         yield from yields(effect, x, v, scales, float(middle[x]))
         yield from remembering(effect, x, v, float(scales[x]) - abs(float(middle[x])))

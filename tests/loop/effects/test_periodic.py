@@ -120,3 +120,12 @@ def test_a_ripple_as_fine_as_the_steps_of_an_encoder_is_none_of_the_machine(trav
     residual = np.cos(200.0 * q) + noise
     assert ripple_candidates(1, 0, residual, q, noise=step / np.sqrt(12)) == []
     assert len(ripple_candidates(1, 0, residual, q, noise=step / 20)) == 1
+
+
+@pytest.mark.parametrize("periods", [3.3, 3.5, 3.7])
+def test_what_is_too_slow_for_a_ripple_is_none_of_any_other_wave_number(periods):
+    q = np.linspace(0.0, 1.0, 2000)
+    noise = 0.05 * np.random.default_rng(0).standard_normal(2000)
+    for ripple in ripple_candidates(1, 0, np.sin(2.0 * np.pi * periods * q) + noise, q):
+        assert 3.9 < ripple.shape.values[0] / (2.0 * np.pi) < 6.0
+        assert ripple.shape.reach > 0.0

@@ -74,6 +74,14 @@ def test_angles_in_degrees_have_a_weight_where_they_go_that_far():
     assert at_right_angle == pytest.approx([1.0])
 
 
+def test_a_height_from_which_something_falls_is_no_angle_in_degrees():
+    design = pse.DeclaredModel({"h": "v", "v": "-g"}).design()
+    offered = candidates(design, np.full(3, 40.0), middle=np.array([20.0, 0.0, 0.0]))
+    weights = [c.terms[0].name(("h", "v", "t")) for c in offered if c.name == "gravity"]
+    assert weights
+    assert not any("0.017" in name for name in weights)
+
+
 def test_an_angle_in_a_sine_of_the_model_is_in_radians_and_its_multiples_are_no_effects():
     design = pse.DeclaredModel({"q": "v", "v": "a*sin(q) - b*v"}).design()
     names = [c.terms[0].name(("q", "v", "t")) for c in candidates(design, np.full(3, 90.0))]

@@ -104,7 +104,10 @@ def test_repr_shows_each_equation_with_its_parameters():
         ("-k*q\u2212c*v", r".*got '\u2212' at .*\. Use - \(the minus of the keyboard\)\."),
         ("-k\u00b7q", r".*got '\u00b7' at .*\. Write a product with \*\."),
         ("k(q + v)", r".*Write k\*\(\.\.\.\) for a product\. Functions: "),
-        ("max(q, 0)", r".*got max\(\.\.\.\) at character 1 of 'max\(q, 0\)'\. Functions: square, "),
+        (
+            "step(q, 0)",
+            r".*got step\(\.\.\.\) at character 1 of 'step\(q, 0\)'\. Functions: square, ",
+        ),
         ("-c*sng(v)", r".*got sng\(\.\.\.\) at .*Did you mean sin or sgn\? Functions: "),
     ],
 )
