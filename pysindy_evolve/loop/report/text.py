@@ -187,7 +187,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
     paths = sayings(effect.expressions, [str(symbol) for symbol in symbols], _sure(effect))
-    lines += paths or numbers_inside(effect)
+    lines += _laid_out(paths, wide) or numbers_inside(effect)
     of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
     chance = f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
     if round(100 * effect.explained) > 0:
@@ -197,8 +197,16 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
         said = f"this record cannot tell it from: {rivals}{p_of_rivals(effect)}"
-        lines += [said] if wide else wrap(said, 92, subsequent_indent="  ", break_on_hyphens=False)
+        lines += _laid_out([said], wide)
     return [*lines, without_rivals(effect)] if not effect.rivals else lines
+
+
+def _laid_out(sayings: Sequence[str], wide: bool) -> list[str]:
+    """Break sayings into lines, if they are not to be as wide as they come."""
+    if wide:
+        return list(sayings)
+    options: dict[str, Any] = {"subsequent_indent": "  ", "break_on_hyphens": False}
+    return [line for said in sayings for line in wrap(said, 92, **options)]
 
 
 def numbers_inside(effect: Effect) -> list[str]:
