@@ -15,9 +15,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...hidden_states.path_states import kind_of
+from ...hidden_states.relaxing import RELAXING
+from ...hidden_states.wen_spring import WEN_SPRING
 from ...signals import Record
 from ...terms import Call
-from ..effects.relaxation import relaxations_of, within_reach
+from ..effects.relaxation import within_reach
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import LEAD, columns_of, tuned
 from ..fitting.fit import refit
@@ -30,6 +32,7 @@ from .revise import exchange
 __all__ = ["needed_by_runs", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
+SMOOTH = (RELAXING, WEN_SPRING)  # without the jumps of a friction: a filter may look like them
 
 
 def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
@@ -102,7 +105,7 @@ def with_numbers_of_runs(
 def needed_by_runs(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings without relaxations where free runs do as well without them.
+    """Return findings without relaxations and springs where free runs do as well without them.
 
     A derivative that somebody smoothed, or noise that is not white, looks remembered as well. Of
     that nothing is left in runs, which need no derivative; or what betters them worsens it.
@@ -124,8 +127,8 @@ def needed_by_runs(
     for finding in findings:
         rest = [f for f in kept if f is not finding]
         few, many = (with_findings(declared, those) for those in (rest, kept))
-        new = set(relaxations_of(many)) - set(relaxations_of(few))
-        sound = all(within_reach(path, longest) for path in new)
+        new = [path for path in set(paths_of(many)) - set(paths_of(few)) if path.operator in SMOOTH]
+        sound = all(within_reach(path, longest) for path in new if path.operator == RELAXING)
         if new and not (
             sound and _opposes(finding, many, records) and _better_runs(few, many, records)
         ):
