@@ -11,7 +11,6 @@ from ..hidden_states.memory import preceded, remembered
 from ..operators import Operator
 from ..signals import Record
 from .effects.candidate import Candidate
-from .effects.relaxation import relaxations_of
 from .evidence.findings import (
     Finding,
     SensorFinding,
@@ -46,7 +45,7 @@ from .revision.outlived import without_outlived
 from .revision.revise import exchange, merged, prune
 from .revision.sharing import with_shared_numbers
 from .revision.thinning import thinned
-from .revision.yielding import needed_by_runs, with_numbers, with_numbers_of_runs
+from .revision.yielding import needed_by_runs, smooth_in, with_numbers, with_numbers_of_runs
 
 __all__ = ["Search"]
 
@@ -73,7 +72,7 @@ class Search:
     findings: list[Finding] = field(default_factory=list)
     rejected: Rejected | None = None  # the last one
     chance_left: float = 1.0  # that what is left only seems to depend on what was measured
-    relaxing: bool = True  # whether to look for relaxations
+    relaxing: bool = True  # whether to look for relaxations, and springs that remember
     records: list[Record] = field(init=False)
     part: Segments = field(init=False)
     grower: TermGrower = field(init=False)
@@ -166,13 +165,13 @@ class Search:
         self.findings = merged(self.declared, kept, self.part)
 
     def _relaxes(self, findings: list[Finding], before: list[Finding]) -> bool:
-        """Tell whether a relaxation came in, which needs more proof than other effects."""
+        """Tell whether a relaxation or a spring came in, which needs more proof than others."""
         sides = (with_findings(self.declared, those) for those in (findings, before))
-        now, known = (len(relaxations_of(side)) for side in sides)
+        now, known = (len(smooth_in(side)) for side in sides)
         return now > known
 
     def _check(self, before: list[Finding]) -> None:
-        """Take back a relaxation that runs do not need, and what came with it."""
+        """Take back a relaxation or a spring that runs do not need, and what came with it."""
         if self._relaxes(self.findings, before):
             needed = needed_by_runs(self.declared, self.findings, self.records)
             if len(needed) < len(self.findings):

@@ -118,6 +118,7 @@ def remembering(
     stroke: float,
     unloadings: Sequence[float] = UNLOADINGS,
     refines: tuple[str, ...] = PLAINER,
+    spring_lengths: Sequence[float] = SPRING_LENGTHS,
 ) -> Iterator[Candidate]:
     """Go through frictions and springs of Bouc and Wen, which remember the path of a position.
 
@@ -129,12 +130,14 @@ def remembering(
             shape = Shape((length * stroke, unloading), (friction,), meanings=PATH_NUMBERS)
             yield effect("hysteresis", shape=shape, refines=refines)
     spring = partial(springing, variable(x), variable(v))
-    for length in SPRING_LENGTHS:
+    for length in spring_lengths:
         shape = Shape((length * stroke, EVEN), (spring,), meanings=SPRING_NUMBERS)
         yield effect("hysteresis", shape=shape, refines=refines)
 
 
-def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]:
+def remembered_ways(
+    state: int, position: int, x: np.ndarray, *, springs: bool = True
+) -> list[Candidate]:
     """Return the hystereses of Bouc and Wen that an equation of motion may lack.
 
     Parameters
@@ -145,6 +148,8 @@ def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]
         The state that remembers its path.
     x : ndarray of shape (n_samples,)
         The position in time order. Where it hardly ever turns there is nothing to remember.
+    springs : bool
+        Whether springs are among them.
 
     Returns
     -------
@@ -152,7 +157,8 @@ def remembered_ways(state: int, position: int, x: np.ndarray) -> list[Candidate]
         Frictions as Dahl's, and springs; their second numbers are tuned from there.
     """
     stroke, dahl = 0.5 * float(np.ptp(x)), UNLOADINGS[1:2]
-    ways = remembering(CandidateMaker(state), position, state, stroke, dahl, SIMPLER)
+    effect, lengths = CandidateMaker(state), SPRING_LENGTHS if springs else ()
+    ways = remembering(effect, position, state, stroke, dahl, SIMPLER, lengths)
     return [way for way in ways if _turns(way, position, x) >= ENOUGH]
 
 

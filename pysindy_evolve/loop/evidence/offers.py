@@ -67,7 +67,7 @@ def offer_for(
     records : sequence of Record
         The training records.
     relaxing : bool
-        Whether relaxations may be among it.
+        Whether relaxations, and springs that remember, may be among it.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def offer_for(
     """
     if part.tracks:
         return Offer(part)
-    yields = [] if design.algebraic else _hystereses_for(design, records)
+    yields = [] if design.algebraic else _hystereses_for(design, records, springs=relaxing)
     relaxes, late = [], _late(part, records)
     if relaxing and not part.has_gaps:  # over which a slow state would have to be guessed
         relaxes = relaxations_for(design, records)
@@ -91,8 +91,8 @@ def offer_for(
     return Offer(part)
 
 
-def _hystereses_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
-    """Return the frictions that remember, of positions that have none yet."""
+def _hystereses_for(design: Design, records: Sequence[Record], *, springs: bool) -> list[Candidate]:
+    """Return the frictions and springs that remember, of positions that have none yet."""
     longest = max(records, key=len)
     turning = BOUC_WEN, WEN_SPRING
     taken = {source_of(path) for path in paths_of(design) if path.operator in turning}
@@ -100,7 +100,7 @@ def _hystereses_for(design: Design, records: Sequence[Record]) -> list[Candidate
     for state in design.open_states:
         position = design.position_of(state)
         if position is not None and variable(position) not in taken:
-            found += remembered_ways(state, position, longest.x[:, position])
+            found += remembered_ways(state, position, longest.x[:, position], springs=springs)
     return found
 
 

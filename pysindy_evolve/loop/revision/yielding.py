@@ -29,7 +29,7 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .revise import exchange
 
-__all__ = ["needed_by_runs", "with_numbers", "with_numbers_of_runs"]
+__all__ = ["needed_by_runs", "smooth_in", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
 SMOOTH = (RELAXING, WEN_SPRING)  # without the jumps of a friction: a filter may look like them
@@ -102,6 +102,11 @@ def with_numbers_of_runs(
     return list(findings) if coef is None else at(coef)
 
 
+def smooth_in(design: Design) -> tuple[Call, ...]:
+    """Return what remembers in a design and may be no more than a filter."""
+    return tuple(path for path in design.paths if path.operator in SMOOTH)
+
+
 def needed_by_runs(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
@@ -127,7 +132,7 @@ def needed_by_runs(
     for finding in findings:
         rest = [f for f in kept if f is not finding]
         few, many = (with_findings(declared, those) for those in (rest, kept))
-        new = [path for path in set(paths_of(many)) - set(paths_of(few)) if path.operator in SMOOTH]
+        new = set(smooth_in(many)) - set(smooth_in(few))
         sound = all(within_reach(path, longest) for path in new if path.operator == RELAXING)
         if new and not (
             sound and _opposes(finding, many, records) and _better_runs(few, many, records)
