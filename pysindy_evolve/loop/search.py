@@ -139,9 +139,9 @@ class Search:
         while len(self.findings) < self.rules.max_effects:
             before, design = self.findings, self.design
             memories = memories_in(before)
-            relaxing = self.relaxing and not memories
-            seen = self.records, self.part, self.rules, self.rng
-            look = find_or_recall(self.declared, design, *seen, memories, relaxing=relaxing)
+            relaxing, springs = self.relaxing and not memories, self.relaxing
+            seen = self.declared, design, self.records, self.part, self.rules, self.rng
+            look = find_or_recall(*seen, memories, relaxing=relaxing, springs=springs)
             self.rejected = look.rejected or self.rejected
             if not look.found:
                 break

@@ -242,11 +242,11 @@ class _Reader:
         if not isinstance(node.func, ast.Name) or node.keywords:
             self.source.fail_syntax(node)
         name = self.source.name(node.func)
-        if name in EXTREMES and name not in self.functions and node.args:
-            return EXTREMES[name](*(self._parameter_free(argument) for argument in node.args))
         operator = self.functions.get(name)
+        if operator is None and name in EXTREMES and node.args:
+            return EXTREMES[name](*map(self._parameter_free, node.args))
         if operator is None:
-            advice = advise_function(name, self.functions)
+            advice = advise_function(name, [*self.functions, *EXTREMES])
             self.source.fail("must call known functions", f"{name}(...)", advice, node)
         if len(node.args) != operator.arity:
             constraint = f"must give {name} {operator.arity} argument(s)"

@@ -51,8 +51,11 @@ def test_numbers_come_back_from_their_weights_within_limits():
     assert kind.numbers_from(np.array([2.0, 9.0])) == pytest.approx([0.5, 1.0])
 
 
-def mount(loss, bend, seed, noise=2e-3):
-    """Measure a mass on a mount whose spring forgets; z' = v - loss |v| z - bend v |z|."""
+def mount(loss, bend, seed, noise=2e-3, late=0.0):
+    """Measure a mass on a mount whose spring forgets; z' = v - loss |v| z - bend v |z|.
+
+    The force acts late by so much time.
+    """
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, 40.0, 0.01)
     phases = rng.uniform(0.0, 2.0 * np.pi, 14)
@@ -60,7 +63,7 @@ def mount(loss, bend, seed, noise=2e-3):
 
     def rate(now, x):
         q, v, z = x
-        own = np.interp(now, t, force) - 1.0 * v - 30.0 * q - 20.0 * z
+        own = np.interp(now - late, t, force) - 1.0 * v - 30.0 * q - 20.0 * z
         return [v, own, v - loss * abs(v) * z - bend * v * abs(z)]
 
     options = {"t_eval": t, "max_step": 0.01, "rtol": 1e-7, "atol": 1e-9}
@@ -86,3 +89,11 @@ def test_spring_that_forgets_is_found_with_its_numbers(loss, bend, seed):
     w, v = sympy.Symbol("q_hyst", real=True), sympy.Symbol("v", real=True)
     (_, _, hidden) = report.equations.to_sympy()
     assert hidden.free_symbols == {w, v}
+
+
+@pytest.mark.slow
+def test_spring_that_forgets_is_found_beside_a_force_that_comes_late():
+    record = mount(0.6, -0.8, 0, late=0.03)
+    report = pse.close_loop(DECLARED, record, operators=(), random_state=0)
+    assert {effect.name for effect in report.effects} == {"hysteresis", "input delay"}
+    assert report.after.simulation_error[0] < 0.02 * report.before.simulation_error[0]

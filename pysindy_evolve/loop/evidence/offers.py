@@ -54,7 +54,12 @@ class Offer:
 
 
 def offer_for(
-    design: Design, part: Segments, records: Sequence[Record], *, relaxing: bool = True
+    design: Design,
+    part: Segments,
+    records: Sequence[Record],
+    *,
+    relaxing: bool = True,
+    springs: bool = True,
 ) -> Offer:
     """Return what is on offer.
 
@@ -67,7 +72,9 @@ def offer_for(
     records : sequence of Record
         The training records.
     relaxing : bool
-        Whether relaxations, and springs that remember, may be among it.
+        Whether relaxations may be among it.
+    springs : bool
+        Whether springs that remember may be among it.
 
     Returns
     -------
@@ -75,7 +82,7 @@ def offer_for(
     """
     if part.tracks:
         return Offer(part)
-    yields = [] if design.algebraic else _hystereses_for(design, records, springs=relaxing)
+    yields = [] if design.algebraic else _hystereses_for(design, records, springs=springs)
     relaxes, late = [], _late(part, records)
     if relaxing and not part.has_gaps:  # over which a slow state would have to be guessed
         relaxes = relaxations_for(design, records)

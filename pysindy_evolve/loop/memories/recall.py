@@ -38,6 +38,7 @@ def find_or_recall(
     present: Sequence[Memory] = (),
     *,
     relaxing: bool = True,
+    springs: bool = True,
 ) -> Look:
     """Look for what a design lacks, as `find` does, with memories of the inputs among it.
 
@@ -47,19 +48,19 @@ def find_or_recall(
         As in `find`.
     present : sequence of Memory
         Memories that the inputs of the records have already.
-    relaxing : bool
-        Whether relaxations may be among it.
+    relaxing, springs : bool
+        Whether relaxations, and springs that remember, may be among it.
 
     Returns
     -------
     Look
     """
     memories = grid_of(design, records, part, present)
-    offer = offer_for(design, part, records, relaxing=relaxing)
+    offer = offer_for(design, part, records, relaxing=relaxing, springs=springs)
     if not memories:
         return find(declared, design, records, offer.part, rules, rng, offer.propose)
     if offer.relaxes and not outdoes_memories(offer.ways, design, records, offer.part, memories):
-        offer = offer_for(design, part, records, relaxing=False)
+        offer = offer_for(design, part, records, relaxing=False, springs=springs)
     part = offer.part
     probes = Probes(design, tuple(memories))
     extended = [probes.extended(record) for record in records]

@@ -190,3 +190,23 @@ def test_friction_of_an_oscillator_is_not_named_hysteresis(noise, seed):
     )
     report = pse.close_loop(DECLARED, record, random_state=seed, operators=(), n_twins=59)
     assert [effect.name for effect in report.effects] == ["Coulomb friction"]
+
+
+@pytest.mark.slow
+def test_friction_that_came_in_before_a_hysteresis_goes_again():
+    rng, t = np.random.default_rng(2), np.arange(0.0, 30.0, 0.005)
+    phases = rng.uniform(0.0, 2.0 * np.pi, 12)
+    pushed = 2.0 * np.sin(np.multiply.outer(t, np.linspace(1.0, 30.0, 12)) + phases).sum(axis=1)
+
+    def rate(now, x):
+        q, v, w = x
+        own = np.interp(now, t, pushed) - 2.0 * v - 100.0 * q - w
+        return [v, own, (v - abs(v) * w) / 1e-3]  # Dahl's, over a fiftieth of the motion
+
+    options = {"t_eval": t, "max_step": 5e-3, "rtol": 1e-6, "atol": 1e-9, "method": "LSODA"}
+    q = solve_ivp(rate, (0.0, t[-1]), [0.0] * 3, **options).y[0]
+    q = q + 0.005 * q.std() * rng.standard_normal(len(t))
+    declared = pse.DeclaredModel({"q": "v", "v": "F - c*v - k*q"}, inputs=["F"])
+    report = pse.close_loop(declared, pse.prepare(t, q, pushed), operators=(), random_state=2)
+    assert [effect.name for effect in report.effects] == ["hysteresis"]
+    assert -report.effects[0].coefficients[0] == pytest.approx(1.0, rel=0.05)
