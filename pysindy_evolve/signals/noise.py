@@ -18,6 +18,8 @@ HIGHEST = 1.0 / 3.0
 # noise costs ten units of signal, which also is the margin that a spectrum needs to stand out
 # of its own scatter.
 NOISE_PRICE = 10.0
+# Standard errors of a median by which the highest of eight lies above the lowest, at most.
+ALIKE = 4.0
 # Candidates for a cutoff, spaced evenly on a logarithmic scale.
 N_CANDIDATES = 200
 # Share of readings equal to the one before from which on a column counts as coarse.
@@ -59,9 +61,24 @@ def floor(power: Array) -> Array:
     a signal can only lift a band, and because a line or two cannot move a median. A band
     holds 100 frequencies or more where there are enough: the median then scatters by 14 %.
     """
+    return np.asarray(np.min(_medians(power), axis=0)) / MEDIAN_OVER_MEAN
+
+
+def level(power: Array) -> Array:
+    """Return the white-noise variance under each row, from all bands that hold nothing else.
+
+    Of eight medians of the same noise the lowest is too low, by 10 % of the variance where a band
+    holds 300 frequencies. So the bands that come as near to it as chance allows are taken together.
+    """
+    medians = np.array(_medians(power))
+    chance = ALIKE / (MEDIAN_OVER_MEAN * np.sqrt(power.shape[1] / len(medians)))
+    alike = medians <= (1.0 + chance) * np.min(medians, axis=0)
+    return np.asarray(np.mean(medians, axis=0, where=alike)) / MEDIAN_OVER_MEAN
+
+
+def _medians(power: Array) -> list[Array]:
     n_bands = int(np.clip(power.shape[1] // 100, 2, 8))
-    medians = [np.median(band, axis=1) for band in np.array_split(power, n_bands, axis=1)]
-    return np.asarray(np.min(medians, axis=0)) / MEDIAN_OVER_MEAN
+    return [np.median(band, axis=1) for band in np.array_split(power, n_bands, axis=1)]
 
 
 def rounding(y: Array) -> Array:
@@ -134,7 +151,7 @@ def sensor_noise(y: Array, dt: float, cutoff: float | None) -> Array:
     Both ways to close a record can leak a little of the signal into the floor; the lower
     figure is the better one.
     """
-    floors = [floor(spectrum(y, dt, way)[1]) for way in {None, cutoff}]
+    floors = [level(spectrum(y, dt, way)[1]) for way in {None, cutoff}]
     return np.sqrt(np.maximum(np.min(floors, axis=0), rounding(y)))
 
 

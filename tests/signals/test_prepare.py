@@ -251,3 +251,13 @@ def test_prepare_refuses_bad_types(change, message):
     t = np.arange(100.0)
     with pytest.raises(TypeError, match=message):
         prepare(**{"t": t, "y": np.sin(t / 5), **change})
+
+
+@pytest.mark.parametrize("n", [1000, 5000])
+def test_the_noise_of_a_sensor_is_known_without_bias(n):
+    t, ratios = np.arange(n) * 0.01, []
+    for seed in range(12):
+        noise = 1e-2 * np.random.default_rng(seed).standard_normal(n)
+        made = prepare(t, np.sin(4.0 * t) + 0.5 * np.sin(19.0 * t) + noise, order=2).preparation
+        ratios.append(made.noise[0] / noise.std())
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.025)

@@ -23,6 +23,7 @@ STILL = 0.2  # share of the steps from sample to sample that are small, if an in
 SMALL = 0.1  # ... in sizes of all its steps: of a sine that runs on a fifth are below 0.4
 LARGE = 0.25  # of the largest step: these are its jumps
 QUICKER = 1.0 / 6.0  # of the second difference
+TYPICAL = 1.0 / np.sqrt(12.0)  # samples by which a jump at any time between two is off, rms
 DOUBT = 0.05  # of a held input: more of it is not known at the frequencies that are looked at
 
 
@@ -74,15 +75,15 @@ def input_error(
     return made.lowpass((noise + _between(made.u)) * at_work)
 
 
-def untimely(record: Record, rng: np.random.Generator) -> np.ndarray | None:
-    """Draw by what inputs differ from their record that jump at any time between two samples.
+def untimely(record: Record, rng: np.random.Generator | None = None) -> np.ndarray | None:
+    """Return by what inputs differ from their record that jump at any time between two samples.
 
     Parameters
     ----------
     record : Record
         Made from raw data, or nothing is known of its inputs.
-    rng : numpy.random.Generator
-        Draws the time of each jump.
+    rng : numpy.random.Generator, optional
+        Draws the time of each jump; by default each is as far off as the draws are on average.
 
     Returns
     -------
@@ -96,7 +97,8 @@ def untimely(record: Record, rng: np.random.Generator) -> np.ndarray | None:
     if not jumping.any():
         return None
     steps = np.diff(made.u, axis=0) * jumping
-    moved = rng.uniform(-0.5, 0.5, len(steps))[:, None] * steps  # samples times height: an area
+    shares = np.full(len(steps), TYPICAL) if rng is None else rng.uniform(-0.5, 0.5, len(steps))
+    moved = shares[:, None] * steps  # samples times height: an area
     nothing = np.zeros((1, made.u.shape[1]))
     return made.lowpass(0.5 * (np.vstack([moved, nothing]) + np.vstack([nothing, moved])))
 

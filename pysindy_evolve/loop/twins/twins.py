@@ -102,17 +102,22 @@ class TwinMaker:
     ) -> np.ndarray:
         """Return what jumps of the inputs at other times change, as far as the residual has it.
 
-        All of it is at the few jumps, where the noise is no stronger than elsewhere.
+        All of it is at the few jumps, where the noise is no stronger than elsewhere. How much of
+        it a residual has is seen by jumps that are all equally late: it would be taken for less
+        by the drawn ones, which count most where the draw happens to be large.
         """
-        error = untimely(twin, rng)
+        drawn, typical = (self._moved(twin, rates, untimely(twin, r)) for r in (rng, None))
+        power = typical**2
+        there = power / np.maximum(np.sum(power, axis=0), TINY)
+        unexplained = np.sum(there * residual**2, axis=0) - noise
+        expected = np.maximum(np.sum(there * power, axis=0), TINY)
+        return np.asarray(drawn * np.sqrt(np.clip(unexplained / expected, 0.0, 1.0)))
+
+    def _moved(self, twin: Record, rates: np.ndarray, error: np.ndarray | None) -> np.ndarray:
+        """Return what an error of the inputs changes of the rates."""
         if error is None or twin.u is None:
             return np.zeros_like(rates)
-        moved = self.equations.evaluate(twin.x, twin.u + error, twin.t)
-        change = as_observed(twin, moved - rates)
-        there = change**2 / np.maximum(np.sum(change**2, axis=0), TINY)
-        unexplained = np.sum(there * residual**2, axis=0) - noise
-        expected = np.maximum(np.sum(there * change**2, axis=0), TINY)
-        return np.asarray(change * np.sqrt(np.clip(unexplained / expected, 0.0, 1.0)))
+        return as_observed(twin, self.equations.evaluate(twin.x, twin.u + error, twin.t) - rates)
 
 
 def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
