@@ -15,11 +15,8 @@ from ..effects.missing import standing, zeros_of
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of
-from ..twins.drifting import DriftingTwins
-from ..twins.testing import twin_values
-from ..twins.twins import TwinMaker
 from .findings import Finding
+from .nulls import chance_of
 from .refinement import justified
 from .rejected import Rejected
 from .scoring import Proposer, columns_of, plainest, quick_fit, score, sharpened, tuned
@@ -92,11 +89,10 @@ def find(
         light = [Rejected(s, shares.of(s), variables=names) for s in gaining]
         return Look(rejected=light[0] if light else None)
     best = _without_numbers(plainest(worthy or gaining), worthy, shares)
-    maker = DriftingTwins.of(design, records) if part.tracks else TwinMaker.of(equations, records)
     statistic = partial(_best_score, design=design, proposer=proposer)
     observed = min(best.value, searched[0].value)
-    twins = twin_values(maker, part, statistic, observed, rules, rng)
-    p_value = p_value_of(observed, twins)
+    seen = design, equations, part, records
+    p_value, twins = chance_of(observed, statistic, *seen, rules, rng)
     if p_value > rules.level or not worthy:
         tested = Rejected(best, shares.of(best), p_value, twins, names, rules.level)
         return Look(rejected=tested)

@@ -24,10 +24,9 @@ from ..fitting.linear import TINY, log_ratio
 from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of
-from ..twins.testing import twin_values
 from ..twins.twins import TwinMaker
 from .noise_floor import EXCESS, NoiseFloor
+from .nulls import chance_of
 from .scoring import quick_fit
 from .shares import is_exact
 from .spectral import spectral_grams
@@ -101,8 +100,8 @@ def structure_chance(
     if not _exceeds_noise(maker, design, part, rng.spawn(1)[0]):
         return 1.0
     statistic = partial(_gain_in_twin, design=design, models=models)
-    values = twin_values(maker, part, statistic, observed, rules, rng)
-    return p_value_of(observed, values)
+    seen = design, maker.equations, part, records
+    return chance_of(observed, statistic, *seen, rules, rng)[0]
 
 
 def _exceeds_noise(

@@ -1,0 +1,105 @@
+"""How often chance does as well as was observed: in twins of the models that may be all there is.
+
+Noise of the sensors in a small difference of large motions, such as the twist of a shaft, makes
+least squares take its stiffness for a fraction of what it is, and what the fraction lacks looks
+like an effect. In twins of such a fit the twist is larger, and the noise does less. So where twins
+show that noise shifts the coefficients, what passes must pass among twins of the model again that
+free runs ask for: these hold no noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+
+from ...equations import Equations
+from ...signals import Record
+from ..fitting.linear import solve_gram
+from ..fitting.residual import derivative_grams
+from ..fitting.shooting import fit_to_runs
+from ..fitting.unfolding import square_left, unfolded, with_paths
+from ..given.design import Design
+from ..given.rules import Rules
+from ..given.segments import Segments
+from ..twins.chance import p_value_of
+from ..twins.drifting import DriftingTwins
+from ..twins.testing import Statistic, twin_values
+from ..twins.twins import TwinMaker
+
+__all__ = ["chance_of"]
+
+N_TWINS = 4  # to see whether noise shifts the coefficients
+SHIFTED = 0.01  # of the square that a fit leaves: what the shift of its coefficients changes
+
+
+def chance_of(
+    observed: float,
+    statistic: Statistic,
+    design: Design,
+    equations: Equations,
+    part: Segments,
+    records: Sequence[Record],
+    rules: Rules,
+    rng: np.random.Generator,
+) -> tuple[float, np.ndarray]:
+    """Return the p-value of a statistic, and the statistic of the twins that it comes from.
+
+    Parameters
+    ----------
+    observed : float
+        The statistic of the records.
+    statistic : callable
+        Maps the pieces of records, and the records, to a number.
+    design : Design
+        The model in which nothing is missing.
+    equations : Equations
+        Its fit to the records.
+    part : Segments
+        Pieces of the records.
+    records : sequence of Record
+        Training records.
+    rules : Rules
+        Significance and twins.
+    rng : numpy.random.Generator
+        Draws the twins.
+
+    Returns
+    -------
+    p_value : float
+    twins : ndarray of shape (n_twins,)
+    """
+    maker = DriftingTwins.of(design, records) if part.tracks else TwinMaker.of(equations, records)
+    twins = twin_values(maker, part, statistic, observed, rules, rng)
+    p_value = p_value_of(observed, twins)
+    if p_value > rules.level or isinstance(maker, DriftingTwins):
+        return p_value, twins
+    freed = _freed_of_noise(maker, design, part, rng.spawn(1)[0])
+    if freed is None:
+        return p_value, twins
+    others = twin_values(TwinMaker.of(freed, records), part, statistic, observed, rules, rng)
+    return max((p_value, twins), (p_value_of(observed, others), others), key=lambda pair: pair[0])
+
+
+def _freed_of_noise(
+    maker: TwinMaker, design: Design, part: Segments, rng: np.random.Generator
+) -> Equations | None:
+    """Return the model that free runs ask for, where noise shifts the coefficients of its fit."""
+    if not design.columns or any(path is None for path in maker.simulated):
+        return None
+    gram = _gram(design, part)
+    coef = solve_gram(gram)
+    fits = [solve_gram(_gram(design, part.of(maker.make(c)))) for c in rng.spawn(N_TWINS)]
+    shift = np.append(np.mean(fits, axis=0) - coef, 0.0)
+    left = np.append(coef, -1.0)
+    if shift @ gram @ shift < SHIFTED * (left @ gram @ left):
+        return None
+    records = maker.records
+    loss = partial(square_left, design, records)
+    found = fit_to_runs(unfolded(design), coef, with_paths(design, records), loss)
+    return None if found is None else design.equations(found)
+
+
+def _gram(design: Design, part: Segments) -> np.ndarray:
+    return np.asarray(derivative_grams(part, design, design.columns).sum(axis=0))
