@@ -28,7 +28,7 @@ from ..twins.drifting import DriftingTwins
 from ..twins.testing import Statistic, twin_values
 from ..twins.twins import TwinMaker
 
-__all__ = ["chance_of"]
+__all__ = ["chance_of", "freed_of_noise"]
 
 N_TWINS = 4  # to see whether noise shifts the coefficients
 SHIFTED = 0.01  # of the square that a fit leaves: what the shift of its coefficients changes
@@ -75,17 +75,34 @@ def chance_of(
     p_value = p_value_of(observed, twins)
     if p_value > rules.level or isinstance(maker, DriftingTwins):
         return p_value, twins
-    freed = _freed_of_noise(maker, design, part, rng.spawn(1)[0])
+    freed = freed_of_noise(maker, design, part, rng.spawn(1)[0])
     if freed is None:
         return p_value, twins
     others = twin_values(TwinMaker.of(freed, records), part, statistic, observed, rules, rng)
     return max((p_value, twins), (p_value_of(observed, others), others), key=lambda pair: pair[0])
 
 
-def _freed_of_noise(
+def freed_of_noise(
     maker: TwinMaker, design: Design, part: Segments, rng: np.random.Generator
 ) -> Equations | None:
-    """Return the model that free runs ask for, where noise shifts the coefficients of its fit."""
+    """Return the model that free runs ask for, where noise shifts the coefficients of its fit.
+
+    Parameters
+    ----------
+    maker : TwinMaker
+        Of the fit to the derivative.
+    design : Design
+        The model.
+    part : Segments
+        Pieces of the records.
+    rng : numpy.random.Generator
+        Draws the twins that show a shift.
+
+    Returns
+    -------
+    Equations or None
+        None where noise shifts nothing, or where free runs do not tell the coefficients either.
+    """
     if not design.columns or any(path is None for path in maker.simulated):
         return None
     gram = _gram(design, part)

@@ -16,6 +16,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from ...equations import Equations
 from ...operators import BUILTIN
 from ...signals import Record
 from ...terms import Cache, call, constant, mul, variable
@@ -26,7 +27,7 @@ from ..given.rules import Rules
 from ..given.segments import Segments
 from ..twins.twins import TwinMaker
 from .noise_floor import EXCESS, NoiseFloor
-from .nulls import chance_of
+from .nulls import chance_of, freed_of_noise
 from .scoring import quick_fit
 from .shares import is_exact
 from .spectral import spectral_grams
@@ -97,7 +98,10 @@ def structure_chance(
     if observed < NOTABLE or is_exact(design, part):
         return 1.0
     maker = TwinMaker.of(quick_fit(design, part), records)
-    if not _exceeds_noise(maker, design, part, rng.spawn(1)[0]):
+    if not _exceeds_noise(maker, maker.equations, design, part, rng.spawn(1)[0]):
+        return 1.0
+    freed = freed_of_noise(maker, design, part, rng.spawn(1)[0])
+    if freed is not None and not _exceeds_noise(maker, freed, design, part, rng.spawn(1)[0]):
         return 1.0
     statistic = partial(_gain_in_twin, design=design, models=models)
     seen = design, maker.equations, part, records
@@ -105,15 +109,19 @@ def structure_chance(
 
 
 def _exceeds_noise(
-    maker: TwinMaker, design: Design, part: Segments, rng: np.random.Generator
+    maker: TwinMaker,
+    equations: Equations,
+    design: Design,
+    part: Segments,
+    rng: np.random.Generator,
 ) -> bool:
     """Tell whether more is left at some frequencies than the sensors alone would leave.
 
     In a closed loop the input answers the noise of the sensor, and so tells what that was. What is
     predicted by it then is noise, and no twin, whose noise nobody answered, shows the same.
     """
-    floor = NoiseFloor.of(maker.equations, design, maker.records, part, rng)
-    return floor is None or floor.excess(maker.equations) > EXCESS
+    floor = NoiseFloor.of(equations, design, maker.records, part, rng)
+    return floor is None or floor.excess(equations) > EXCESS
 
 
 def _gain_in_twin(

@@ -29,6 +29,7 @@ __all__ = ["fit_by_shooting", "fit_to_runs", "gains_of_runs"]
 N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little
+N_STEPS = 20  # a fit that noise has led far astray needs many
 SETTLED = 1e-3  # relative gain of a step after which no other one is taken: the runs are dear
 
 Loss = Callable[[np.ndarray], float]
@@ -177,7 +178,9 @@ def _holds(begun: Trial, records: Sequence[Record], loss: Loss) -> bool:
 
 def _settled(trial: Trial, records: Sequence[Record]) -> Trial:
     """Take steps until they gain nothing more."""
-    (found,) = bettered([trial], lambda moved: [_run(one, records) for one in moved], SETTLED)
+    (found,) = bettered(
+        [trial], lambda moved: [_run(one, records) for one in moved], SETTLED, N_STEPS
+    )
     return found
 
 

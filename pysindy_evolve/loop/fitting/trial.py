@@ -225,7 +225,10 @@ def settled(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def bettered(
-    trials: Sequence[Trial], run: Runner | None = None, least_gain: float = SETTLED
+    trials: Sequence[Trial],
+    run: Runner | None = None,
+    least_gain: float = SETTLED,
+    n_steps: int = N_STEPS,
 ) -> list[Trial]:
     """Take steps from trials whose runs are made, until they gain nothing more.
 
@@ -237,6 +240,8 @@ def bettered(
         Makes the runs of moved trials; by default all in one integration.
     least_gain : float
         Relative gain of a step after which no other one is taken.
+    n_steps : int
+        Steps at most.
 
     Returns
     -------
@@ -245,7 +250,7 @@ def bettered(
     run, found = run or runs_of, list(trials)
     active = {k: 1.0 for k, trial in enumerate(found) if np.isfinite(trial.error)}
     changes = {k: found[k].change() for k in active}
-    for _ in range(N_STEPS):
+    for _ in range(n_steps):
         active = {k: share for k, share in active.items() if changes[k] is not None}
         if not active:
             break
