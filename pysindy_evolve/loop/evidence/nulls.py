@@ -120,12 +120,14 @@ def freed_of_noise(
     records = maker.records
     loss = partial(square_left, design, records)
     found = fit_to_runs(unfolded(design), coef, with_paths(design, records), loss)
-    for _ in range(N_STEPS if found is not None else 0):
+    if found is None:
+        return None
+    for _ in range(N_STEPS):
         followed = TwinMaker.of(design.equations(found), records)
         if any(path is None for path in followed.simulated):
             return None
         found = found - _shift(followed, coef, design, part, rng)
-    return None if found is None else design.equations(found)
+    return design.equations(found)
 
 
 def _shift(
