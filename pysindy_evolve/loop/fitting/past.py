@@ -27,7 +27,7 @@ MOST_WAIT = 0.25  # of a record, until the derivative counts
 _SHORTEST = 2  # rows: a record holds no less
 
 
-def begun(equations: Equations, record: Record) -> Record:
+def begun(equations: Equations, record: Record, *, doubted: bool = False) -> Record:
     """Return a record before which the inputs stood where its first rows say.
 
     A run begins in a state, of which the hidden part was not measured. By default the inputs are
@@ -41,6 +41,8 @@ def begun(equations: Equations, record: Record) -> Record:
         The model. Without hidden states nothing changes.
     record : Record
         What was measured.
+    doubted : bool
+        Whether the inputs are known to have stood elsewhere, so that noise does not count.
 
     Returns
     -------
@@ -48,20 +50,21 @@ def begun(equations: Equations, record: Record) -> Record:
     """
     if not isinstance(equations, MemoryEquations):
         return record
+    clear = 0.0 if doubted else CLEAR
     for memory in equations.memories:
         if memory.has_state:
-            record = _begun_in(equations, record, memory.column, memory.values[0])
+            record = _begun_in(equations, record, memory.column, memory.values[0], clear)
     return record
 
 
 def _begun_in(
-    equations: MemoryEquations, record: Record, column: int, time_constant: float
+    equations: MemoryEquations, record: Record, column: int, time_constant: float, clear: float
 ) -> Record:
     raw = raw_inputs(record)
     longest = max(_SHORTEST, len(record) // LONGEST)
     n = int(np.clip(np.ceil(time_constant / record.dt), _SHORTEST, longest))
     noise = np.array([noise_of(record, state, 1) for state in range(record.n_states)])
-    scale = np.maximum(CLEAR * noise, 1e-9 * scale_of([record.x_dot]))
+    scale = np.maximum(clear * noise, 1e-9 * scale_of([record.x_dot]))
 
     def at(value: float) -> Record:
         past = raw[0].copy()

@@ -23,7 +23,7 @@ from ..memories.recall import resettled
 
 __all__ = ["Beginning", "settled_beginning"]
 
-N_ROUNDS = 3  # of beginnings and memories in turn
+N_ROUNDS = 6  # of beginnings and memories in turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,15 +69,22 @@ def settled_beginning(
     """
     design, found = with_findings(declared, findings), list(findings)
     plain, wide = tuple(plain), tuple(wide)
+    first = wide
     for _ in range(N_ROUNDS):
         memories = memories_in(found)
         equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
         model = with_memories(equations, memories)
-        before, wide = wide, tuple(begun(model, record) for record in wide)
-        if all(
-            np.array_equal(raw_inputs(a), raw_inputs(b)) for a, b in zip(before, wide, strict=True)
-        ):
+        again = [not _begins_alike(*both) for both in zip(first, wide, strict=True)]
+        before = wide
+        wide, plain = (
+            tuple(begun(model, r, doubted=d) for r, d in zip(records, again, strict=True))
+            for records in (wide, plain)
+        )
+        if all(_begins_alike(*both) for both in zip(before, wide, strict=True)):
             break
-        plain = tuple(begun(model, record) for record in plain)
         found = resettled(found, design, wide, part)
     return Beginning(tuple(found), plain, wide)
+
+
+def _begins_alike(record: Record, other: Record) -> bool:
+    return np.array_equal(raw_inputs(record), raw_inputs(other))
