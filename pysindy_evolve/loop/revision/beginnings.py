@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...equations import Equations
 from ...hidden_states.hidden import with_memories
 from ...hidden_states.memory import raw_inputs, remembered
 from ...signals import Record
@@ -74,16 +75,21 @@ def settled_beginning(
         memories = memories_in(found)
         equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
         model = with_memories(equations, memories)
-        again = [not _begins_alike(*both) for both in zip(first, wide, strict=True)]
-        before = wide
-        wide, plain = (
-            tuple(begun(model, r, doubted=d) for r, d in zip(records, again, strict=True))
-            for records in (wide, plain)
-        )
+        elsewhere = [not _begins_alike(*both) for both in zip(first, wide, strict=True)]
+        before, wide = wide, _begun(model, wide, elsewhere)
         if all(_begins_alike(*both) for both in zip(before, wide, strict=True)):
             break
+        plain = _begun(model, plain, elsewhere)
         found = resettled(found, design, wide, part)
     return Beginning(tuple(found), plain, wide)
+
+
+def _begun(
+    model: Equations, records: Sequence[Record], elsewhere: Sequence[bool]
+) -> tuple[Record, ...]:
+    """Return records begun anew; noise does not count in those known to have begun elsewhere."""
+    pairs = zip(records, elsewhere, strict=True)
+    return tuple(begun(model, record, doubted=known) for record, known in pairs)
 
 
 def _begins_alike(record: Record, other: Record) -> bool:
