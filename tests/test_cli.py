@@ -1,5 +1,6 @@
 """The command line: what it prints and saves, and one line for whatever the user got wrong."""
 
+import re
 import shlex
 import subprocess
 import sys
@@ -218,6 +219,24 @@ def test_empty_rows_at_the_ends_are_left_out(capsys, tmp_path):
     code, out, _ = run(capsys, *options, "--drop-empty")
     assert code == 0
     assert "level' = -level\n" in out
+
+
+def test_records_are_thinned_out_and_inputs_held_as_told(capsys, tmp_path):
+    t = np.arange(0.0, 40.0, 0.1)
+    power = np.sin(0.7 * t) + np.cos(0.31 * t)
+    x = np.zeros(t.size)
+    for k in range(t.size - 1):  # held from each sample to the next
+        x[k + 1] = power[k] + (x[k] - power[k]) * np.exp(-0.1)
+    path = tmp_path / "held.csv"
+    np.savetxt(path, np.c_[t, x, power], delimiter=",", header="t,x,P", comments="")
+    options = ("fit", str(path), "--states", "x", "--inputs", "P", "--operators", "add,mul")
+    code, out, _ = run(capsys, *options, "--cutoff", "1", "--decimate", "2", "--held")
+    assert code == 0
+    rate, gain = (float(one) for one in re.findall(r"-?[0-9.]+", out.partition("x' = ")[2])[:2])
+    assert (rate, gain) == pytest.approx((-1.0, 1.0), rel=2e-3)  # 5 % off where it is not held
+    code, _, err = run(capsys, *options, "--cutoff", "1", "--decimate", "9")
+    assert code == 2
+    assert "must be at most 3 here" in err
 
 
 def test_languages_are_those_of_to_code():

@@ -245,6 +245,17 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         metavar="HZ",
         help="low-pass, cycles per unit of t; auto takes it from the noise, none omits it (auto)",
     )
+    columns.add_argument(
+        "--decimate",
+        type=count(1),
+        metavar="N",
+        help="keep every so many samples (eight or more per period of the cutoff)",
+    )
+    columns.add_argument(
+        "--held",
+        action="store_true",
+        help="inputs keep their value until the next sample, as those of a controller do",
+    )
     _add_format(columns)
     _add_result(parser)
     return columns

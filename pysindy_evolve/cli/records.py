@@ -98,7 +98,8 @@ def _read(
         # Everything was measured: there is nothing to derive, so nothing to filter for.
         x_dot = np.column_stack([columns[targets[state]] for state in states])
         return Record(t, y, x_dot, u, states=states, inputs=inputs)
-    record = prepare(t, y, u, order=given.order, cutoff=given.cutoff)
+    settings = {"cutoff": given.cutoff, "decimate": given.decimate or "auto", "held": given.held}
+    record = prepare(t, y, u, order=given.order, **settings)
     x_dot = record.x_dot.copy()
     for state, column in targets.items():
         if record.preparation is not None:

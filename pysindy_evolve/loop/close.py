@@ -11,6 +11,7 @@ import pysindy as ps
 from ..hidden_states.memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
+from ..signals.holds import hold
 from .evidence.findings import Finding, limits_in, memories_in, with_findings
 from .evidence.offers import awaited
 from .evidence.witness import witnessed
@@ -26,6 +27,7 @@ from .given.limits import off_limits
 from .given.records import alike, check_records, split_records, widened
 from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
+from .report.cautions import is_hold_only
 from .report.doubtful import most_doubtful
 from .report.making import make_report
 from .report.numbers import with_numbers_known
@@ -150,7 +152,10 @@ def _checked(
     check_records(design, [*fit_on, *judge_on], whole)
     # A force that nothing integrates follows a held input at once.
     made = as_algebraic if design.algebraic else as_held
-    fit_on, judge_on = (list(map(made, records)) for records in alike(fit_on, judge_on))
+    held = {column: late for record in fit_on for column, late in record.held.items()}
+    fit_on, judge_on = (
+        [made(hold(record, held)) for record in records] for records in alike(fit_on, judge_on)
+    )
     return (design if design.algebraic else doubted(design, fit_on)), fit_on, judge_on
 
 
@@ -174,8 +179,12 @@ def _reported(search: Search, test: Sequence[Record], is_whole: bool) -> LoopRep
     """Report what was found, without what the final fit is not sure of, or runs away with."""
     while True:
         findings = _with_alternatives(search)
-        given = search.declared, findings, search.plain, test, search.verdict, is_whole
+        judged = [hold(record, search.held) for record in test]
+        given = search.declared, findings, search.plain, judged, search.verdict, is_whole
         report = make_report(*given, search.rules, search.rng)
+        if is_hold_only(report):
+            search.hold_instead()
+            continue
         whole = with_findings(search.declared, findings)
         gone = most_doubtful(findings, report.effects, whole)
         if gone is None:

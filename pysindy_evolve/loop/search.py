@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,9 +10,11 @@ import numpy as np
 from ..hidden_states.memory import preceded, remembered
 from ..operators import Operator
 from ..signals import Record
+from ..signals.holds import hold, raw_step
 from .effects.candidate import Candidate
 from .evidence.findings import (
     Finding,
+    MemoryFinding,
     SensorFinding,
     limits_in,
     memories_in,
@@ -38,6 +40,7 @@ from .given.segments import Segments
 from .growth.grow import TermGrower
 from .growth.naming import small_candidates
 from .growth.short import find_small, is_better
+from .memories.holds import memory_beside_hold
 from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
 from .revision.errors_in_inputs import without_errors_in_inputs
@@ -87,6 +90,11 @@ class Search:
         return "traced" if self.findings else "complete"
 
     @property
+    def held(self) -> Mapping[int, float]:
+        """Inputs that are held between their samples, and by how many of them each is late."""
+        return self.plain[0].held
+
+    @property
     def design(self) -> Design:
         """The model with what was found until now."""
         return with_findings(self.declared, self.findings)
@@ -109,7 +117,7 @@ class Search:
             self._grow()
         if self.runs_tell_more:
             self._watch_for_unnamed()
-            self._hold()
+            self._hold_against_rivals()
             self._doubt_inputs()
             self._read()
         self._look_at_rest()
@@ -119,6 +127,18 @@ class Search:
         self.findings = [f for k, f in enumerate(self.findings) if k != place]
         self._look_through(self.findings)
         self._look_at_rest()
+
+    def hold_instead(self) -> None:
+        """Take inputs as held between samples instead of late, which was all that was found."""
+        memories, self.findings = memories_in(self.findings), []
+        step = raw_step(self.plain[0])
+        self._take_as_held({one.column: one.values[0] / step for one in memories})
+        self._look_at_rest()
+
+    def _take_as_held(self, late: Mapping[int, float]) -> None:
+        self.plain, self.wide = ([hold(r, late) for r in rs] for rs in (self.plain, self.wide))
+        self.whole = self.whole.of(self.wide)
+        self._look_through(self.findings)
 
     def _look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
@@ -147,7 +167,10 @@ class Search:
                 break
             found = _numbered(look.found, before)
             if memories_in(found):
-                found = self._begin([*before, *found])
+                held = self._hold(found)
+                if not held:  # it was how the input was recorded, and no memory of the machine
+                    continue
+                found = self._begin([*before, *held])
             else:  # growing takes long, and may be ended
                 both = [*before, *found]
                 self.findings = before if self._relaxes(both, before) else both
@@ -177,6 +200,21 @@ class Search:
             if len(needed) < len(self.findings):
                 self.findings, self.relaxing = before, False
                 self._look_through(before)
+
+    def _hold(self, found: list[Finding]) -> list[Finding]:
+        """Take inputs as held where that does as well as a memory, and return what is left."""
+        left = []
+        for finding in found:
+            if isinstance(finding, MemoryFinding):
+                seen = self.design, self.records, self.part
+                late, memory = memory_beside_hold(finding.memory, *seen)
+                if late > 0.0:
+                    self._take_as_held({finding.memory.column: late})
+                if memory is None:
+                    return []
+                finding = replace(finding, memory=memory)
+            left.append(finding)
+        return left
 
     def _begin(self, findings: list[Finding]) -> list[Finding]:
         """Look through the records as memories make them, begun where their first rows say."""
@@ -241,7 +279,7 @@ class Search:
         seen = self.records, self.part, self.rules, self.rng
         self.chance_left = structure_chance(self.design, *seen)
 
-    def _hold(self) -> None:
+    def _hold_against_rivals(self) -> None:
         self._drop()
         if paths_of(self.design):
             found = with_numbers_of_runs(self.declared, self.findings, self.records)

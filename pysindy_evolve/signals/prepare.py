@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from . import checks
 from .clipping import as_limits, beyond, bridged
 from .filters import METHODS, MOST_ORDERS
+from .holds import HALF, hold
 from .noise import auto_cutoff, sensor_noise
 from .preparation import Preparation
 from .record import Record, constant_column
@@ -40,6 +41,7 @@ def prepare(
     decimate: int | str = "auto",
     method: str = "fft",
     limits: str | Sequence[Any] | None = "auto",
+    held: bool | Sequence[int] = False,
 ) -> Record:
     r"""Turn a raw record of positions into states and derivatives, all filtered alike.
 
@@ -74,6 +76,10 @@ def prepare(
         Lowest and highest value that the sensors can show, units of y. Where they show them, the
         true value may be anywhere beyond: such rows are bridged before the filter, and marked as
         not `seen`. By default extremes at which fine readings heap; None knows of no limits.
+    held : bool or sequence of int
+        Whether the inputs, or which of them, keep the value recorded at a sample until the next one
+        (zero-order hold), as those of a digital controller do. By default they are taken to run
+        smoothly in between, and half a sample of delay is left to be found.
 
     Returns
     -------
@@ -133,7 +139,21 @@ def prepare(
         rows=(0, grid.size),
         limits=ends,
     )
-    return plan.apply(plan.t, plan.y, plan.u)
+    held_columns = _held_columns(held, even_u)
+    return hold(plan.apply(plan.t, plan.y, plan.u), dict.fromkeys(held_columns, HALF))
+
+
+def _held_columns(held: Any, u: Array | None) -> list[int]:
+    """Return which columns of u are held."""
+    n_inputs = 0 if u is None else u.shape[1]
+    if isinstance(held, bool):
+        return list(range(n_inputs)) if held else []
+    advice = "Write True if all inputs are held, or their columns in u."
+    if not isinstance(held, Sequence) or not all(isinstance(k, int) for k in held):
+        checks.refuse_type("prepare", "held", "a bool or a sequence of int", held, advice)
+    if not set(held) <= set(range(n_inputs)):
+        checks.refuse("prepare", "held", f"columns of u below {n_inputs}", f"{held}", advice)
+    return list(held)
 
 
 def _enough(n: int, order: int) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,6 +39,9 @@ class Record:
     seen : ndarray of bool of shape (n_samples, n_states), optional
         False on rows where a sensor was at an end of its range, and as far as a filter carries
         this: what is in x and x_dot there is a bridge, and no measurement. None if all are seen.
+    held : mapping of int to float, optional
+        Inputs that were held from each sample to the next, and are given as what acts: by how many
+        sampling times each was late.
 
     Raises
     ------
@@ -69,6 +72,7 @@ class Record:
     preparation: Preparation | None = None
     motion: Preparation | None = None
     seen: NDArray[np.bool_] | None = None
+    held: Mapping[int, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         t = checks.times("Record", self.t)

@@ -3,8 +3,8 @@
 An input that jumps between levels is held from one sample to the next. It is recorded at best as
 the mean of the values before and after each sample; a motion that follows from it is a little
 quicker, by the share (omega dt)^2 / 6 at the frequency omega. That can be made up for. Where the
-value itself is recorded that begins at a sample, the motion is late by half a sample besides, which
-is a delay like any other. An input that runs smoothly is known between its samples as well.
+value itself is recorded that begins at a sample, the motion is late by half a sample besides, see
+signals/holds.py. An input that runs smoothly is known between its samples as well.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scipy.ndimage import label
 from ...signals import Record
 from ...signals.noise import input_noise
 
-__all__ = ["as_held", "input_error", "known_up_to", "untimely"]
+__all__ = ["as_held", "input_error", "jumps_at_once", "known_up_to", "untimely"]
 
 STILL = 0.2  # share of the steps from sample to sample that are small, if an input is held ...
 SMALL = 0.1  # ... in sizes of all its steps: of a sine that runs on a fifth are below 0.4
@@ -33,10 +33,17 @@ def as_held(record: Record) -> Record:
     if made is None or made.u is None:
         return record
     means = _samples_of_jumps(made.u) == 2
+    means[list(record.held)] = False  # which are given as what acts
     if not means.any():
         return record
     held = made.u - np.where(means, QUICKER * _bend(made.u), 0.0)
     return replace(record, u=made.lowpass(held), preparation=replace(made, u=held))
+
+
+def jumps_at_once(record: Record, column: int) -> bool:
+    """Tell whether an input jumps in one step, somewhere between two samples."""
+    made = record.preparation
+    return made is not None and made.u is not None and _samples_of_jump(made.u[:, column]) == 1
 
 
 def known_up_to(record: Record) -> float:

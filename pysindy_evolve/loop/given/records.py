@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import permutations
 from typing import Any
 
@@ -226,7 +227,7 @@ def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
         return record
     settings = made.settings | {"cutoff": cutoff, "decimate": round(step / made.dt)}
     again = prepare(made.t, made.y, made.u, **settings)
-    again = again if record.motion is None else as_target(again)
+    again = replace(again, held=record.held) if record.motion is None else as_target(again)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
     return again[int(inside[0]) : int(inside[-1]) + 1]
 

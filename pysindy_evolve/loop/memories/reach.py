@@ -20,7 +20,8 @@ from ..given.design import Column, Design
 from ..given.segments import Segments
 from .probes import RATIO, Exchange, Probes, exchanges, grid_of
 
-__all__ = ["best_of_kinds", "exchanged", "memory_interval", "reach_of", "settled_memory"]
+__all__ = ["best_of_kinds", "exchanged", "memory_interval", "plainest", "reach_of"]
+__all__ += ["settled_memory"]
 
 STEP = 0.02  # of a delay or time constant, to see what it changes
 
@@ -62,11 +63,11 @@ def settled_memory(
     places = [(kind, memory.column) for kind in (DELAY, LAG, VESSEL)]
     best = [reach_of(first[place], design, records, part) for place in places if place in first]
     gains = [exchange.gain for exchange in exchanged(best, design, records, part)]
-    chosen = _plainest(best, gains)
+    chosen = plainest(best, gains)
     linear = [pair for pair in zip(best, gains, strict=True) if pair[0].kind != VESSEL]
     if chosen.kind == VESSEL and linear:
         # Its outflow is a root of its level, which says more than a delay or a lag does.
-        other = _plainest(*zip(*linear, strict=True))
+        other = plainest(*zip(*linear, strict=True))
         stands = _chance_of(chosen, other, design, records, part, level, rng) > level
         chosen = chosen if stands else other
     others = [m for m in best if m is not chosen]
@@ -74,7 +75,7 @@ def settled_memory(
     return chosen, tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
 
 
-def _plainest(memories: Sequence[Memory], gains: Sequence[float]) -> Memory:
+def plainest(memories: Sequence[Memory], gains: Sequence[float]) -> Memory:
     """Return the first, and so the plainest, that does as well as the best."""
     enough = max(gains) - max(MARGIN, 0.01 * max(gains))
     return next(m for m, gain in zip(memories, gains, strict=True) if gain >= enough)

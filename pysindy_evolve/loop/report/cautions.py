@@ -8,6 +8,7 @@ import numpy as np
 
 from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
+from ...signals.holds import HALF, raw_step
 from ...terms import ONE
 from ..effects.periodic import FEWEST_FREQUENCIES, lines_of
 from ..effects.relaxation import longest_relaxation
@@ -23,10 +24,10 @@ if TYPE_CHECKING:
     from .effect import Effect
     from .report import LoopReport
 
-__all__ = ["cautions", "held_delays"]
+__all__ = ["cautions", "is_hold_only"]
 
 DRIFT = "drift"
-HELD = 0.1  # sampling times by which a delay may differ from half of one
+HELD = 0.05  # sampling times by which a delay may differ from half of one
 WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
 GREW = 0.1  # percent of the standard deviation: a smaller rise is none
 TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
@@ -111,22 +112,37 @@ def _worse(report: LoopReport) -> list[str]:
     return [f"{said} What was found may not carry over to that record."]
 
 
-def held_delays(report: LoopReport) -> list[Effect]:
-    """Return the delays that are the half sample by which an input lags that is held in between."""
-    first = report.train[0]
-    step = first.dt if first.preparation is None else first.preparation.dt
-    delays = (one for one in report.effects if one.memory is not None and one.name == DELAY)
-    return [one for one in delays if abs(one.coefficients[0] - 0.5 * step) < HELD * step]
+def is_hold_only(report: LoopReport) -> bool:
+    """Tell whether nothing was found but that inputs are held between their samples."""
+    return bool(report.effects) and len(_held_delays(report)) == len(report.effects)
+
+
+def _held_delays(report: LoopReport) -> list[Effect]:
+    """Return the delays that are half a sample, as exactly as the record knows them."""
+    step = raw_step(report.train[0])
+    found = []
+    for one in (e for e in report.effects if e.memory is not None and e.name == DELAY):
+        (low, high), off = one.confidence_intervals[0], one.coefficients[0] - HALF * step
+        if abs(off) < max(HELD * step, 0.5 * (high - low)):
+            found.append(one)
+    return found
 
 
 def _held(report: LoopReport) -> list[str]:
-    """Say of such delays where they come from."""
-    return [
+    """Name the inputs that are held from one sample to the next, and delays that may be that."""
+    names = [report.equations.inputs[column] for column in sorted(report.train[0].held)]
+    taken = [
+        f"{name} is taken to be held from each sample to the next (zero-order hold), which is how "
+        "it was recorded and no effect of the machine."
+        for name in names
+    ]
+    late = [
         f"The input delay of {format_expression(one.term).partition('(')[0]} is half a sampling "
         "time. An input that is held from one sample to the next (zero-order hold) acts late by "
         "just that, so no part of the machine need be slow."
-        for one in held_delays(report)
+        for one in _held_delays(report)
     ]
+    return [*taken, *late]
 
 
 def _slow(report: LoopReport) -> list[str]:

@@ -15,6 +15,7 @@ import pysindy as ps
 from ...equations import Equations
 from ...hidden_states.hidden import MemoryEquations
 from ...signals import Record
+from ...signals.holds import hold
 from ..evidence.rejected import Rejected
 from ..fitting.runs import free_run
 from ..given.design import Design
@@ -127,7 +128,7 @@ class LoopReport:
                 f"LoopReport.simulate(record=...) must be a Record; got {type(record).__name__}. "
                 "Simulate one record at a time."
             )
-        run = free_run(self.equations, record)
+        run = free_run(self.equations, hold(record, self.train[0].held))
         return as_read(run, self.equations.states, self.effects)
 
     def __str__(self) -> str:

@@ -15,7 +15,6 @@ from ...export.fractions import as_fractions
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
 from .advice import paragraphs
-from .cautions import held_delays
 from .remains import remains
 from .unexplained import unexplained
 from .units import percent_cell
@@ -33,7 +32,6 @@ VERDICTS = {
     "untraced": "untraced: the residual has structure that none of the tried effects explains.",
 }
 
-HOLD_ONLY = "traced: nothing is missing but the half sample by which an input lags that is held."
 MUCH_LEFT = (
     "complete: none of the effects that were tried passes, but the model misses the record by more "
     "than the noise of the sensors explains; see what remains."
@@ -41,10 +39,7 @@ MUCH_LEFT = (
 
 
 def verdict_of(report: LoopReport) -> str:
-    """Return the verdict in a sentence; that an input is held is no lack of the machine's model."""
-    held = held_delays(report)
-    if held and len(held) == len(report.effects):
-        return HOLD_ONLY
+    """Return the verdict in a sentence."""
     if report.verdict == "complete" and unexplained(report):
         return MUCH_LEFT
     return VERDICTS[report.verdict]

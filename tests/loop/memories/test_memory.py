@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import sympy
-from loop_systems import DT, equations_of, levitated, multisine
+from loop_systems import DT, equations_of, multisine
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.hidden import MemoryEquations, with_memories
@@ -185,15 +185,6 @@ def test_a_delay_is_found_from_where_a_vessel_was_the_best_of_the_grid():
 
 
 @pytest.mark.slow
-def test_a_delay_of_half_a_sample_is_said_to_be_that_of_an_input_that_is_held():
-    held = Memory("input delay", 0, (0.5 * DT,))
-    report = close(record_with(held))
-    assert [effect.name for effect in report.effects] == ["input delay"]
-    assert "The input delay of F is half a sampling time" in " ".join(str(report).split())
-    assert "Verdict: traced: nothing is missing but the half sample" in str(report)
-
-
-@pytest.mark.slow
 def test_memories_that_cannot_be_told_apart_get_a_proposal_too():
     report = close(record_with(Memory("actuator lag", 0, (0.006,)), noise=0.01))
     (effect,) = report.effects
@@ -201,16 +192,6 @@ def test_memories_that_cannot_be_told_apart_get_a_proposal_too():
     plan = " ".join(str(report.suggest_experiment(units={"t": "s"})).split())
     assert plan.startswith(f"1. {effect.name} or {effect.alternatives[0]}")
     assert "Record steps of it, sampled in much less than the 0.00" in plan
-
-
-@pytest.mark.slow
-def test_in_a_closed_loop_a_held_input_is_a_delay_and_no_damping():
-    # Half a sample is shorter than all that is tried first; a damping comes close to it.
-    declared = pse.DeclaredModel({"z": "v", "v": "g - C*i**2/z**2"}, inputs=["i"])
-    record = levitated(7, held=True)
-    report = pse.close_loop(declared, record, operators=(), random_state=0)
-    assert [effect.name for effect in report.effects] == ["input delay"]
-    assert report.effects[0].coefficients[0] == pytest.approx(5e-4, rel=0.02)
 
 
 @pytest.mark.slow

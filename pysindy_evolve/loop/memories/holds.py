@@ -1,0 +1,68 @@
+"""Whether an input is held between its samples, which is how it was recorded, and no effect.
+
+Where an input jumps in one step, the record itself shows that it is held, but not when in that step
+it jumps: it may follow a controller, and begin at the sample, or somebody's hand. So if such an
+input is found to act late by less than that, it is no delay of the machine; and if it is late by
+more, or lags, it is held first and late after that, unless that does worse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...hidden_states.memory import DELAY, Memory
+from ...signals import Record
+from ...signals.holds import HALF, raw_step
+from ..given.design import Design
+from ..given.input_errors import jumps_at_once
+from ..given.segments import Segments
+from .reach import exchanged, plainest, reach_of
+
+__all__ = ["memory_beside_hold"]
+
+LATEST = 0.6  # sampling times: a hold is late by half of one, and a delay is not known exactly
+
+
+@dataclass(frozen=True)
+class _BehindHold(Memory):
+    """A memory of an input that is held from each sample to the next."""
+
+    def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+        held = Memory(DELAY, self.column, (HALF * float(t[1] - t[0]),))
+        return super().response(t, held.response(t, u))
+
+
+def memory_beside_hold(
+    memory: Memory, design: Design, records: Sequence[Record], part: Segments
+) -> tuple[float, Memory | None]:
+    """Return by how much an input with a memory is late as it is held, and what it still remembers.
+
+    Parameters
+    ----------
+    memory : Memory
+        Tuned for an input that is not held.
+    design, records, part
+        The model, training records without this memory, pieces of them.
+
+    Returns
+    -------
+    late : float
+        Sampling times; zero if the records show no jumps, or the hold does worse.
+    memory : Memory or None
+        None if the hold is all there is.
+    """
+    column, kind = memory.column, memory.kind
+    if not all(jumps_at_once(record, column) for record in records):
+        return 0.0, memory
+    share = memory.values[0] / raw_step(records[0])
+    if kind == DELAY and share < LATEST:
+        return share, None
+    behind = reach_of(_BehindHold(kind, column, memory.values), design, records, part)
+    ways = [behind, memory]
+    gains = [exchange.gain for exchange in exchanged(ways, design, records, part)]
+    if plainest(ways, gains) is memory:
+        return 0.0, memory
+    return HALF, Memory(kind, column, behind.values)

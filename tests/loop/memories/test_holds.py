@@ -1,0 +1,126 @@
+"""Inputs that are held between their samples: a property of the record, and no effect."""
+
+import numpy as np
+import pytest
+from loop_systems import DT, equations_of, levitated, multisine
+
+import pysindy_evolve as pse
+from pysindy_evolve.hidden_states.memory import Memory
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.memories.holds import memory_beside_hold
+
+STEP = 10.0  # sampling time of the oven
+OVEN = pse.DeclaredModel({"T": "b*P - a*(T - 20)"}, inputs=["P"])
+
+
+def oven(lag=0.0, delay=0.0, jump=0.0, seed=0):
+    """Record an oven whose heater jumps some sampling times before the sample that shows it."""
+    rng = np.random.default_rng(seed)
+    power = np.repeat(rng.uniform(5.0, 35.0, 25), 60)
+    n_fine = 20
+    t = np.arange(power.size * n_fine) * STEP / n_fine
+    sample = np.floor(t / STEP + jump + 1e-9).astype(int)
+    heat = power[np.minimum(sample, power.size - 1)]
+    if lag:
+        heat = Memory("actuator lag", 0, (lag,)).response(t, heat)
+    if delay:
+        heat = np.interp(t - delay, t, heat)
+    x = np.empty(t.size)
+    x[0], decay = 50.0, np.exp(-0.004 * STEP / n_fine)
+    for k in range(t.size - 1):
+        rest = 20.0 + 0.006 * heat[k] / 0.004
+        x[k + 1] = rest + (x[k] - rest) * decay
+    y = x[::n_fine] + 0.02 * rng.standard_normal(power.size)
+    return pse.prepare(t[::n_fine], y, power, order=1)
+
+
+def close(declared, record, **options):
+    settings = {"operators": (), "random_state": 0, "n_twins": 59} | options
+    return pse.close_loop(declared, record, **settings)
+
+
+def test_an_input_that_jumps_and_acts_late_by_half_a_step_is_held():
+    report = close(OVEN, oven())
+    assert report.verdict == "complete"
+    assert report.train[0].held == {0: pytest.approx(0.5, abs=0.05)}
+    assert report.after.parameters["b"] == pytest.approx(0.006, rel=2e-3)
+    assert "P is taken to be held from each sample to the next" in " ".join(str(report).split())
+
+
+def test_a_run_over_a_raw_record_holds_its_inputs_as_well():
+    record = oven()
+    report = close(OVEN, record)
+    raw, known = (report.simulate(r) for r in (record, report.train[0]))
+    assert raw[: len(known)] == pytest.approx(known, abs=1e-6)
+
+
+def test_an_input_that_jumps_halfway_on_average_is_not_held():
+    report = close(OVEN, oven(jump=0.5))
+    assert report.verdict == "complete"
+    assert not report.train[0].held
+
+
+@pytest.mark.parametrize(
+    ("kind", "truth"), [("actuator lag", {"lag": 90.0}), ("input delay", {"delay": 60.0})]
+)
+def test_what_is_behind_a_hold_is_found_with_its_own_time(kind, truth):
+    report = close(OVEN, oven(**truth))
+    assert [effect.name for effect in report.effects] == [kind]
+    assert report.effects[0].coefficients == pytest.approx(list(truth.values()), rel=0.02)
+
+
+def test_a_smooth_input_is_not_held_by_its_look():
+    t = np.arange(0.0, 40.0, DT)
+    record = pse.prepare(t, np.sin(t), multisine(1.0, 0)(t), order=1)
+    design = pse.DeclaredModel({"q": "b*F"}, inputs=["F"]).design()
+    late = Memory("input delay", 0, (0.5 * DT,))
+    assert memory_beside_hold(late, design, [record], segments([record])) == (0.0, late)
+
+
+def driven(delay, friction=0.0):
+    """Record an oscillator whose smooth force acts some sampling times later."""
+    truth = equations_of({"q": "v", "v": f"-40*q - 0.8*v + F - {friction}*sgn(v)"}, ("F",))
+    fine, force = np.arange(0.0, 40.0, DT / 10), multisine(20.0, 0)
+    x = pse.simulate(truth, [0.0, 0.0], fine, force(fine - delay * DT), tolerance=1e-8)
+    q = x[::10, 0]
+    q = q + 2e-3 * q.std() * np.random.default_rng(1).standard_normal(q.shape)
+    return pse.prepare(fine[::10], q, force(fine[::10]))
+
+
+OSCILLATOR = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+
+
+@pytest.mark.slow
+def test_half_a_sample_alone_is_a_hold():
+    report = close(OSCILLATOR, driven(0.5))
+    assert report.verdict == "complete"
+    assert report.train[0].held == {0: pytest.approx(0.5, abs=0.05)}
+    assert (
+        report.after.simulation_error[0]
+        < 0.5 * close(OSCILLATOR, driven(0.5), max_effects=0).after.simulation_error[0]
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("delay", [0.8, 1.5])
+def test_another_share_of_a_sample_is_a_delay(delay):
+    report = close(OSCILLATOR, driven(delay))
+    assert [effect.name for effect in report.effects] == ["input delay"]
+    assert report.effects[0].coefficients[0] == pytest.approx(delay * DT, rel=0.05)
+
+
+@pytest.mark.slow
+def test_beside_an_effect_half_a_sample_is_named_and_explained():
+    report = close(OSCILLATOR, driven(0.5, friction=2.0))
+    assert {effect.name for effect in report.effects} == {"Coulomb friction", "input delay"}
+    assert "The input delay of F is half a sampling time" in " ".join(str(report).split())
+
+
+@pytest.mark.slow
+def test_in_a_closed_loop_a_held_input_is_neither_delay_nor_damping():
+    # Half a sample is shorter than all that is tried first; a damping comes close to it.
+    declared = pse.DeclaredModel({"z": "v", "v": "g - C*i**2/z**2"}, inputs=["i"])
+    record = levitated(7, held=True)
+    report = pse.close_loop(declared, record, operators=(), random_state=0)
+    assert report.verdict == "complete"
+    assert report.train[0].held == {0: pytest.approx(0.5, abs=0.02)}
