@@ -200,9 +200,8 @@ def _informative(x: np.ndarray, y: np.ndarray) -> None:
             f"EvolvingLibrary.fit(x=...) must have columns that vary; got a constant column "
             f"{still[0]}. Drop it: the library has a constant term of its own."
         )
-    zero = np.flatnonzero(~y.any(axis=0))
-    if len(zero):
+    if not y.any():
         raise ValueError(
-            f"EvolvingLibrary.fit(y=...) must not be zero; got zeros in column {zero[0]}. "
-            "Leave out the state whose derivative is zero."
+            "EvolvingLibrary.fit(y=...) must not be zero; got zeros in all columns. "
+            "Record a motion: at rest there is nothing to grow terms from."
         )

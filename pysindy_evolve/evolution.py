@@ -23,10 +23,11 @@ from functools import partial
 import numpy as np
 from tqdm.auto import tqdm
 
-from .breeding.constants import tune_constants
+from .breeding.constants import tune_beside, tune_constants
 from .breeding.dictionary import Dictionary, Problem, Project, build_dictionary, price
 from .breeding.generation import Evolution, Generation, Settings
 from .breeding.genetics import Genetics
+from .breeding.plain import plain_terms
 from .breeding.plateau import Plateau
 from .breeding.refit import refit
 from .breeding.relatives import relatives
@@ -35,6 +36,7 @@ from .sparse import parsimony, regression
 from .sparse.beam import best_subsets, with_exchanges
 from .sparse.selection import Selection, select
 from .terms import ONE, Product, Variable, lowest
+from .threads import one_thread
 
 __all__ = ["evolve"]
 
@@ -42,6 +44,7 @@ ROWS = 3000  # rows that a generation is scored on; the final refit sees all of 
 FINALISTS = 24  # terms that are weighed against each other on all rows
 
 
+@one_thread()
 def evolve(
     x: np.ndarray,
     target: np.ndarray,
@@ -51,6 +54,7 @@ def evolve(
     fixed: np.ndarray | None = None,
     project: Project | None = None,
     noise: np.ndarray | None = None,
+    domain: np.ndarray | None = None,
     begin: Sequence[Product] = (),
     settings: Settings | None = None,
     progress: bool = False,
@@ -75,6 +79,8 @@ def evolve(
         target alike, such as smooth windows. All rows are then used in each generation.
     noise : ndarray of shape (n_variables,), optional
         Standard deviation of the noise in each variable: terms worth less than it are dropped.
+    domain : ndarray of shape (k, n_variables), optional
+        Further states at which every term must have a value.
     begin : sequence of Product, optional
         Terms that the first generation holds besides random ones.
     settings : Settings, optional
@@ -95,8 +101,10 @@ def evolve(
     sooner where nothing is left to explain, see `plateau`.
     """
     settings = settings or Settings()
+    if not target.any():  # a parameter among the states: its equation is empty
+        return Evolution((), (), (), ())
     fixed = np.empty((len(x), 0)) if fixed is None else fixed
-    problem = Problem(x, target, fixed, project, noise)
+    problem = Problem(x, target, fixed, project, noise, domain)
     history: list[Generation] = []
     finalists: tuple[Product, ...] = ()
     search = generations(problem, operators, settings, rng, begin)
@@ -144,12 +152,17 @@ def generations(
     enough = _leaves_nothing(build_dictionary(first, leaves))
     population = list(begin)
     if not enough:
-        population += genetics.random_terms(settings.population_size, known=[*leaves, *begin])
+        population += plain_terms(operators, first.x)
+        population += genetics.random_terms(settings.population_size, [*leaves, *population])
     known: set[Hashable] = set()
+    best: tuple[Product, ...] = ()
     for number in range(1, settings.n_generations + 1):
         sample = problem.sample(ROWS, rng)
         dictionary = build_dictionary(sample, [*survivors, *population])
-        found = solve_elastic_net(dictionary, survivors, settings.max_terms, alike=genetics.smooth)
+        found = solve_elastic_net(
+            dictionary, survivors, best, settings.max_terms, alike=genetics.smooth
+        )
+        best = tuple(dictionary.terms[j] for j in found.best)
         around = with_exchanges(found.front) if genetics.smooth else found.front
         fitness, partners = rate(dictionary, around, found.n_effective)
 
@@ -158,6 +171,8 @@ def generations(
         finalists = _unique([*ranking[:FINALISTS], *plain])
         yield _record(dictionary, found.best, number, start), finalists
         tuned = tune_constants(dictionary, around, fitness, partners, known, alike=genetics.smooth)
+        if number == 1:
+            tuned += tune_beside(dictionary, leaves)
         survivors = _unique([*tuned, *ranking[:FINALISTS], *leaves])
         population = genetics.offspring(
             dictionary.terms,
@@ -170,18 +185,22 @@ def generations(
 
 
 def solve_elastic_net(
-    dictionary: Dictionary, survivors: Sequence[Product], max_terms: int, alike: bool = False
+    dictionary: Dictionary,
+    survivors: Sequence[Product],
+    best: Sequence[Product],
+    max_terms: int,
+    alike: bool = False,
 ) -> Selection:
     """Find the best equations that the dictionary holds: the best first, then smaller ones.
 
-    The elastic net proposes supports, along with what survived; each is pruned by the information
-    criterion. Smooth terms are `alike` over a record, and small equations of them are searched as
-    well.
+    The elastic net proposes supports, along with what survived and the best equation so far; each
+    is pruned by the information criterion. Smooth terms are `alike` over a record, and small
+    equations of them are searched as well.
     """
     gram, terms = dictionary.gram, dictionary.terms
     known = {term: j for j, term in enumerate(terms)}
-    old = np.array([known[t] for t in survivors if t in known], dtype=int)
-    proposals = [*regression.supports(gram, 2 * max_terms), old]
+    old = [np.array([known[t] for t in ts if t in known], dtype=int) for ts in (survivors, best)]
+    proposals = [*regression.supports(gram, 2 * max_terms), *old]
     scaled = gram.scaled(gram.scale)
     return select(
         gram,

@@ -19,6 +19,7 @@ from .evolution import evolve
 from .operators import Operator, resolve
 from .term_library import TermColumns
 from .terms import ONE, Product
+from .threads import one_thread
 
 __all__ = ["EvolvingLibrary"]
 
@@ -170,12 +171,14 @@ class EvolvingLibrary(TermColumns):
                 part[~kept] = 0.0
         return theta
 
+    @one_thread()
     def _grow(self, x_full: list[Any], y: Any) -> Rows:
         """Grow the terms; return the rows that they were grown on."""
         checks.same_samples(None if y is not None else handover.repeated(self))
         seen = None if y is not None else handover.target(self, x_full)
         handover.forget(self)
         x, targets = checks.training_data(x_full, seen if y is None else y)
+        domain = _edges(x, [len(xi) for xi in x_full])
         operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
         rows = denoise(x, targets, [len(xi) for xi in x_full], operators)
         x, targets = rows.of(rows.x), rows.of(targets)
@@ -192,6 +195,7 @@ class EvolvingLibrary(TermColumns):
                 rng=np.random.default_rng(stream),
                 fixed=fixed,
                 noise=rows.noise,
+                domain=domain,
                 settings=settings,
                 progress=self.progress,
             )
@@ -213,6 +217,17 @@ class EvolvingLibrary(TermColumns):
         for name in rates:
             checks.rate(getattr(self, name), "EvolvingLibrary", name)
         return Settings(**{name: getattr(self, name) for name in (*counts, *rates)})
+
+
+def _edges(x: np.ndarray, lengths: Sequence[int]) -> np.ndarray:
+    """Return the measured states where a term may have no value, though it has one beside them.
+
+    Where trajectories begin and end, and where a variable is largest, smallest, or next to zero:
+    1/t has no value at the first sample, which is freed from noise or left out of the search.
+    """
+    ends = np.cumsum([0, *lengths])
+    places = [ends[:-1], ends[1:] - 1, x.argmin(axis=0), x.argmax(axis=0)]
+    return x[np.unique(np.concatenate([*places, np.abs(x).argmin(axis=0)]))]
 
 
 def _union(x: np.ndarray, fixed: np.ndarray, found: Sequence[Evolution]) -> tuple[Product, ...]:

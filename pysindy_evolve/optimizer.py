@@ -17,6 +17,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from .checks import positive_integer
 from .sparse import parsimony, regression
 from .sparse.selection import select
+from .threads import one_thread
 
 __all__ = ["ElasticNet"]
 
@@ -88,6 +89,7 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.max_iter = max_iter
         self.copy_X = copy_X
 
+    @one_thread()
     def fit(self, X: np.ndarray, y: np.ndarray) -> ElasticNet:
         """Fit one sparse row of coefficients to each target.
 

@@ -10,7 +10,7 @@ NAME = PACKAGE.name
 
 # From the bottom up; parts of one layer may use each other, but not in a circle.
 LAYERS = (
-    {"checks", "lazily", "operators", "terms"},
+    {"checks", "lazily", "operators", "terms", "threads"},
     {"equations", "substitution"},
     {"reading"},
     {"sparse"},

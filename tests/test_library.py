@@ -178,6 +178,14 @@ def put(array, value):
     array[7, 0] = value
 
 
+def test_a_state_that_does_not_change_by_itself_has_an_empty_equation(data):
+    x, y = data
+    model = ps.SINDy(feature_library=library(), optimizer=ElasticNet())
+    model.fit(x, 0.01, x_dot=np.column_stack([y, np.zeros(len(y))])[:, : x.shape[1]])
+    assert not model.coefficients()[-1].any()
+    assert model.coefficients()[0].any()
+
+
 @pytest.mark.filterwarnings("ignore:2 axes labeled")  # PySINDy, of any flat array
 @pytest.mark.parametrize(
     ("change", "message"),
@@ -197,7 +205,7 @@ def put(array, value):
         (lambda x, y: (x, y[:-3]), r"as many samples as x; got \[397\] for \[400\]"),
         (lambda x, y: (x[:6], y[:6]), "more samples than terms"),
         (lambda x, y: (np.column_stack([x, np.ones(400)]), y), "constant column 2"),
-        (lambda x, y: (x, np.column_stack([y, np.zeros(400)])), "zeros in column 1"),
+        (lambda x, y: (x, np.zeros((400, 2))), "zeros in all columns"),
         (lambda x, y: (x, None), "base_library"),
         (lambda x, y: (x[:, 0], y), "must be 2-D"),
     ],

@@ -12,14 +12,18 @@ from collections.abc import Callable, Hashable, Sequence
 import numpy as np
 from scipy.optimize import least_squares
 
-from ..terms import Product
+from ..sparse.elimination import gains
+from ..terms import Atom, Call, Product, Sum
 from .dictionary import Dictionary
 
-__all__ = ["tune", "tune_constants"]
+__all__ = ["tune", "tune_beside", "tune_constants"]
 
+SMALL = 3  # terms of an equation
+N_FORMS = 24  # of which a term is tuned beside plain ones, once
 N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
 TUNING_ROWS = 800  # are enough to tune one or two constants
 LARGEST = 1e150  # of a value, so that its square is one as well
+LEAST_BEND = 0.3  # of an argument, or of a divisor over its size: with less, sin(w x) is w x
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)  # a coarse look around before the local search
 
 
@@ -82,6 +86,7 @@ def tune(
     found = least_squares(residual, first, x_scale=np.maximum(np.abs(first), 1e-12), max_nfev=12).x
     # A constant that is tuned away leaves another term, one that the search knows as its own.
     kept = [c for c in (first, found) if np.all(np.abs(c) > 1e-6 * np.abs(start))]
+    kept = [c for c in kept if all(_bends(term, x) for term in _with(terms, c))]
     best = min((start, *kept), key=error)
     return _with(terms, best)
 
@@ -96,17 +101,18 @@ def tune_constants(
 ) -> list[Product]:
     """Tune the inner constants of the best terms that have some, each beside its equation.
 
-    What has been tuned beside an equation of the same form is `known`; where terms are `alike`,
-    it makes way for another, and the best equation is tuned again.
+    First those of small equations, which are right or wrong as a whole. What has been tuned beside
+    an equation of the same form is `known`; where terms are `alike`, it makes way for another, and
+    the best equation is tuned again.
     """
-    problem, n_fixed = dictionary.problem, dictionary.n_fixed
-    tuned: list[Product] = []
-    step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
     order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
     forms = [term.skeleton for term in dictionary.terms]
     cases: dict[Hashable, tuple[int, list[int]]] = {}
-    for j in order if alike else order[:N_TUNED]:
-        beside = [i for i in front[partners[j]] if i != j]
+    small = sorted((support for support in front if len(support) <= SMALL), key=len)
+    few = [(j, support) for support in small for j in support if dictionary.terms[j].constants]
+    each = [(j, front[partners[j]]) for j in order]
+    for j, equation in [*few, *(each if alike else each[:N_TUNED])]:
+        beside = [i for i in equation if i != j]
         case = forms[j], frozenset(forms[i] for i in beside)
         fresh = case not in known or (alike and j in front[0])
         if fresh and case not in cases:
@@ -114,16 +120,55 @@ def tune_constants(
         if len(cases) == N_TUNED:
             break
     known.update(cases)
-    for j, beside in cases.values():
-        others = dictionary.theta[:, [*range(n_fixed), *(n_fixed + i for i in beside)]]
-        tuned += tune(
-            [dictionary.terms[j]],
-            problem.x[::step],
-            dictionary.y[::step],
-            others[::step],
-            project=problem.project,
-        )
+    return [_tuned_beside(dictionary, *case) for case in cases.values()]
+
+
+def tune_beside(dictionary: Dictionary, plain: Sequence[Product]) -> list[Product]:
+    """Tune one term of each form beside plain terms, those first that gain most there.
+
+    Many equations are a straight line and one such term. As long as its constants are wrong, other
+    terms do better than it, and its turn does not come.
+    """
+    beside = [j for j, term in enumerate(dictionary.terms) if term in plain]
+    gram = dictionary.gram.scaled(dictionary.gram.scale)
+    order = np.argsort(gains(gram, beside)[0], kind="stable")
+    best: dict[Hashable, int] = {}
+    for j in (int(j) for j in order if dictionary.terms[j].constants):
+        best.setdefault(dictionary.terms[j].skeleton, j)
+    return [_tuned_beside(dictionary, j, beside) for j in list(best.values())[:N_FORMS]]
+
+
+def _tuned_beside(dictionary: Dictionary, j: int, beside: Sequence[int]) -> Product:
+    problem, n_fixed = dictionary.problem, dictionary.n_fixed
+    step = 1 if problem.project else max(len(problem.x) // TUNING_ROWS, 1)
+    others = dictionary.theta[:, [*range(n_fixed), *(n_fixed + i for i in beside)]]
+    (tuned,) = tune(
+        [dictionary.terms[j]],
+        problem.x[::step],
+        dictionary.y[::step],
+        others[::step],
+        project=problem.project,
+    )
     return tuned
+
+
+def _bends(term: Product, x: np.ndarray) -> bool:
+    """Tell whether no function or divisor in a term is a straight line over the data.
+
+    Such a term is another one, and its constants fit the smooth error of a derivative.
+    """
+    with np.errstate(all="ignore"):
+        return all(_span(atom, n, x) >= LEAST_BEND for atom, n in term.factors if atom.constants)
+
+
+def _span(atom: Atom, exponent: int, x: np.ndarray) -> float:
+    """Return how far the argument of a function varies, or a sum over its size if it divides."""
+    if isinstance(atom, Call) and len(atom.args) == 1:
+        return float(np.ptp(atom.args[0].evaluate(x)))
+    if isinstance(atom, Sum) and exponent < 0:
+        value = atom.evaluate(x)
+        return float(np.ptp(value) / max(np.abs(value).max(), np.finfo(float).tiny))
+    return np.inf
 
 
 def _around(start: np.ndarray) -> list[np.ndarray]:

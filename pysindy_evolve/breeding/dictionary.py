@@ -52,6 +52,8 @@ class Problem:
         A linear map on rows, (n, p) to (m, p), applied to theta, fixed columns and target alike.
     noise : ndarray of shape (n_variables,), optional
         Standard deviation of the noise in each variable, in the user's units.
+    domain : ndarray of shape (k, n_variables), optional
+        Further states at which every term must have a value, such as those where a record begins.
     """
 
     x: np.ndarray
@@ -59,6 +61,14 @@ class Problem:
     fixed: np.ndarray
     project: Project | None = None
     noise: np.ndarray | None = None
+    domain: np.ndarray | None = None
+
+    def has_values(self, terms: Sequence[Product]) -> np.ndarray:
+        """Tell which terms have a finite value everywhere in the domain, shape (n_terms,)."""
+        if self.domain is None:
+            return np.ones(len(terms), dtype=bool)
+        with np.errstate(all="ignore"):
+            return np.array([np.isfinite(t.evaluate(self.domain)).all() for t in terms], dtype=bool)
 
     def sample(self, n_rows: int, rng: np.random.Generator) -> Problem:
         """Draw one row from each of `n_rows` consecutive strata: the order of time is kept."""
@@ -67,7 +77,7 @@ class Problem:
             return self
         edges = np.linspace(0, n, n_rows + 1)
         rows = (edges[:-1] + rng.random(n_rows) * np.diff(edges)).astype(int)
-        return Problem(self.x[rows], self.target[rows], self.fixed[rows])
+        return Problem(self.x[rows], self.target[rows], self.fixed[rows], domain=self.domain)
 
     def theta(
         self, terms: Sequence[Product], rows: slice = slice(None), cache: Cache | None = None
@@ -152,6 +162,7 @@ def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
         spike = np.square(np.abs(samples).max(axis=0)) / np.einsum("ij,ij->j", samples, samples)
     good = np.isfinite(power) & (power > np.finfo(float).tiny) & (spike < SPIKE)
     good[:n_fixed] = True
+    good[n_fixed:] &= problem.has_values(terms)
     scale = np.sqrt(np.where(good & (power > 0.0), power, 1.0) / len(y))
     theta = theta[:, good] / scale[good]
     terms = [term for term, ok in zip(terms, good[n_fixed:], strict=True) if ok]

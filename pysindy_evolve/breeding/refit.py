@@ -59,10 +59,12 @@ def refit(
     best = _tuned_together(problem, finalists[:n_best])
     is_all = perfect and _leaves_nothing(problem, best)
     terms = [*best, *([] if is_all else finalists[n_best:])]
+    terms = [term for term, ok in zip(terms, problem.has_values(terms), strict=True) if ok]
     terms, whole, folds, scale = _grams(problem, terms)
     if not terms:
         return (), ()
-    proposals = [*regression.supports(whole, max_terms), np.arange(len(terms))]
+    so_far = np.array([j for j, term in enumerate(terms) if term in best], dtype=int)
+    proposals = [*regression.supports(whole, max_terms), np.arange(len(terms)), so_far]
     chosen = select(
         whole,
         proposals,

@@ -14,8 +14,7 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
+from ..threads import one_thread
 from .commands import demo, fit, loop
 from .options import PROGRAM, make_parser
 from .output import complain
@@ -44,8 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
-            # Small matrices gain nothing from threads, and the last digits depend on their number.
-            with threadpool_limits(limits=1):
+            with one_thread():
                 finished = given.run(given)
         except KeyboardInterrupt:
             complain(f"{PROGRAM}: interrupted; nothing was found yet.")

@@ -14,7 +14,7 @@ from sympy.codegen.rewriting import create_expand_pow_optimization
 from sympy.core.function import AppliedUndef
 from sympy.printing.c import C99CodePrinter
 from sympy.printing.julia import JuliaCodePrinter
-from sympy.printing.numpy import NumPyPrinter
+from sympy.printing.numpy import SciPyPrinter
 from sympy.printing.octave import OctaveCodePrinter
 from sympy.printing.str import StrPrinter
 
@@ -94,6 +94,7 @@ class _Source:
     inputs: tuple[str, ...]
     used: frozenset[str]
     sides: tuple[str, ...]
+    modules: tuple[str, ...] = ()
 
     def local(self, line: Callable[[str, str, int], str]) -> list[str]:
         """Return a line for each variable that is used: line(name, array, index from 0)."""
@@ -143,7 +144,8 @@ def _source(system: System, language: str, name: str) -> _Source:
         ) from None
     n_states = len(equations.states)
     used = frozenset(str(symbols[index]) for index in system.used)
-    return _Source(tuple(safe[:n_states]), tuple(safe[n_states:]), used, sides)
+    modules = tuple(sorted({"numpy", *getattr(printer, "module_imports", ())}))
+    return _Source(tuple(safe[:n_states]), tuple(safe[n_states:]), used, sides, modules)
 
 
 def _safe_names(names: Sequence[str], reserved: Set[str]) -> list[str]:
@@ -170,7 +172,7 @@ def _python(source: _Source, name: str) -> str:
     sides = [f"    rate_{i} = {side}" for i, side in enumerate(source.sides)]
     rates = ", ".join(f"rate_{i}" for i in range(len(sides)))
     return "\n".join([
-        "import numpy", "", "",
+        *(f"import {module}" for module in source.modules), "", "",
         f"def {name}(t, state, input=None):",
         '    """Return the rates of the states, one sample in each row."""',
         *_unpacked_python(source), *local, *sides,
@@ -237,7 +239,7 @@ class _Exact:
         return repr(float(expression))
 
 
-class _PythonPrinter(_Exact, NumPyPrinter):
+class _PythonPrinter(_Exact, SciPyPrinter):
     pass
 
 
@@ -254,12 +256,40 @@ class _JuliaPrinter(_Exact, JuliaCodePrinter):
     pass
 
 
+_MODELICA_KNOWS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh"}
+_MODELICA_KNOWS |= {"exp", "log", "sqrt", "sign", "floor"}
+
+
 class _ModelicaPrinter(_Exact, StrPrinter):
     def __init__(self, settings: dict[str, Any]) -> None:
         super().__init__()
 
     def _print_Abs(self, expression: Any) -> str:
         return f"abs({self._print(expression.args[0])})"
+
+    def _print_Max(self, expression: Any) -> str:
+        return self._of_two("max", expression.args)
+
+    def _print_Min(self, expression: Any) -> str:
+        return self._of_two("min", expression.args)
+
+    def _of_two(self, name: str, arguments: Sequence[Any]) -> str:
+        """Write a function of two arguments with more of them: max(a, max(b, c))."""
+        first, *rest = (str(self._print(one)) for one in arguments)
+        for other in rest:
+            first = f"{name}({first}, {other})"
+        return first
+
+    def _print_Function(self, expression: Any) -> str:
+        name = expression.func.__name__
+        if name not in _MODELICA_KNOWS and not isinstance(expression, AppliedUndef):
+            raise NotImplementedError(f"{name} is no function of Modelica")
+        return str(super()._print_Function(expression))
+
+    def _print_Piecewise(self, expression: Any) -> str:
+        raise NotImplementedError(f"{expression.func.__name__} is no function of Modelica")
+
+    _print_Heaviside = _print_Piecewise
 
     def _print_Pow(self, expression: Any, rational: bool = False) -> str:
         return str(super()._print_Pow(expression, rational)).replace("**", "^")

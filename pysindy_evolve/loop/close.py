@@ -12,6 +12,7 @@ from ..hidden_states.memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
 from ..signals.holds import hold
+from ..threads import one_thread
 from .evidence.findings import Finding, limits_in, memories_in, with_findings
 from .evidence.offers import awaited
 from .evidence.witness import witnessed
@@ -39,6 +40,7 @@ from .search import Search
 __all__ = ["close_loop"]
 
 
+@one_thread()
 def close_loop(
     declared: DeclaredModel | ps.SINDy,
     train: Record | Sequence[Record],
@@ -107,8 +109,7 @@ def close_loop(
     -----
     An interrupt (Ctrl-C) ends the search. What was found until then is reported; if that is nothing
     yet, KeyboardInterrupt is raised. Expect 5 to 20 s of one quiet core for 10 000 samples, and
-    more with each effect found. The matrices are small: set OMP_NUM_THREADS=1, as threads of the
-    linear algebra only get in each other's way.
+    more with each effect found. The matrices are small, so the linear algebra runs on one thread.
 
     Examples
     --------

@@ -11,12 +11,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from .elimination import gains
-from .gram import Gram, least_squares, rss
+from .gram import Gram, inverse, least_squares, rss
 
 __all__ = ["PERFECT", "frugal", "material", "plainer", "stable"]
 
 PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
 MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
+SURE = 6.0  # standard errors of a term that one block shows alone
 DOMINANT = 1e-2  # share of the target's power that no chance correlation explains
 REMAINDER = 1e-2  # share of the error that a smaller term may leave, if it is to count
 
@@ -162,13 +163,16 @@ def stable(
     -----
     The standard error is the jackknife's over blocks, which holds for autocorrelated residuals as
     long as blocks are longer than their memory. The weakest term goes first.
-    A term that shows in one part of the record only, as a stiffness does in a resonance, has no
-    small scatter; it stays if it alone explains a hundredth of the target's power.
+    A term that shows in one part of the record only, as a stiffness does in a resonance or a growth
+    before a limit cycle is reached, has no small scatter: without that part it is not known at all.
+    It stays if it alone explains a hundredth of the target's power, or if the rows of that part,
+    taken as independent, know it to a sixth.
     """
     support = np.asarray(support, dtype=int)
     while len(support):
         ratio = _jackknife_ratio(whole, folds, support)
         ratio[_dominant(whole, support)] = np.inf
+        ratio[_shown_at_once(whole, folds, support)] = np.inf
         worst = int(np.argmin(ratio))
         if ratio[worst] >= min_ratio:
             break
@@ -182,6 +186,19 @@ def _dominant(whole: Gram, support: np.ndarray) -> np.ndarray:
     error = rss(scaled, least_squares(scaled, support))
     rise = gains(scaled, support)[1][support] - error
     return np.asarray(rise >= max(DOMINANT * whole.yy, 0.1 * error))
+
+
+def _shown_at_once(whole: Gram, folds: Sequence[Gram], support: np.ndarray) -> np.ndarray:
+    """Tell which terms are known from a single block, and known well there."""
+    inverted = inverse(whole.select(support))
+    contrast = inverted / np.diag(inverted)  # what each column has that the others have not
+    power = 1.0 / np.diag(inverted)
+    xx = [(whole - fold).xx[np.ix_(support, support)] for fold in folds]
+    largest = np.max([np.einsum("ij,ik,kj->j", contrast, part, contrast) for part in xx], axis=0)
+    coef = least_squares(whole, support)
+    noise = rss(whole, coef) / max(whole.n - len(support), 1)
+    size = np.abs(coef[support]) * np.sqrt(power / max(noise, np.finfo(float).tiny))
+    return np.asarray((largest > 0.5 * power) & (size > SURE))
 
 
 def _jackknife_ratio(whole: Gram, folds: Sequence[Gram], support: np.ndarray) -> np.ndarray:

@@ -102,3 +102,16 @@ def test_a_free_constant_makes_way_for_a_term_that_fits_as_well_as_a_derivative_
     cost = np.array([20.0, 10.0])
     assert parsimony.plainer(gram, [0], cost, np.array([1, 0])).tolist() == [1]
     assert parsimony.plainer(gram, [0], cost, np.array([0, 0])).tolist() == [0]
+
+
+def test_a_term_that_one_part_knows_alone_stays_if_it_is_known_well_there():
+    rng = np.random.default_rng(0)
+    x = rng.normal(size=(1200, 2))
+    x[100:, 1] *= 0.01  # a transient: later there is nothing of it
+    y = x[:, 0] + 0.2 * x[:, 1] + 0.3 * rng.normal(size=1200)
+    theta = np.column_stack([x, rng.normal(size=1200)])
+    theta[100:, 2] *= 0.01
+    blocks = regression.block_grams(lambda rows: theta[rows], y, 12)
+    whole = regression.total(blocks)
+    folds = [whole - block for block in blocks]
+    assert parsimony.stable(whole, folds, [0, 1, 2]).tolist() == [0, 1]

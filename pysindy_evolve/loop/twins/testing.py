@@ -9,6 +9,7 @@ from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
 from ...signals import Record
+from ...threads import one_thread
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .drifting import DriftingTwins
@@ -54,6 +55,7 @@ def twin_values(
     return np.array(found)
 
 
+@one_thread()
 def _in_twin(maker: Maker, part: Segments, statistic: Statistic, rng: np.random.Generator) -> float:
     twins = maker.make(rng)
     return statistic(part.of(twins), twins)
