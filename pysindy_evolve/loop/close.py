@@ -13,6 +13,7 @@ from ..operators import Operator, resolve
 from ..signals import Record
 from ..signals.holds import hold
 from ..threads import one_thread
+from .effects.periodic import frequency_of
 from .evidence.findings import Finding, limits_in, memories_in, with_findings
 from .evidence.offers import awaited
 from .evidence.witness import witnessed
@@ -30,14 +31,18 @@ from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
 from .report.cautions import is_hold_only
 from .report.doubtful import most_doubtful
+from .report.lines import shared_lines
 from .report.making import make_report
 from .report.numbers import with_numbers_known
 from .report.report import LoopReport
+from .revision.asymmetry import with_asymmetry
 from .revision.contest import contested
 from .revision.dead_zones import told_by_slopes
 from .search import Search
 
 __all__ = ["close_loop"]
+
+FLAT = 0.5  # of the cutoff, up to which a low-pass leaves what there is
 
 
 @one_thread()
@@ -137,7 +142,10 @@ def close_loop(
     search = Search(design, fit_on, wide, part, rules, basis, rng)
     is_whole = _run(search) and len(search.findings) < rules.max_effects
     report = _reported(search, judge_on, is_whole)
-    return replace(report, rejected=search.rejected, chance_left=search.chance_left)
+    report = replace(report, rejected=search.rejected, chance_left=search.chance_left)
+    if report.verdict == "complete" and shared_lines(report):
+        return replace(report, verdict="untraced")
+    return report
 
 
 def _checked(
@@ -180,8 +188,10 @@ def _reported(search: Search, test: Sequence[Record], is_whole: bool) -> LoopRep
     """Report what was found, without what the final fit is not sure of, or runs away with."""
     while True:
         findings = _with_alternatives(search)
-        judged = [hold(record, search.held) for record in test]
-        given = search.declared, findings, search.plain, judged, search.verdict, is_whole
+        records = search.plain, [hold(record, search.held) for record in test]
+        if not search.declared.algebraic and _is_near_cutoff(findings, search.plain):
+            records = search.wide, widened(records[1])
+        given = search.declared, findings, *records, search.verdict, is_whole
         report = make_report(*given, search.rules, search.rng)
         if is_hold_only(report):
             search.hold_instead()
@@ -197,6 +207,16 @@ def _reported(search: Search, test: Sequence[Record], is_whole: bool) -> LoopRep
         search.withdraw(findings.index(gone))
 
 
+def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> bool:
+    """Tell whether the low-pass of records takes a part of a forcing: its size would be too small.
+
+    It is a function of time, not of what was measured, so it did not pass the same filter.
+    """
+    made = [record.preparation for record in records]
+    cutoff = min((one.cutoff for one in made if one is not None and one.cutoff), default=np.inf)
+    return any(frequency_of(finding.candidate) > FLAT * cutoff for finding in findings)
+
+
 def _with_alternatives(search: Search) -> list[Finding]:
     """Return what was found, each with what could stand in its place."""
     found, design, rules = search.findings, search.declared, search.rules
@@ -207,4 +227,4 @@ def _with_alternatives(search: Search) -> list[Finding]:
     rivals = contested(design, found, acted, rules.significance, child, grown)
     if search.runs_tell_more and not paths_of(search.design):
         rivals = unrefuted(design, rivals, search.plain)
-    return told_by_slopes(design, rivals, acted)
+    return told_by_slopes(design, with_asymmetry(rivals), acted)

@@ -184,6 +184,8 @@ class Search:
             found = with_numbers(self.declared, found, self.part)
             self.findings = with_shared_numbers(self.declared, found, self.part)
             self._check(before)
+            if len(look.found) > 1 or len(memories_in(self.findings)) == len(memories):
+                self._settle()  # or what is wrong with a memory would be named as another one
         kept = prune(self.declared, self.findings, self.part)
         self.findings = merged(self.declared, kept, self.part)
 

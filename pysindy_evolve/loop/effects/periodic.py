@@ -16,12 +16,14 @@ from .candidate import Candidate, CandidateMaker, Shape
 
 __all__ = [
     "FEWEST_FREQUENCIES",
+    "frequency_of",
     "is_same_ripple",
     "lines_of",
     "periodic_candidates",
     "ripple_candidates",
 ]
 
+FORCING = "periodic forcing"
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
 HALF = FINENESS // 2  # of these make half of what the record resolves
@@ -67,9 +69,16 @@ def periodic_candidates(
     """
     effect = CandidateMaker(state)
     return [
-        effect("periodic forcing", *(wave(2 * np.pi * frequency) for wave in _waves(time)))
+        effect(FORCING, *(wave(2 * np.pi * frequency) for wave in _waves(time)))
         for frequency in lines_of(residual, drivers, dt, n_peaks)
     ]
+
+
+def frequency_of(candidate: Candidate) -> float:
+    """Return the frequency of a periodic forcing, cycles per unit of t; zero of another effect."""
+    if candidate.name != FORCING:
+        return 0.0
+    return max(term.constants[0] for one in candidate.terms for _, term in one.parts) / (2 * np.pi)
 
 
 def lines_of(residual: np.ndarray, drivers: np.ndarray, dt: float, n_peaks: int = 2) -> list[float]:

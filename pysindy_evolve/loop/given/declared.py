@@ -7,6 +7,7 @@ from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pysindy as ps
 from sklearn.exceptions import NotFittedError
 
@@ -19,7 +20,8 @@ from ...signals import Record
 from ...terms import ONE, Sum, variable
 from .algebraic import motions_of
 from .design import Column, Design
-from .kinematics import disagreement, whole_state
+from .kinematics import disagreement
+from .segments import variables_of
 
 __all__ = ["DeclaredModel", "design_of", "doubted"]
 
@@ -183,7 +185,7 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
         equations = from_model(declared, OWNER)
     except NotFittedError:
         equations = from_model(_fitted(declared, records), OWNER)
-    return _design_of_equations(equations)
+    return _design_of_equations(equations, records)
 
 
 def doubted(design: Design, records: Sequence[Record]) -> Design:
@@ -237,12 +239,16 @@ def _fitted(model: ps.SINDy, records: Sequence[Record]) -> ps.SINDy:
     )
 
 
-def _design_of_equations(equations: Equations) -> Design:
-    """Make each coefficient free; a right-hand side that is just another state stays known."""
-    n_states = len(equations.states)
+def _design_of_equations(equations: Equations, records: Sequence[Record]) -> Design:
+    """Make each coefficient free; a right-hand side that is just another state stays known.
+
+    It is one on the records: a fit without a threshold leaves traces of all other terms.
+    """
+    n_states, variables = len(equations.states), variables_of(records[0])
+    fits = variables.shape[1] == len(equations.names)  # which is checked later
     fixed, columns = [], []
     for state, expression in enumerate(equations.sums):
-        other = whole_state(expression, state, n_states, ROUNDED)
+        other = _just_a_state(expression, state, variables, n_states) if fits else None
         fixed.append(Sum(()) if other is None else variable(other))
         for _, term in expression.parts if other is None else ():
             parts = [Sum(())] * n_states
@@ -250,6 +256,17 @@ def _design_of_equations(equations: Equations) -> Design:
             name = f"{equations.states[state]}: {term.name(equations.names)}"
             columns.append(Column(name, tuple(parts)))
     return Design(equations.states, equations.inputs, tuple(fixed), tuple(columns))
+
+
+def _just_a_state(side: Sum, state: int, variables: np.ndarray, n_states: int) -> int | None:
+    """Return the other state that a right-hand side follows, but for rounding, or None."""
+    with np.errstate(all="ignore"):
+        values = side.evaluate(variables)
+    for other in (k for k in range(n_states) if k != state):
+        column = variables[:, other]
+        if np.sum((values - column) ** 2) <= ROUNDED**2 * np.sum(column**2):
+            return other
+    return None
 
 
 def _check_kinds(inputs: Any, known: Any, operators: Any) -> None:

@@ -13,7 +13,7 @@ from ...terms import Sum, Variable
 __all__ = ["disagreement", "positions", "whole_state"]
 
 
-def whole_state(side: Sum, state: int, n_states: int, tolerance: float = 0.0) -> int | None:
+def whole_state(side: Sum, state: int, n_states: int) -> int | None:
     """Return the other state that is the whole of a right-hand side, as v is in q' = v, or None.
 
     Parameters
@@ -24,14 +24,12 @@ def whole_state(side: Sum, state: int, n_states: int, tolerance: float = 0.0) ->
         The state whose rate it is.
     n_states : int
         Number of states, the first variables.
-    tolerance : float
-        By how much the coefficient may differ from one.
 
     Returns
     -------
     int or None
     """
-    if len(side.parts) != 1 or abs(side.parts[0][0] - 1.0) > tolerance:
+    if len(side.parts) != 1 or side.parts[0][0] != 1.0:
         return None
     factors = side.parts[0][1].factors
     if len(factors) != 1 or not isinstance(factors[0][0], Variable) or factors[0][1] != 1:

@@ -10,17 +10,15 @@ from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
 from ...signals.holds import HALF, raw_step
 from ...terms import ONE
-from ..effects.periodic import FEWEST_FREQUENCIES, lines_of
 from ..effects.relaxation import longest_relaxation
 from ..given.kinematics import disagreement
-from .left import residual_of
+from .lines import shared_lines
 from .missed import missed
 from .ranges import beyond
 from .starts import moved_by_starts
 from .units import percent
 
 if TYPE_CHECKING:
-    from ...signals import Record
     from .effect import Effect
     from .report import LoopReport
 
@@ -119,9 +117,11 @@ def is_hold_only(report: LoopReport) -> bool:
 
 def _held_delays(report: LoopReport) -> list[Effect]:
     """Return the delays that are half a sample, as exactly as the record knows them."""
-    step = raw_step(report.train[0])
+    step, held = raw_step(report.train[0]), report.train[0].held
     found = []
-    for one in (e for e in report.effects if e.memory is not None and e.name == DELAY):
+    for one in (e for e in report.effects if e.name == DELAY):
+        if one.memory is None or one.memory.column in held:
+            continue
         (low, high), off = one.confidence_intervals[0], one.coefficients[0] - HALF * step
         if abs(off) < max(HELD * step, 0.5 * (high - low)):
             found.append(one)
@@ -186,33 +186,12 @@ def _undefined(report: LoopReport) -> list[str]:
 
 def _lines(report: LoopReport) -> list[str]:
     """Name the frequencies at which the residuals of all of several records have a line."""
-    model, records = report.after.model, report.train
-    if len(records) < 2 or model.n_algebraic or not all(map(_knows_its_noise, records)):
-        return []
-    said = []
-    for state in range(len(report.before.model.states)):
-        found = []
-        for record in records:
-            left = residual_of(model, record)[:, state]
-            drivers = record.x[:, :0] if record.u is None else record.u
-            found.append(lines_of(left, drivers, record.dt))
-        first, *others = found
-        width = 1.0 / min(record.t[-1] - record.t[0] for record in records)
-        for line in first:
-            if all(any(abs(line - other) < width for other in those) for those in others):
-                said.append(
-                    f"In each training record the residual of d{report.before.model.states[state]}"
-                    f"/dt has a line at {line:.4g} cycles per unit of t that no input has: perhaps "
-                    "a forcing whose phase differs between records, which no fixed term can be."
-                )
-    return said
-
-
-def _knows_its_noise(record: Record) -> bool:
-    """Tell whether the low-pass of a record left frequencies enough to know a line from noise."""
-    made = record.preparation
-    cutoff = 0.5 / record.dt if made is None or made.cutoff is None else made.cutoff
-    return bool(cutoff * (record.t[-1] - record.t[0]) >= FEWEST_FREQUENCIES)
+    return [
+        f"In each training record the residual of d{state}/dt has a line at {line:.4g} cycles per "
+        "unit of t that no input has: perhaps a forcing whose phase differs between records, which "
+        "no fixed term can be."
+        for state, line in shared_lines(report)
+    ]
 
 
 def _left(report: LoopReport) -> list[str]:

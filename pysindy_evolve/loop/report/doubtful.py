@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..evidence.findings import Finding, is_needed
+from ..evidence.findings import Finding, MemoryFinding, is_needed
 from ..given.design import Design
 from .effect import Effect
 
@@ -36,18 +36,23 @@ def most_doubtful(
     Returns
     -------
     Finding or None
-        None if each has a coefficient whose interval does not contain zero, is no term, remembers,
-        or is needed beside another.
+        None if each has a coefficient or a time whose interval does not contain zero, is neither,
+        remembers, or is needed beside another.
     """
     doubts = {
         k: _ratio(effect)
         for k, (finding, effect) in enumerate(zip(findings, effects, strict=True))
-        if finding.columns
+        if (finding.columns or _is_time(finding))
         and not is_needed(finding, [f for f in findings if f is not finding])
         and not _remembers(finding, design)
     }
     worst = min(doubts, key=lambda k: doubts[k], default=None)
     return findings[worst] if worst is not None and doubts[worst] < 1.0 else None
+
+
+def _is_time(finding: Finding) -> bool:
+    """Tell whether it is a delay or a time constant, which may be none if its interval says so."""
+    return isinstance(finding, MemoryFinding) and not finding.memory.has_brim
 
 
 def _remembers(finding: Finding, design: Design) -> bool:
@@ -59,5 +64,5 @@ def _ratio(effect: Effect) -> float:
     values, ends = effect.coefficients, effect.confidence_intervals
     towards = np.abs(values - np.where(values > 0.0, ends[:, 0], ends[:, 1]))
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.abs(values) / towards
+        ratios = np.where(ends[:, 0] == 0.0, 0.0, np.abs(values) / towards)  # a time ends there
     return float(np.max(np.nan_to_num(ratios, nan=np.inf), initial=0.0))

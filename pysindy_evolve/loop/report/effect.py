@@ -179,3 +179,13 @@ class Step:
     name: str
     state: str
     errors: Errors
+
+    @property
+    def derivative_error(self) -> np.ndarray:
+        """NRMSE of the derivative, percent for each state."""
+        return self.errors.derivative_error
+
+    @property
+    def simulation_error(self) -> np.ndarray:
+        """NRMSE of the free run, percent for each state."""
+        return self.errors.simulation_error

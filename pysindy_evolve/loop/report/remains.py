@@ -19,7 +19,7 @@ __all__ = ["remains"]
 def remains(report: LoopReport) -> list[str]:
     """Return what is to be said of what was not found, and what to keep in mind, in sentences."""
     said = [_last_look(report)] if report.finished or report.rejected is not None else []
-    if report.verdict == "untraced":
+    if report.verdict == "untraced" and report.chance_left < 1.0:
         said.append(
             "A general model, polynomials of all variables and the recent past of the inputs, "
             "predicts the residual better than it does in twins: something is there that depends "

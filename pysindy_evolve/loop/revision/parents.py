@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ...terms import Sum
 from ..effects.candidate import Candidate
 from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, score
@@ -39,7 +40,7 @@ def without_parents(declared: Design, findings: Sequence[Finding], part: Segment
     list of Finding
     """
     for child in findings:
-        parents = _parents_of(child, findings)
+        parents = _parents_of(child, findings, declared)
         rest = [f for f in findings if f is not child and f not in parents]
         if not parents or any(is_needed(f, rest) for f in parents):
             continue
@@ -55,9 +56,10 @@ def _alone(candidate: Candidate) -> Candidate:
     return replace(candidate, name=ALONE.get(candidate.name, candidate.name), parents=())
 
 
-def _parents_of(child: Finding, findings: Sequence[Finding]) -> list[Finding]:
-    """Return the parents of an effect, if all of them were found in the derivative."""
-    wanted = set(child.candidate.parents)
+def _parents_of(child: Finding, findings: Sequence[Finding], declared: Design) -> list[Finding]:
+    """Return the parents that are not declared, if all were found in the derivative."""
+    there = {Sum(((1.0, term),)) for term in declared.terms_of(child.candidate.state)}
+    wanted = set(child.candidate.parents) - there
     found = [
         f
         for f in findings
