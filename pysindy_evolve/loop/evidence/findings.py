@@ -53,6 +53,8 @@ class Finding:
         Whether other effects were tried in its place, once all were found.
     by_runs : bool
         Whether free runs showed it, and not the derivative.
+    together : tuple of str
+        Names of what it is together with another effect of its equation.
     """
 
     candidate: Candidate
@@ -64,6 +66,7 @@ class Finding:
     rivals: tuple[Rival, ...] = ()
     contested: bool = False
     by_runs: bool = False
+    together: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -110,6 +110,9 @@ class Effect:
         Its own score.
     rivals : tuple of Alternative
         The alternatives with their terms, and other forms of the effect itself.
+    together : tuple of str
+        Names of what it is together with another effect of its equation, such as friction beside an
+        offset, which is asymmetric friction. They are among the alternatives.
     contested : bool
         Whether other effects were tried in its place. None are in that of a limit, of a memory
         that only free runs show, or of an effect that another one builds on.
@@ -152,6 +155,7 @@ class Effect:
     numbers: Mapping[str, float] = field(default_factory=dict)
     number_intervals: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     entry: str = ""
+    together: tuple[str, ...] = ()
 
     @property
     def place(self) -> str:

@@ -20,6 +20,7 @@ from .remains import remains
 from .text import (
     added_up,
     free_parameters,
+    named_together,
     numbers_inside,
     table_cells,
     verdict_of,
@@ -102,7 +103,7 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "p": f"{effect.p_value:.2g}",
         "n_twins": len(effect.twin_scores),
         "twins": _twins(effect.name, effect.twin_scores, effect.score, effect.is_limit),
-        "alone": without_rivals(effect),
+        "alone": "; ".join([without_rivals(effect), *named_together(effect)]),
         "rivals": [
             (
                 "the same in another form" if rival.name == effect.name else rival.name,

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .report import LoopReport
 
 __all__ = ["added_up", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
-__all__ += ["numbers_inside", "verdict_of", "without_rivals"]
+__all__ += ["named_together", "numbers_inside", "verdict_of", "without_rivals"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -193,7 +193,14 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
         said = f"this record cannot tell it from: {rivals}{p_of_rivals(effect)}"
         lines += _laid_out([said], wide)
-    return [*lines, without_rivals(effect)] if not effect.rivals else lines
+    else:
+        lines.append(without_rivals(effect))
+    return [*lines, *named_together(effect)]
+
+
+def named_together(effect: Effect) -> list[str]:
+    """Say what an effect is together with another one of its equation, which is the same force."""
+    return [f"with the other part of it also called {name}" for name in effect.together]
 
 
 def _laid_out(sayings: Sequence[str], wide: bool) -> list[str]:

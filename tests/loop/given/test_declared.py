@@ -6,6 +6,7 @@ import pytest
 import sympy
 from sklearn.base import clone
 
+import pysindy_evolve as pse
 from pysindy_evolve import DeclaredModel, Operator, Record
 from pysindy_evolve.loop.given.declared import design_of
 
@@ -267,3 +268,17 @@ def test_library_without_ordinary_terms_is_refused_before_it_is_fitted(library, 
 def test_model_of_another_kind_is_a_type_error():
     with pytest.raises(TypeError, match=r"close_loop\(declared=\.\.\.\) must be a DeclaredModel"):
         design_of("-k*q", [record()])
+
+
+def test_traces_of_other_terms_in_a_fitted_model_leave_a_velocity_what_it_is():
+    t = np.arange(0.0, 40.0, 0.01)
+    record = pse.prepare(t, np.exp(-0.1 * t) * np.sin(2.0 * t))
+    model = ps.SINDy(
+        feature_library=ps.PolynomialLibrary(1, include_bias=False),
+        optimizer=ps.STLSQ(threshold=0.0),
+    )
+    model.fit(record.x, record.t, x_dot=record.x_dot, feature_names=["q", "v"])
+    assert model.coefficients()[0].all()  # about 1e-11 q + v
+    design = design_of(model, [record])
+    assert design.kinematic(0)
+    assert [column.name for column in design.columns] == ["v: q", "v: v"]

@@ -202,3 +202,16 @@ def test_a_lag_of_an_input_that_is_known_is_found_in_a_model_without_parameters(
     report = pse.close_loop(pse.DeclaredModel(sides, inputs=["F"]), record, random_state=0)
     assert report.effects[0].name == "actuator lag", str(report)
     assert report.effects[0].coefficients == pytest.approx([0.2], rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_delay_beside_a_spring_is_tuned_with_it_and_needs_no_lag():
+    fine, force = np.arange(0.0, 40.0, DT / 10), multisine(20.0, 0)
+    truth = equations_of({"q": "v", "v": "-40*q - 0.8*v + F - 30*q**3"}, ("F",))
+    late = Memory("input delay", 0, (0.013,)).response(fine, force(fine))
+    q = pse.simulate(truth, [0.0, 0.0], fine, late, tolerance=1e-8)[::10, 0]
+    q = q + 3e-3 * q.std() * np.random.default_rng(1).standard_normal(q.shape)
+    report = close(pse.prepare(fine[::10], q, force(fine[::10])))
+    found = {effect.name: effect.coefficients[0] for effect in report.effects}
+    assert set(found) == {"cubic stiffness", "input delay"}
+    assert found["input delay"] == pytest.approx(0.013, rel=0.03)

@@ -48,9 +48,11 @@ def test_a_parent_that_another_effect_needs_stays():
     assert [f.candidate.name for f in kept] == list(names)
 
 
-def test_an_offset_that_is_declared_is_not_touched():
+def test_a_friction_that_is_not_there_goes_where_the_offset_is_declared():
     names = ("Coulomb friction", "asymmetric Coulomb friction")
     kept = kept_of(names, "- 0.6*abs(v)", "-k*q - c*v + b*F + o")
+    assert [f.candidate.name for f in kept] == ["nonlinear damping"]
+    kept = kept_of(names, "- 2*sgn(v) + 0.6*abs(v)", "-k*q - c*v + b*F + o")
     assert [f.candidate.name for f in kept] == list(names)
 
 
