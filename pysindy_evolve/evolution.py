@@ -171,8 +171,8 @@ def generations(
         finalists = _unique([*ranking[:FINALISTS], *plain])
         yield _record(dictionary, found.best, number, start), finalists
         tuned = tune_constants(dictionary, around, fitness, partners, known, alike=genetics.smooth)
-        if number == 1:
-            tuned += tune_beside(dictionary, leaves)
+        if number == 1:  # of two that are nearly one signal, the first stays
+            tuned = [*tune_beside(dictionary, leaves), *tuned]
         survivors = _unique([*tuned, *ranking[:FINALISTS], *leaves])
         population = genetics.offspring(
             dictionary.terms,
