@@ -50,12 +50,14 @@ def memory_beside_hold(
     Returns
     -------
     late : float
-        Sampling times; zero if the records show no jumps, or the hold does worse.
+        Sampling times; zero if the input is known as held, the records show no jumps, or the hold
+        does worse.
     memory : Memory or None
         None if the hold is all there is.
     """
     column, kind = memory.column, memory.kind
-    if not all(jumps_at_once(record, column) for record in records):
+    known = any(column in record.held for record in records)
+    if known or not all(jumps_at_once(record, column) for record in records):
         return 0.0, memory
     share = memory.values[0] / raw_step(records[0])
     if kind == DELAY and share < LATEST:

@@ -8,6 +8,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.holds import memory_beside_hold
+from pysindy_evolve.signals.holds import hold
 
 STEP = 10.0  # sampling time of the oven
 OVEN = pse.DeclaredModel({"T": "b*P - a*(T - 20)"}, inputs=["P"])
@@ -75,6 +76,13 @@ def test_a_smooth_input_is_not_held_by_its_look():
     design = pse.DeclaredModel({"q": "b*F"}, inputs=["F"]).design()
     late = Memory("input delay", 0, (0.5 * DT,))
     assert memory_beside_hold(late, design, [record], segments([record])) == (0.0, late)
+
+
+def test_an_input_is_held_only_once():
+    record = hold(oven(), {0: 0.1})
+    late = Memory("input delay", 0, (0.3 * STEP,))
+    seen = OVEN.design(), [record], segments([record])
+    assert memory_beside_hold(late, *seen) == (0.0, late)
 
 
 def driven(delay, friction=0.0):
