@@ -35,6 +35,7 @@ from .report.lines import shared_lines
 from .report.making import make_report
 from .report.numbers import with_numbers_known
 from .report.report import LoopReport
+from .report.sessions import offsets_by_record
 from .revision.asymmetry import with_asymmetry
 from .revision.contest import contested
 from .revision.dead_zones import told_by_slopes
@@ -143,7 +144,7 @@ def close_loop(
     is_whole = _run(search) and len(search.findings) < rules.max_effects
     report = _reported(search, judge_on, is_whole)
     report = replace(report, rejected=search.rejected, chance_left=search.chance_left)
-    if report.verdict == "complete" and shared_lines(report):
+    if report.verdict == "complete" and (shared_lines(report) or offsets_by_record(report)):
         return replace(report, verdict="untraced")
     return report
 

@@ -15,6 +15,7 @@ from ..given.kinematics import disagreement
 from .lines import shared_lines
 from .missed import missed
 from .ranges import beyond
+from .sessions import offsets_by_record
 from .starts import moved_by_starts
 from .units import percent
 
@@ -36,7 +37,8 @@ def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
     found = [*_doubted(report), *_known(report), *_held(report), *_slow(report)]
     found += _turned(report)
-    found += [*_worse(report), *_undefined(report), *_lines(report), *beyond(report)]
+    found += [*_worse(report), *_undefined(report), *_lines(report), *_sessions(report)]
+    found += beyond(report)
     found += missed(report)
     return [*found, *_left(report)]
 
@@ -191,6 +193,16 @@ def _lines(report: LoopReport) -> list[str]:
         "unit of t that no input has: perhaps a forcing whose phase differs between records, which "
         "no fixed term can be."
         for state, line in shared_lines(report)
+    ]
+
+
+def _sessions(report: LoopReport) -> list[str]:
+    """Say which residuals have another mean in each record."""
+    return [
+        f"The residual of d{state}/dt has another mean in each training record "
+        f"({', '.join(map(format_number, means))}): something that stays within a record differs "
+        "between them, such as a load or the zero of a sensor, which no fixed term can be."
+        for state, means in offsets_by_record(report).items()
     ]
 
 
