@@ -144,9 +144,14 @@ def close_loop(
     is_whole = _run(search) and len(search.findings) < rules.max_effects
     report = _reported(search, judge_on, is_whole)
     report = replace(report, rejected=search.rejected, chance_left=search.chance_left)
-    if report.verdict == "complete" and (shared_lines(report) or offsets_by_record(report)):
-        return replace(report, verdict="untraced")
-    return report
+    return replace(report, verdict="untraced") if _differs_by_record(report) else report
+
+
+def _differs_by_record(report: LoopReport) -> bool:
+    """Tell whether a complete model leaves mostly what no fixed term can be."""
+    if report.verdict != "complete":
+        return False
+    return any(line.is_most for line in shared_lines(report)) or bool(offsets_by_record(report))
 
 
 def _checked(

@@ -189,10 +189,10 @@ def _undefined(report: LoopReport) -> list[str]:
 def _lines(report: LoopReport) -> list[str]:
     """Name the frequencies at which the residuals of all of several records have a line."""
     return [
-        f"In each training record the residual of d{state}/dt has a line at {line:.4g} cycles per "
-        "unit of t that no input has: perhaps a forcing whose phase differs between records, which "
-        "no fixed term can be."
-        for state, line in shared_lines(report)
+        f"In each training record the residual of d{line.state}/dt has a line at "
+        f"{line.frequency:.4g} cycles per unit of t that no input has: perhaps a forcing whose "
+        "phase differs between records, which no fixed term can be."
+        for line in shared_lines(report)
     ]
 
 

@@ -19,7 +19,7 @@ __all__ = ["offsets_by_record"]
 
 N_BLOCKS = 8  # of a record, whose means tell how well its own is known
 SURE = 6.0  # standard errors, of which there are few blocks to know them from
-NOTABLE = 0.1  # share of what is left of a derivative
+MOST = 0.5  # share of what is left of a derivative
 
 
 def offsets_by_record(report: LoopReport) -> dict[str, np.ndarray]:
@@ -36,5 +36,5 @@ def offsets_by_record(report: LoopReport) -> dict[str, np.ndarray]:
     errors = np.array([one.std(axis=0, ddof=1) for one in blocks]) / np.sqrt(N_BLOCKS)
     apart = np.abs(means - means.mean(axis=0))
     power = np.mean([np.mean(one**2, axis=0) for one in left], axis=0)
-    differ = np.any(apart > SURE * errors, axis=0) & (means.var(axis=0) > NOTABLE * power)
+    differ = np.any(apart > SURE * errors, axis=0) & (means.var(axis=0) > MOST * power)
     return {model.states[k]: means[:, k] for k in report.design.open_states if differ[k]}
