@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 import sympy
+from scipy.special import erf
 
 from pysindy_evolve import export
 from pysindy_evolve.equations import Equations
@@ -144,6 +145,31 @@ def test_what_a_language_cannot_express_is_an_error():
     odd = Operator("odd", np.sinc, 1, sympy=sympy.zeta)
     with pytest.raises(ValueError, match=r"to_code\(language=...\) must be able to express"):
         export.to_code(equations_of(["odd(q)"], ("q",), operators=[odd]), "c")
+
+
+OWN = {
+    "relu": Operator("relu", lambda a: np.maximum(a, 0.0), 1, lambda a: sympy.Max(a, 0)),
+    "clip": Operator(
+        "clip", lambda a: np.clip(a, -0.5, 0.5), 1, lambda a: sympy.Max(sympy.Min(a, 0.5), -0.5)
+    ),
+    "erf": Operator("erf_", erf, 1, sympy.erf),
+}
+
+
+@pytest.mark.parametrize("own", OWN.values(), ids=OWN)
+def test_python_code_imports_what_it_calls(own):
+    model, namespace = equations_of([f"{own.name}(q)"], ("q",), operators=(own,)), {}
+    exec(export.to_code(model, "python", name="f"), namespace)  # noqa: S102
+    q = np.linspace(-2.0, 2.0, 9)[:, None]
+    np.testing.assert_allclose(namespace["f"](0.0, q)[:, 0], own(q[:, 0]), rtol=1e-12)
+
+
+def test_modelica_has_max_of_two_and_no_function_that_it_does_not_know():
+    clip = equations_of(["clip(q)"], ("q",), operators=(OWN["clip"],))
+    assert export.to_code(clip, "modelica") == "der(q) = max(-0.5, min(0.5, q));"
+    other = equations_of(["erf_(q)"], ("q",), operators=(OWN["erf"],))
+    with pytest.raises(ValueError, match=r"'modelica', which is not: erf is no function"):
+        export.to_code(other, "modelica")
 
 
 @pytest.mark.parametrize("language", ["fortran77", "", None, 3])
