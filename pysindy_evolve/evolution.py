@@ -152,7 +152,7 @@ def generations(
     enough = _leaves_nothing(build_dictionary(first, leaves))
     population = list(begin)
     if not enough:
-        population += plain_terms(operators, first.x)
+        population += plain_terms(operators, first.x, few=problem.project is not None)
         population += genetics.random_terms(settings.population_size, [*leaves, *population])
     known: set[Hashable] = set()
     best: tuple[Product, ...] = ()
