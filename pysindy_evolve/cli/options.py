@@ -236,8 +236,16 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         default=(),
         metavar="STATE=COLUMN,...",
         help="measured derivatives; the others are computed. If all are measured, nothing is "
-        "filtered unless --cutoff is given",
+        "filtered unless --cutoff, --decimate or --held is given",
     )
+    _add_preparation(columns)
+    _add_format(columns)
+    _add_result(parser)
+    return columns
+
+
+def _add_preparation(columns: argparse._ArgumentGroup) -> None:
+    """Add how records are filtered and thinned out, and how inputs go on between samples."""
     columns.add_argument(
         "--cutoff",
         type=cutoff,
@@ -256,9 +264,6 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         action="store_true",
         help="inputs keep their value until the next sample, as those of a controller do",
     )
-    _add_format(columns)
-    _add_result(parser)
-    return columns
 
 
 def _add_format(columns: argparse._ArgumentGroup) -> None:

@@ -94,7 +94,8 @@ def _read(
         columns[column] = unwrapped(columns[column], angle, turn)
     t, y = columns[given.time], np.column_stack([columns[name] for name in measured.values()])
     u = np.column_stack([columns[name] for name in given.inputs.values()]) if inputs else None
-    if given.cutoff == "auto" and set(targets) == set(states) == set(measured):
+    as_it_is = given.cutoff == "auto" and not given.decimate and not given.held
+    if as_it_is and set(targets) == set(states) == set(measured):
         # Everything was measured: there is nothing to derive, so nothing to filter for.
         x_dot = np.column_stack([columns[targets[state]] for state in states])
         return Record(t, y, x_dot, u, states=states, inputs=inputs)
