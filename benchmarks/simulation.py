@@ -1,4 +1,4 @@
-"""Time and error of free runs and windows: `python benchmarks/simulation.py`.
+"""Time and error of free runs and short ones: `python benchmarks/simulation.py`.
 
 One thread. The first free run of a structure compiles its program, the later ones do not.
 """
@@ -9,7 +9,8 @@ import time
 import numpy as np
 
 from pysindy_evolve.datasets.rigs import duffing
-from pysindy_evolve.simulation import simulate, simulate_windows
+from pysindy_evolve.simulation import simulate
+from pysindy_evolve.simulation.pieces import simulate_pieces
 from pysindy_evolve.simulation.program import program_of
 
 
@@ -44,27 +45,28 @@ def accuracy() -> None:
         print(f"{tolerance:<34.0e}{seconds:>9.2f}{error[0]:>12.1e}{error[1]:>12.1e}")
 
 
-def windows() -> None:
+def pieces() -> None:
     rig = duffing(friction=True)
     at = slice(0, 40_000, 4)
     x, t, u = rig.x[at], rig.t[at], rig.u[at]
     spread = x.std(axis=0)
-    print(f"\n{'windows, 10 000 samples':<34}{'models':>9}{'seconds':>9}{'rms of q':>12}")
-    for window in (50, 100, 500):
+    print(f"\n{'pieces, 10 000 samples':<34}{'models':>9}{'seconds':>9}{'rms of q':>12}")
+    for length in (50, 100, 500):
+        rows = np.arange(0, len(t) - length, length)[:, None] + np.arange(length + 1)
         for n_models in (1, 10):
             coef = np.stack([rig.equations.coef] * n_models)
-            (predicted, index), seconds = timed(
-                simulate_windows, rig.equations, x, t, u, window=window, coef=coef
-            )
-            error = np.sqrt(np.mean((predicted[0] - x[index]) ** 2, axis=(0, 1))) / spread
-            print(f"{f'window of {window}':<34}{n_models:>9}{seconds:>9.3f}{error[0]:>12.1e}")
+            every = np.tile(rows, (n_models, 1))
+            given = coef, x[every[:, 0]], t[every], u[every]
+            predicted, seconds = timed(simulate_pieces, rig.equations, *given)
+            error = np.sqrt(np.mean((predicted - x[every]) ** 2, axis=(0, 1))) / spread
+            print(f"{f'pieces of {length}':<34}{n_models:>9}{seconds:>9.3f}{error[0]:>12.1e}")
 
 
 def main() -> None:
     argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     free_runs()
     accuracy()
-    windows()
+    pieces()
 
 
 if __name__ == "__main__":

@@ -72,8 +72,15 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
     system, chosen = system_of(model, "to_code"), _LANGUAGES[language.lower()]
     source = _source(system, language.lower(), name)
     code = chosen.write(source, name)
-    late = [] if language.lower() == "modelica" else _late_inputs(source.inputs, system.equations)
-    return "\n".join([*(f"{chosen.comment} {line}" for line in late), code])
+    notes = [] if language.lower() == "modelica" else _notes(source, system.equations)
+    return "\n".join([*(f"{chosen.comment} {line}" for line in notes), code])
+
+
+def _notes(source: _Source, equations: Equations) -> list[str]:
+    """Return what the signature of a function does not say, a line each."""
+    pairs = zip(source.lefts, source.are_rates, strict=True)
+    itself = [f"{name} is returned itself, not its rate" for name, is_rate in pairs if not is_rate]
+    return [*itself, *_late_inputs(source.inputs, equations)]
 
 
 def _late_inputs(names: Sequence[str], equations: Equations) -> list[str]:
@@ -93,6 +100,8 @@ class _Source:
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     used: frozenset[str]
+    lefts: tuple[str, ...]
+    are_rates: tuple[bool, ...]
     sides: tuple[str, ...]
     modules: tuple[str, ...] = ()
 
@@ -145,7 +154,10 @@ def _source(system: System, language: str, name: str) -> _Source:
     n_states = len(equations.states)
     used = frozenset(str(symbols[index]) for index in system.used)
     modules = tuple(sorted({"numpy", *getattr(printer, "module_imports", ())}))
-    return _Source(tuple(safe[:n_states]), tuple(safe[n_states:]), used, sides, modules)
+    states, inputs = tuple(safe[:n_states]), tuple(safe[n_states:])
+    # A model of some target that is no state has names of its own, see `system_of`.
+    lefts = states if len(states) == len(sides) else system.lefts
+    return _Source(states, inputs, used, lefts, system.are_rates, sides, modules)
 
 
 def _safe_names(names: Sequence[str], reserved: Set[str]) -> list[str]:
@@ -174,7 +186,7 @@ def _python(source: _Source, name: str) -> str:
     return "\n".join([
         *(f"import {module}" for module in source.modules), "", "",
         f"def {name}(t, state, input=None):",
-        '    """Return the rates of the states, one sample in each row."""',
+        '    """Return the right-hand sides, one sample in each row."""',
         *_unpacked_python(source), *local, *sides,
         f"    rates = numpy.broadcast_arrays({rates}, state[..., 0])[:-1]",
         "    return numpy.stack(rates, axis=-1)",
@@ -226,10 +238,8 @@ def _julia(source: _Source, name: str) -> str:
 
 
 def _modelica(source: _Source, name: str) -> str:
-    lefts = source.states
-    if len(lefts) != len(source.sides):
-        lefts = tuple(f"target{i}" for i in range(len(source.sides)))
-    return "\n".join(f"der({q}) = {side};" for q, side in zip(lefts, source.sides, strict=True))
+    rows = zip(source.lefts, source.are_rates, source.sides, strict=True)
+    return "\n".join(f"{f'der({q})' if is_rate else q} = {side};" for q, is_rate, side in rows)
 
 
 class _Exact:

@@ -49,5 +49,6 @@ def plot_tree(model: Any, state: str | None = None, ax: Any = None, digits: int 
             "plot_tree needs matplotlib; got an environment without it. "
             'Run pip install "pysindy-evolve[plots]".'
         ) from error
-    root = expression_tree(system, system.lefts.index(name), digits)
-    return draw(Node(f"{name}′ =", "left", (root,)), ax)
+    place = system.lefts.index(name)
+    left = f"{name}′" if system.are_rates[place] else name
+    return draw(Node(f"{left} =", "left", (expression_tree(system, place, digits),)), ax)

@@ -1,4 +1,4 @@
-"""Simulate equations that stick and slip: a free run, or many short runs at once."""
+"""Simulate equations that stick and slip: a free run here, many short runs in `pieces`."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from typing import Any, Literal
 import numpy as np
 from tqdm.auto import tqdm
 
+from ..equations import Equations
 from ..hidden_states.hidden import MemoryEquations
+from ..reading.library_terms import from_model
 from .freerun import CHUNK, Diverged, FreeRun, Limits
-from .inputs import Input, as_equations, check_input, check_start, check_time
+from .inputs import Input, check_input, check_start, check_time
 from .program import program_of
 from .structure import structure_of
-from .windows import simulate_windows
 
-__all__ = ["simulate", "simulate_windows"]
+__all__ = ["simulate"]
 
 OnDivergence = Literal["warn", "nan", "raise"]
 POINTS_PER_SAMPLE = 10  # at which an input given as a function is taken
@@ -102,7 +103,8 @@ def simulate(
     >>> simulate(block, [1.0], np.array([0.0, 0.25, 0.5, 1.0])).ravel()
     array([1. , 0.5, 0. , 0. ])
     """
-    equations = as_equations(model, "simulate")
+    equations = from_model(model, "simulate(model=...)")
+    _refuse_algebraic(equations)
     _check_options(substeps, tolerance, on_divergence)
     times = check_time(t, "simulate")
     fine, keep = _refined(times, u)
@@ -120,6 +122,15 @@ def simulate(
     if reason:
         _report(reason, out, fine, on_divergence)
     return out[::keep]
+
+
+def _refuse_algebraic(equations: Equations) -> None:
+    if equations.n_algebraic:
+        target = ", ".join(equations.states[: equations.n_algebraic])
+        raise ValueError(
+            "simulate(model=...) must be a differential equation; got an algebraic one, which "
+            f"gives {target} itself. Use predict, to_callable, or LoopReport.simulate."
+        )
 
 
 def _fill(out: np.ndarray, samples: Iterator[Any], bound: float, progress: bool) -> str:

@@ -9,27 +9,9 @@ import numpy as np
 
 from ..equations import Equations
 
-__all__ = ["as_equations", "check_input", "check_start", "check_states", "check_time"]
+__all__ = ["check_input", "check_start", "check_time"]
 
 Input = np.ndarray | Callable[[np.ndarray], Any] | None
-
-
-def as_equations(model: Any, owner: str) -> Equations:
-    """Return the equations of a model: its own, or read from a fitted SINDy."""
-    if isinstance(model, Equations):
-        return model
-    own = getattr(model, "equations", None)
-    if isinstance(own, Equations):
-        return own
-    if not hasattr(model, "feature_library"):
-        raise TypeError(
-            f"{owner}(model=...) must be a fitted SINDy model or Equations; "
-            f"got {type(model).__name__}. Fit a model first; of a DeclaredModel pass "
-            "close_loop(declared, record).model, where max_effects=0 fits it and adds nothing."
-        )
-    from ..reading.library_terms import from_model  # PySINDy is imported only where a model is read
-
-    return from_model(model)
 
 
 def check_time(t: Any, owner: str) -> np.ndarray:
@@ -60,20 +42,6 @@ def check_start(x0: Any, equations: Equations, owner: str) -> np.ndarray:
             f"{', '.join(equations.states)}; got shape {start.shape}. Give the initial state."
         )
     return start
-
-
-def check_states(x: Any, t: np.ndarray, equations: Equations, owner: str) -> np.ndarray:
-    """Return x of shape (n_samples, n_states)."""
-    states = _as_floats(x, "x", owner)
-    shape = (len(t), len(equations.states))
-    if states.ndim == 1 and shape[1] == 1:
-        states = states[:, None]
-    if states.shape != shape:
-        raise ValueError(
-            f"{owner}(x=...) must have shape {shape}; got {states.shape}. "
-            f"Give one row a sample and the columns {', '.join(equations.states)}."
-        )
-    return states
 
 
 def check_input(u: Input, t: np.ndarray, equations: Equations, owner: str) -> np.ndarray:

@@ -79,6 +79,40 @@ def test_algebraic_equation_is_printed_without_a_prime():
     assert "F'" not in text
 
 
+@pytest.fixture(scope="module")
+def of_a_force():
+    return close(measured_force(lambda x, v: 0.0 * x), max_effects=0)
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("modelica", "F = "),
+        ("python", "# F is returned itself, not its rate\n"),
+        ("c", "// F is returned itself, not its rate\n"),
+    ],
+)
+def test_exported_code_does_not_call_a_force_a_rate(of_a_force, language, said):
+    assert pse.to_code(of_a_force, language).startswith(said)
+
+
+def test_drawn_tree_of_a_force_has_no_prime(of_a_force):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    ax = pse.plot_tree(of_a_force)
+    labels = [text.get_text() for text in ax.texts]
+    plt.close(ax.figure)
+    assert "F =" in labels
+
+
+def test_a_force_is_not_integrated(of_a_force):
+    record = of_a_force.test[0]
+    with pytest.raises(ValueError, match=r"must be a differential equation; got an algebraic one"):
+        pse.simulate(of_a_force, record.x[0], record.t, u=record.u)
+    with pytest.warns(UserWarning, match=r"this one predicts F itself"):
+        model = of_a_force.model
+    assert model.predict(record.x, u=record.u) == pytest.approx(of_a_force.simulate(record))
+
+
 def test_sign_that_sympy_takes_out_of_a_function_is_kept_in_parentheses():
     text = format_equations(equations_of({"q": "5*tanh(q - 2*F) - 3*q"}, ("F",)))
     assert text == "q' = -3 q + 5 (-tanh(2 F - q))"
