@@ -32,8 +32,11 @@ from .breeding.plateau import Plateau
 from .breeding.refit import refit
 from .breeding.relatives import relatives
 from .operators import Operator
-from .sparse import parsimony, regression
+from .sparse import parsimony
 from .sparse.beam import best_subsets, with_exchanges
+from .sparse.elimination import gains
+from .sparse.gram import least_squares, rss
+from .sparse.proposals import supports
 from .sparse.selection import Selection, select
 from .terms import ONE, Product, Variable, lowest
 from .threads import one_thread
@@ -200,7 +203,7 @@ def solve_elastic_net(
     gram, terms = dictionary.gram, dictionary.terms
     known = {term: j for j, term in enumerate(terms)}
     old = [np.array([known[t] for t in ts if t in known], dtype=int) for ts in (survivors, best)]
-    proposals = [*regression.supports(gram, 2 * max_terms), *old]
+    proposals = [*supports(gram, 2 * max_terms), *old]
     scaled = gram.scaled(gram.scale)
     return select(
         gram,
@@ -226,7 +229,7 @@ def rate(
     cost = price(dictionary.terms, n_effective)
     value = np.empty((len(front), len(cost)))
     for row, support in zip(value, front, strict=True):
-        with_term, _ = regression.gains(gram, support)
+        with_term, _ = gains(gram, support)
         row[:] = n_effective * np.log(with_term / gram.n) + cost[support].sum() + cost
         row[support] -= cost[support]
     return value.min(axis=0), value.argmin(axis=0)
@@ -246,13 +249,13 @@ def _ranking(
 
 def _record(dictionary: Dictionary, support: np.ndarray, number: int, start: float) -> Generation:
     gram, scale = dictionary.gram, dictionary.scale
-    coef = regression.least_squares(gram, support)
+    coef = least_squares(gram, support)
     power = max(float(dictionary.y @ dictionary.y), np.finfo(float).tiny)
     return Generation(
         number,
         tuple(dictionary.terms[j] for j in support),
         tuple(float(c) for c in coef[support] / scale[support]),
-        regression.rss(gram, coef) / power,
+        rss(gram, coef) / power,
         time.perf_counter() - start,
     )
 

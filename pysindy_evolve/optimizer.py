@@ -1,7 +1,6 @@
 """ElasticNet: the optimizer for ``ps.SINDy``.
 
-Objective, equation (11) of the paper: ||theta coef - x_dot||^2 + lambda1 ||coef||_1
-+ lambda2 ||coef||^2 proposes the supports, least squares on the support decides the coefficients.
+Equation (11) of the paper proposes the supports; least squares decides the coefficients.
 """
 
 from __future__ import annotations
@@ -12,10 +11,14 @@ from numbers import Real
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
+from sklearn.linear_model import ElasticNet as ElasticNetAtOneWeight
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from .checks import positive_integer
-from .sparse import parsimony, regression
+from .sparse import parsimony
+from .sparse.elimination import default_penalty
+from .sparse.gram import Gram, least_squares, refined, residual, target_grams, total
+from .sparse.proposals import LAMBDA2, supports
 from .sparse.selection import select
 from .threads import one_thread
 
@@ -23,6 +26,7 @@ __all__ = ["ElasticNet"]
 
 N_BLOCKS = 12  # parts of the record that a coefficient must agree on
 MIN_ROWS = 20  # rows a block must have for that to be worth asking
+TOLERANCE = 1e-9  # of coordinate descent: duality gap, as a share of the target's power
 
 
 class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -42,11 +46,13 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         downward over orders of magnitude, each support is pruned backward by an information
         criterion, and the best one is kept.
     lambda2 : float, optional
-        Weight of the squares. By default orders of magnitude of it are swept as well.
+        Weight of the squares. By default orders of magnitude of it are swept as well, and it is
+        zero where `lambda1` is given.
     max_terms : int, default=30
-        Largest number of terms the sweep of `lambda1` goes to.
+        Largest number of terms the sweep of `lambda1` goes to. No bound where that is given.
     max_iter : int, default=10000
-        Most sweeps of coordinate descent where `lambda1` is given.
+        Most sweeps of coordinate descent where `lambda1` is given; with fewer than it takes,
+        scikit-learn warns (ConvergenceWarning).
     copy_X : bool, default=True
         Present for PySINDy's `EnsembleOptimizer`; the data is never overwritten.
 
@@ -163,44 +169,51 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
     def _fit_targets(self, theta: np.ndarray, targets: np.ndarray) -> np.ndarray:
         n, p = theta.shape
         n_blocks = N_BLOCKS if n >= N_BLOCKS * max(MIN_ROWS, 2 * p) else 1
-        grams = regression.target_grams(lambda rows: theta[rows], targets, n_blocks)
+        grams = target_grams(lambda rows: theta[rows], targets, n_blocks)
         coef = np.zeros((len(grams), p))
         for row, blocks, y in zip(coef, grams, targets.T, strict=True):
             support = self._support(theta, y, blocks)
             if len(support):
-                part = regression.total(blocks).select(support)
-                row[support] = regression.refined(lambda rows: theta[rows][:, support], y, part)  # noqa: B023
+                part = total(blocks).select(support)
+                row[support] = refined(lambda rows: theta[rows][:, support], y, part)  # noqa: B023
         return coef
 
-    def _support(
-        self, theta: np.ndarray, y: np.ndarray, blocks: list[regression.Gram]
-    ) -> np.ndarray:
-        whole = regression.total(blocks)
+    def _support(self, theta: np.ndarray, y: np.ndarray, blocks: list[Gram]) -> np.ndarray:
+        whole = total(blocks)
         if whole.yy == 0.0:
             return np.arange(0)
         scale = whole.scale
         folds = [(whole - block).scaled(scale) for block in blocks]
         whole = whole.scaled(scale)
         if self.lambda1 is not None:
-            return self._support_at(whole)
-        weights = regression.LAMBDA2 if self.lambda2 is None else (self.lambda2,)
-        proposals = regression.supports(whole, min(self.max_terms, len(scale)), weights)
+            return self._support_at(theta / scale, y, float(self.lambda1))
+        weights = LAMBDA2 if self.lambda2 is None else (self.lambda2,)
+        proposed = supports(whole, min(self.max_terms, len(scale)), weights)
 
         def left(support: np.ndarray) -> np.ndarray:
-            coef = regression.least_squares(whole, support) / scale
-            return regression.residual(lambda rows: theta[rows], y, coef)
+            coef = least_squares(whole, support) / scale
+            return residual(lambda rows: theta[rows], y, coef)
 
-        price = partial(regression.default_penalty, whole)
-        support = select(whole, proposals, price, left, whole.yy).best
+        price = partial(default_penalty, whole)
+        support = select(whole, proposed, price, left, whole.yy).best
         if len(blocks) > 1:
             support = parsimony.stable(whole, folds, support)
         return parsimony.material(whole, support)
 
-    def _support_at(self, whole: regression.Gram) -> np.ndarray:
-        size = np.sqrt(whole.yy * whole.n)
-        lambda2 = 0.0 if self.lambda2 is None else self.lambda2
-        coef = regression.elastic_net(whole, self.lambda1 * size, lambda2 * whole.n, self.max_iter)
-        return np.flatnonzero(coef)
+    def _support_at(self, theta: np.ndarray, y: np.ndarray, lambda1: float) -> np.ndarray:
+        """Return the support at given weights: equation (11) in the words of scikit-learn."""
+        lambda2 = 0.0 if self.lambda2 is None else float(self.lambda2)
+        half = 0.5 * lambda1
+        if half == 0.0:  # nothing draws a coefficient to zero
+            return np.flatnonzero(theta.any(axis=0))
+        net = ElasticNetAtOneWeight(
+            alpha=half + lambda2,
+            l1_ratio=half / (half + lambda2),
+            fit_intercept=False,
+            max_iter=self.max_iter,
+            tol=TOLERANCE,
+        )
+        return np.flatnonzero(net.fit(theta, y / np.sqrt(np.mean(y**2))).coef_)
 
     def _check_parameters(self) -> None:
         for name in ("lambda1", "lambda2"):
@@ -210,12 +223,12 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
             if not isinstance(value, Real):
                 raise TypeError(
                     f"ElasticNet({name}=...) must be a number; got {value!r}. "
-                    "Leave it None to sweep it."
+                    "Leave it out to have the weights swept."
                 )
             if not float(value) >= 0.0:
                 raise ValueError(
                     f"ElasticNet({name}=...) must be at least 0; got {value!r}. "
-                    "Leave it None to sweep it."
+                    "Leave it out to have the weights swept."
                 )
         for name in ("max_terms", "max_iter"):
             positive_integer(getattr(self, name), "ElasticNet", name)

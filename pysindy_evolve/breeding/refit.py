@@ -10,8 +10,9 @@ from functools import partial
 
 import numpy as np
 
-from ..sparse import parsimony, regression
-from ..sparse.gram import Gram, residual
+from ..sparse import parsimony
+from ..sparse.gram import Gram, least_squares, residual, rss, total
+from ..sparse.proposals import supports
 from ..sparse.selection import select
 from ..terms import Product
 from .blur import blurred_power
@@ -64,7 +65,7 @@ def refit(
     if not terms:
         return (), ()
     so_far = np.array([j for j, term in enumerate(terms) if term in best], dtype=int)
-    proposals = [*regression.supports(whole, max_terms), np.arange(len(terms)), so_far]
+    proposals = [*supports(whole, max_terms), np.arange(len(terms)), so_far]
     chosen = select(
         whole,
         proposals,
@@ -88,7 +89,7 @@ def _equation(
     terms: Sequence[Product], whole: Gram, support: Sequence[int] | np.ndarray, scale: np.ndarray
 ) -> tuple[tuple[Product, ...], tuple[float, ...]]:
     """Return the terms of a support and their coefficients, in the units of the problem."""
-    coef = regression.least_squares(whole, support)[support] / scale[support]
+    coef = least_squares(whole, support)[support] / scale[support]
     return tuple(terms[j] for j in support), tuple(float(c) for c in coef)
 
 
@@ -102,7 +103,7 @@ def _grams(
     n_fixed = problem.fixed.shape[1]
     n_blocks = max(min(N_BLOCKS, len(problem.x) // ROWS_PER_BLOCK), 1)
     blocks = problem.blocks(terms, n_blocks)
-    whole = regression.total(blocks)
+    whole = total(blocks)
     finite = np.flatnonzero(np.isfinite(np.diag(whole.xx)[n_fixed:]))
     columns = np.r_[np.arange(n_fixed), n_fixed + finite]
     whole, blocks = whole.select(columns), [block.select(columns) for block in blocks]
@@ -116,8 +117,8 @@ def _grams(
 def _leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
     (whole,) = problem.blocks(terms, 1)
     left = whole.without(problem.fixed.shape[1])
-    coef = regression.least_squares(left, np.arange(len(left.xy)))
-    return regression.rss(left, coef) <= parsimony.PERFECT * whole.yy
+    coef = least_squares(left, np.arange(len(left.xy)))
+    return rss(left, coef) <= parsimony.PERFECT * whole.yy
 
 
 def _residual(problem: Problem, terms: Sequence[Product], coef: Sequence[float]) -> np.ndarray:
@@ -129,7 +130,7 @@ def _residual(problem: Problem, terms: Sequence[Product], coef: Sequence[float])
     weights = np.asarray(coef)
     if problem.fixed.shape[1]:  # their coefficients were projected out
         (whole,) = problem.blocks(terms, 1)
-        weights = regression.least_squares(whole, np.arange(len(whole.xy)))
+        weights = least_squares(whole, np.arange(len(whole.xy)))
     return residual(lambda rows: problem.theta(terms, rows), problem.target, weights)
 
 

@@ -11,48 +11,16 @@ import numpy as np
 
 from .gram import LEAST, Gram, inverse, least_squares, rss
 
-__all__ = ["default_penalty", "eliminate", "front", "gains", "information", "prune"]
+__all__ = ["default_penalty", "eliminate", "front", "gains", "information"]
 
 HEALTHY = 0.1  # of 1 / n, below which no diagonal of an inverse lies where columns have unit RMS
-
-
-def prune(
-    gram: Gram,
-    support: Sequence[int] | np.ndarray,
-    penalty: np.ndarray | None = None,
-    n_effective: float | None = None,
-    max_terms: int | None = None,
-) -> np.ndarray:
-    """Eliminate terms backward and return the support with the least information criterion.
-
-    Parameters
-    ----------
-    gram : Gram
-        Inner products.
-    support : sequence of int
-        Columns to begin with.
-    penalty : ndarray of shape (p,), optional
-        Price of each column: log n for its coefficient and more for a large tree. By default
-        `default_penalty`.
-    n_effective : float, optional
-        Number of independent rows, below n where residuals are autocorrelated.
-    max_terms : int, optional
-        Size of the largest support to return.
-
-    Returns
-    -------
-    ndarray of int
-        What is left of the support. The whole way down is walked, as the criterion may have local
-        minima.
-    """
-    return front(gram, [support], penalty, n_effective, max_terms)[0]
 
 
 def front(
     gram: Gram,
     proposals: Sequence[Sequence[int] | np.ndarray],
-    penalty: np.ndarray | None = None,
-    n_effective: float | None = None,
+    penalty: np.ndarray,
+    n_effective: float,
     max_terms: int | None = None,
 ) -> list[np.ndarray]:
     """Eliminate terms backward from several supports and keep the best support of each size.
@@ -63,17 +31,20 @@ def front(
         Inner products.
     proposals : sequence of sequence of int
         Supports to begin with.
-    penalty, n_effective, max_terms
-        As in `prune`.
+    penalty : ndarray of shape (p,)
+        Price of each column: log n for its coefficient and more for a large tree.
+    n_effective : float
+        Number of independent rows, below n where residuals are autocorrelated.
+    max_terms : int, optional
+        Size of the largest support to return.
 
     Returns
     -------
     list of ndarray of int
-        The one with the least information criterion first, then the best of each smaller size.
+        The one with the least information criterion first, then the best of each smaller size. The
+        whole way down is walked, as the criterion may have local minima.
     """
-    n = float(gram.n) if n_effective is None else n_effective
-    penalty = default_penalty(gram, n) if penalty is None else penalty
-    nothing = np.arange(0)
+    n, nothing = n_effective, np.arange(0)
     best: dict[int, tuple[float, np.ndarray]] = {0: (n * np.log(_share(gram, gram.yy)), nothing)}
     for proposal in proposals:
         for support, error in eliminate(gram, proposal, penalty, n):
@@ -92,27 +63,19 @@ def _share(gram: Gram, error: float) -> float:
     return max(error, np.finfo(float).tiny) / gram.n
 
 
-def default_penalty(gram: Gram, n_effective: float | None = None) -> np.ndarray:
+def default_penalty(gram: Gram, n_effective: float) -> np.ndarray:
     """Price of a term, in the units of `information`, when nothing is known of its complexity.
 
     This is the extended BIC: log n for its coefficient, 2 log p for having been chosen among p.
     """
     p = len(gram.xy)
-    n = gram.n if n_effective is None else n_effective
-    return np.full(p, np.log(max(n, 2.0)) + 2.0 * np.log(max(p, 2)))
+    return np.full(p, np.log(max(n_effective, 2.0)) + 2.0 * np.log(max(p, 2)))
 
 
-def information(
-    gram: Gram,
-    support: Sequence[int] | np.ndarray,
-    penalty: np.ndarray | None = None,
-    n_effective: float | None = None,
-) -> float:
+def information(gram: Gram, support: np.ndarray, penalty: np.ndarray, n_effective: float) -> float:
     """Information criterion of a support, lower is better: n log(RSS / n) + sum of penalties."""
-    penalty = default_penalty(gram, n_effective) if penalty is None else penalty
-    n = gram.n if n_effective is None else n_effective
     error = rss(gram, least_squares(gram, support)) / gram.n
-    return float(n * np.log(error) + penalty[np.asarray(support, dtype=int)].sum())
+    return float(n_effective * np.log(error) + penalty[support].sum())
 
 
 def eliminate(

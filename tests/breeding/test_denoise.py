@@ -12,8 +12,8 @@ from pysindy_evolve.datasets.rigs import noisy
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.simulation import simulate
+from pysindy_evolve.sparse.gram import block_grams, total
 from pysindy_evolve.sparse.parsimony import material, stable
-from pysindy_evolve.sparse.regression import block_grams, total
 from pysindy_evolve.terms import call, mul, variable
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")

@@ -22,13 +22,13 @@ def alike():
 
 
 def test_it_finds_the_few_right_terms_among_many_that_are_alike(alike):
-    found = best_subsets(alike, default_penalty(alike), alike.n, max_terms=6)
+    found = best_subsets(alike, default_penalty(alike, alike.n), alike.n, max_terms=6)
     assert [len(support) for support in found] == [1, 2, 3, 4, 5, 6]
     assert found[2].tolist() == [1, 3, 5]
 
 
 def test_it_stops_at_the_largest_size_allowed_and_at_the_last_column(alike):
-    penalty = default_penalty(alike)
+    penalty = default_penalty(alike, alike.n)
     assert len(best_subsets(alike, penalty, alike.n, max_terms=2)) == 2
     assert len(best_subsets(alike.select([0, 1]), penalty[:2], alike.n, max_terms=6)) == 2
 

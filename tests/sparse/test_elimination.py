@@ -3,13 +3,18 @@
 import numpy as np
 import pytest
 
-from pysindy_evolve.sparse.elimination import eliminate, front, gains, prune
+from pysindy_evolve.sparse.elimination import default_penalty, eliminate, front, gains
 from pysindy_evolve.sparse.gram import gram, least_squares, rss
+
+
+def walked(rows, proposals, penalty=None, max_terms=None):
+    penalty = default_penalty(rows, rows.n) if penalty is None else penalty
+    return front(rows, proposals, penalty, rows.n, max_terms)
 
 
 def test_elimination_keeps_the_true_terms_whatever_their_units(sparse_problem):
     theta, coef, y = sparse_problem
-    kept = prune(gram(theta, y), np.arange(12))
+    kept = walked(gram(theta, y), [np.arange(12)])[0]
     assert sorted(kept) == list(np.flatnonzero(coef))
 
 
@@ -25,19 +30,19 @@ def test_elimination_walks_down_by_least_squares(sparse_problem):
 def test_a_higher_price_keeps_fewer_terms(sparse_problem):
     theta, _, y = sparse_problem
     rows = gram(theta, y)
-    sizes = [len(prune(rows, range(12), np.full(12, p))) for p in (0.0, 10.0, 1e5)]
+    sizes = [len(walked(rows, [range(12)], np.full(12, p))[0]) for p in (0.0, 10.0, 1e5)]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[-1] == 0
 
 
 def test_max_terms_bounds_the_support(sparse_problem):
     theta, _, y = sparse_problem
-    assert len(prune(gram(theta, y), range(12), max_terms=2)) == 2
+    assert len(walked(gram(theta, y), [range(12)], max_terms=2)[0]) == 2
 
 
 def test_the_front_has_the_best_first_then_smaller_ones(sparse_problem):
     theta, coef, y = sparse_problem
-    found = front(gram(theta, y), [range(12), range(6)])
+    found = walked(gram(theta, y), [range(12), range(6)])
     assert [len(support) for support in found] == [3, 2, 1, 0]
     assert sorted(found[0]) == list(np.flatnonzero(coef))
 

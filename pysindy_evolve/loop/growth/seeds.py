@@ -19,7 +19,7 @@ import numpy as np
 from ...breeding.dictionary import Problem, build_dictionary
 from ...breeding.genetics import CURVED
 from ...operators import Operator
-from ...sparse.regression import gains
+from ...sparse.elimination import gains
 from ...terms import (
     Product,
     Sum,

@@ -1,8 +1,7 @@
-"""Sparse regression on Gram matrices, symbols as in `gram`: what proposes terms.
+"""Which terms may belong together: supports from elastic nets and from forward selection.
 
-The elastic net, equation (11) of the paper, proposes supports; backward elimination by an
-information criterion chooses among them; least squares decides the coefficients. An elastic net
-alone never gives the exact support: it keeps shadows of the true terms.
+The elastic net, equation (11) of the paper, proposes; it alone never gives the exact support, as it
+keeps shadows of the true terms. Elimination decides, see `selection`. Symbols as in `gram`.
 """
 
 from __future__ import annotations
@@ -14,74 +13,13 @@ import numpy as np
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import lars_path_gram
 
-from .elimination import default_penalty, eliminate, front, gains, information, prune
-from .gram import (
-    LEAST,
-    Gram,
-    block_grams,
-    gram,
-    least_squares,
-    refined,
-    residual,
-    rss,
-    target_grams,
-    total,
-)  # fmt: skip
-from .independence import effective_size
+from .elimination import gains
+from .gram import LEAST, Gram
 
-# Elimination and Gram matrices are part of the regression for those who use it.
-__all__ = [
-    "LAMBDA2", "Gram", "block_grams", "default_penalty", "effective_size",
-    "elastic_net", "eliminate", "front", "gains", "gram", "information",
-    "least_squares", "path", "prune", "refined", "residual", "rss",
-    "supports", "target_grams", "total",
-]  # fmt: skip
+__all__ = ["LAMBDA2", "path", "supports"]
 
 FORWARD = 6  # steps of forward selection beside the elastic net
 LAMBDA2 = (1e-3, 1e-1)  # relative to columns of unit RMS; orders of magnitude are enough
-
-
-def elastic_net(gram: Gram, lambda1: float, lambda2: float, max_iter: int = 10_000) -> np.ndarray:
-    """Minimize ||theta coef - y||^2 + lambda1 ||coef||_1 + lambda2 ||coef||^2, equation (11).
-
-    Parameters
-    ----------
-    gram : Gram
-        Inner products.
-    lambda1, lambda2 : float
-        Weights of the penalties, at least zero.
-    max_iter : int
-        Most sweeps over the coordinates.
-
-    Returns
-    -------
-    ndarray of shape (p,)
-
-    Notes
-    -----
-    Cyclic coordinate descent on the Gram matrix, until no coordinate moves by more than 1e-12 of
-    the target's size; a sweep costs p^2.
-    """
-    coef, gradient = np.zeros(len(gram.xy)), gram.xy.copy()
-    curvature = np.diag(gram.xx) + lambda2
-    for _ in range(max_iter):
-        largest = 0.0
-        for j in np.flatnonzero(curvature > 0.0):
-            pull = gradient[j] + gram.xx[j, j] * coef[j]
-            new = np.sign(pull) * max(abs(pull) - lambda1 / 2.0, 0.0) / curvature[j]
-            if step := new - coef[j]:
-                gradient -= gram.xx[:, j] * step
-                coef[j] = new
-                largest = max(largest, abs(step) * np.sqrt(curvature[j]))
-        if largest <= 1e-12 * np.sqrt(gram.yy):
-            return coef
-    warnings.warn(
-        f"ElasticNet(max_iter=...) should be larger: after {max_iter} sweeps a coefficient "
-        f"still moved by {largest:.2g}. Raise it, or raise lambda2.",
-        ConvergenceWarning,
-        stacklevel=2,
-    )
-    return coef
 
 
 def path(gram: Gram, lambda2: float, max_steps: int = 40) -> tuple[np.ndarray, np.ndarray]:
