@@ -1,4 +1,4 @@
-"""Sums as people write them: a force between two bodies is a power of a difference."""
+"""Sums as people write them: powers of differences, and what is beyond an end."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ import sympy
 
 __all__ = ["compact"]
 
+ROUNDING = 1e-12  # of what should cancel
+
 
 def compact(expression: Any) -> Any:
-    """Return a sum that is a power of a shorter sum as that power, anything else as it is.
+    """Return a sum that is a power of a shorter sum as that power, and half of |a| + a as max(a, 0).
 
     Parameters
     ----------
@@ -30,8 +32,13 @@ def compact(expression: Any) -> Any:
     (p - q)**3
     >>> compact(p**2 + q)
     p**2 + q
+    >>> compact(0.5*p + 0.5*abs(p - 3) - 1.5)
+    Max(0, p - 3)
     """
     expression = sympy.sympify(expression)
+    beyond = _beyond(expression)
+    if beyond is not None:
+        return beyond
     if not expression.is_Add or len(expression.args) < 3 or not expression.is_polynomial():
         return expression
     factored = sympy.factor(sympy.nsimplify(expression, rational=True))
@@ -41,3 +48,18 @@ def compact(expression: Any) -> Any:
     if factor == -1 and power.exp.is_odd:  # a coefficient before it has a sign of its own
         return sympy.Pow(sympy.expand(-power.base), power.exp)
     return factored
+
+
+def _beyond(expression: Any) -> Any:
+    """Return c |a| + c a as 2 c max(a, 0); None if it is anything else."""
+    magnitudes = expression.atoms(sympy.Abs)
+    weight = expression.coeff(next(iter(magnitudes))) if len(magnitudes) == 1 else None
+    if weight is None or not weight.is_number:
+        return None
+    (magnitude,) = magnitudes
+    for inside in (magnitude.args[0], -magnitude.args[0]):
+        left = sympy.expand(expression - weight * (magnitude + inside))
+        if all(abs(number) < ROUNDING for number in left.as_coefficients_dict().values()):
+            factor = 2 * weight
+            return (1 if abs(factor - 1) < ROUNDING else factor) * sympy.Max(inside, 0)
+    return None

@@ -30,7 +30,7 @@ from .fitting.unfolding import paths_of
 from .free_runs.by_runs import find_by_runs
 from .free_runs.duels import held_against
 from .free_runs.sensor_limits import clipped_sensors
-from .free_runs.shared_tuning import shared_by_runs
+from .free_runs.shared_tuning import numbers_by_runs, shared_by_runs
 from .free_runs.unnamed import find_unnamed
 from .free_runs.variants import Model
 from .given.design import Design
@@ -236,6 +236,9 @@ class Search:
         child = self.rng.spawn(1)[0]
         if paths_of(self.design):  # whose state those runs do not have
             return
+        model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
+        tuned = numbers_by_runs(model, self.findings, self.plain)
+        self.findings = merged(self.declared, tuned, self.part)
         both = self.plain, self.wide
         look, pasts = find_by_runs(self.declared, self.findings, *both, self.rules, child)
         self.rejected = look.rejected or self.rejected

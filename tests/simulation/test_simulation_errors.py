@@ -44,5 +44,7 @@ class TestErrors:
             simulate(block(), ["a", "b"], self.t, self.t)
 
     def test_something_else_is_no_model(self):
-        with pytest.raises(TypeError, match=r"simulate\(model=...\) must be a fitted pysindy.SINDy"):
+        with pytest.raises(
+            TypeError, match=r"simulate\(model=...\) must be a fitted pysindy.SINDy"
+        ):
             simulate(3.0, [0.0], self.t)

@@ -62,11 +62,11 @@ def candidates(
 def _is_idle(candidate: Candidate, design: Design, scales: np.ndarray, middle: np.ndarray) -> bool:
     """Tell whether an effect of a variable that keeps its sign is constant, or that variable.
 
-    A dead zone lies about zero, and what never is there knows nothing of it. A friction of a body
-    that moves one way only has a name all the same.
+    A dead zone about zero is nothing to what never is there. A friction of a body that moves one way
+    only has a name all the same.
     """
     if candidate.name == "dead zone":
-        return True
+        return not candidate.whole  # what begins at one end lies in the range
     if candidate.name in ("Coulomb friction", "asymmetric Coulomb friction"):
         return design.position_of(candidate.state) is None
     if candidate.name != "saturation" or candidate.shape is None:

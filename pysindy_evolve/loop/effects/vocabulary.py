@@ -22,6 +22,7 @@ from .differences import differences, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
+from .stops import stops
 from .varying import drifts, varying
 
 __all__ = ["VOCABULARY", "of_equation"]
@@ -123,6 +124,7 @@ def _of_rate(
         yield from _springs(effect, q, float(scales[position]))
         yield from _with_position(effect, q, v, units_of(design, position, scales, middle))
     own = state if position is None else position
+    yield from stops(effect, variable(own), float(scales[own]), float(middle[own]))
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, state, other)
@@ -155,6 +157,7 @@ def _of_target(
             continue
         yield from _frictions(effect, variable(v), float(scales[v]))
         yield from _springs(effect, variable(x), float(scales[x]))
+        yield from stops(effect, variable(x), float(scales[x]), float(middle[x]))
         yield from _with_position(
             effect, variable(x), variable(v), units_of(design, x, scales, middle)
         )
@@ -247,6 +250,7 @@ def _between(
         for share in DEAD_ZONES:
             width = share * float(apart[position, other])
             yield effect("dead zone", shape=_half_width(width, stretch))
+        yield from stops(effect, stretch, float(apart[position, other]), 0.0)
 
 
 def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:

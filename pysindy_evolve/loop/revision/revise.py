@@ -10,8 +10,9 @@ import numpy as np
 
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
+from ..effects.stops import mirrored
 from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, PRICE, columns_of, score
+from ..evidence.scoring import MARGIN, PRICE, columns_of, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments, ranges
 from .parents import without_parents
@@ -83,7 +84,8 @@ def _in_place_of(
     own = [c for c in pair if not c.whole]
     # What refines an effect has to pass a test of its own.
     others = [c for c in candidates(design, *ranges(part.rows)) if not c.refines]
-    options = [c for c in others if c not in own]
+    mirrors = [tuned(there, design, part) for c in pair if (there := mirrored(c)) is not None]
+    options = [*mirrors, *(c for c in others if c not in own)]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
     # In one call, for the errors are weighed by what all columns together leave.
     scores = score(design, part, list(free))
@@ -91,9 +93,13 @@ def _in_place_of(
     both = max((2.0 * s.value for s in scores if set(s.group) == names), default=np.inf)
     alone = [s for s in scores if len(s.group) == 1 and _is_single(s.group[0], pair, own)]
     best = max(alone, key=lambda s: s.value, default=None)
-    if best is None or best.value < both - MARGIN:
+    if best is None:
         return None
     (candidate,) = best.group
+    # A filter bends a kink, of which an offset makes a little.
+    least = PRICE if any(candidate.terms == there.terms for there in mirrors) else MARGIN
+    if best.value < both - least:
+        return None
     return replace(
         max(first, second, key=lambda f: f.p_value),
         candidate=candidate,

@@ -1,0 +1,63 @@
+"""What begins at one place: an end stop, a tank that runs over."""
+
+import numpy as np
+import pytest
+import sympy
+from loop_systems import equations_of, oscillator
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.candidate import CandidateMaker
+from pysindy_evolve.loop.effects.stops import mirrored, stops
+from pysindy_evolve.terms import variable
+
+STOP = oscillator("dead zone", "- 300*max(q - 0.4, 0)", "-k*q - c*v + b*F")
+ONE_SIDED = [*stops(CandidateMaker(0), variable(0), 3.0, 1.0)]
+Q = np.linspace(-3.0, 3.0, 61)[:, None]
+
+
+def test_they_begin_within_the_range_and_are_nothing_on_one_side_of_it():
+    for candidate in ONE_SIDED:
+        values = candidate.terms[0].evaluate(Q)
+        assert 0 < np.count_nonzero(values[(Q[:, 0] > -1.0)] > 1e-9) < 40
+        assert values.min() == pytest.approx(0.0, abs=1e-12)
+
+
+def test_what_begins_to_the_other_side_differs_by_a_straight_line():
+    for candidate in ONE_SIDED:
+        other = mirrored(candidate)
+        assert candidate.shape.values == other.shape.values
+        difference = candidate.terms[0].evaluate(Q) - other.terms[0].evaluate(Q)
+        assert np.diff(difference, n=2) == pytest.approx(0.0, abs=1e-12)
+        assert mirrored(other).terms == candidate.terms
+
+
+@pytest.mark.parametrize("place", [0.0, 1e-3])
+def test_a_place_next_to_zero_is_left_to_the_magnitude(place):
+    found = list(stops(CandidateMaker(0), variable(0), 1.0, 0.2 + place))
+    assert all(candidate.shape.values[0] > 0.02 for candidate in found)
+
+
+def test_an_end_stop_is_found_with_its_place_and_no_offset_beside_it():
+    record = STOP.record()
+    report = pse.close_loop(STOP.model, record, operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.name == "dead zone"
+    assert effect.numbers["end"] == pytest.approx(0.4, rel=0.02)
+    assert effect.coefficients == pytest.approx([-300.0], rel=0.02)
+    assert effect.term.func is sympy.Max
+    assert f"max(q - {effect.numbers['end']:.4g}, 0)" in str(report)
+
+
+def test_a_tank_that_runs_over_is_found_with_its_height():
+    rng = np.random.default_rng(0)
+    t = np.arange(0.0, 3000.0, 2.0)
+    pump = np.repeat(rng.uniform(0.2, 1.4, 38), 40)[: len(t)]
+    tank = equations_of({"h": "0.35*u - 0.1*sqrt(abs(h)) - 0.06*max(h - 8, 0)"}, ("u",))
+    h = pse.simulate(tank, [4.0], t, pump)
+    record = pse.prepare(t, h + 0.003 * rng.standard_normal(h.shape), pump, order=1)
+    declared = pse.DeclaredModel({"h": "b*u - a*sqrt(h)"}, inputs=["u"])
+    report = pse.close_loop(declared, record, operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.name == "dead zone"
+    assert effect.numbers["end"] == pytest.approx(8.0, rel=0.02)
+    assert effect.coefficients == pytest.approx([-0.06], rel=0.05)
