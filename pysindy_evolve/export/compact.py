@@ -12,7 +12,7 @@ ROUNDING = 1e-12  # of what should cancel
 
 
 def compact(expression: Any) -> Any:
-    """Return a sum that is a power of a shorter sum as that power, and half of |a| + a as max(a, 0).
+    """Return a sum as a power of a shorter one, or half of |a| + a as max(a, 0), where it is that.
 
     Parameters
     ----------

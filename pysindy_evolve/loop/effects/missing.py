@@ -62,8 +62,8 @@ def candidates(
 def _is_idle(candidate: Candidate, design: Design, scales: np.ndarray, middle: np.ndarray) -> bool:
     """Tell whether an effect of a variable that keeps its sign is constant, or that variable.
 
-    A dead zone about zero is nothing to what never is there. A friction of a body that moves one way
-    only has a name all the same.
+    A dead zone about zero is nothing to what never is there. A friction of a body that moves one
+    way only has a name all the same.
     """
     if candidate.name == "dead zone":
         return not candidate.whole  # what begins at one end lies in the range
