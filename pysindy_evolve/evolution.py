@@ -16,26 +16,24 @@ population, so a good term waits for its partners.
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Hashable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
-from tqdm.auto import tqdm
 
 from .breeding.constants import tune_beside, tune_constants
 from .breeding.dictionary import Dictionary, Problem, Project, build_dictionary, price
 from .breeding.generation import Evolution, Generation, Settings
 from .breeding.genetics import Genetics
-from .breeding.plain import plain_terms
+from .breeding.plain import plain_terms, sizes
 from .breeding.plateau import Plateau
 from .breeding.refit import refit
 from .breeding.relatives import relatives
+from .breeding.watch import watch
 from .operators import Operator
-from .sparse import parsimony
 from .sparse.beam import best_subsets, with_exchanges
 from .sparse.elimination import gains
-from .sparse.gram import least_squares, rss
+from .sparse.parsimony import PERFECT
 from .sparse.proposals import supports
 from .sparse.selection import Selection, select
 from .terms import ONE, Product, Variable, lowest
@@ -108,33 +106,15 @@ def evolve(
         return Evolution((), (), (), ())
     fixed = np.empty((len(x), 0)) if fixed is None else fixed
     problem = Problem(x, target, fixed, project, noise, domain)
-    history: list[Generation] = []
-    finalists: tuple[Product, ...] = ()
     search = generations(problem, operators, settings, rng, begin)
     plateau = Plateau(problem, settings.patience)
-    bar = tqdm(search, total=settings.n_generations, disable=not progress, desc="generation")
-    try:
-        for generation, ranking in bar:
-            history.append(generation)
-            finalists = ranking
-            bar.set_postfix(n_terms=generation.n_terms, fitness=f"{generation.fitness:.3g}")
-            if plateau.reached(generation):
-                break
-    except KeyboardInterrupt:
-        if not keep_if_interrupted:
-            raise
-        warnings.warn(
-            f"The search was interrupted after {len(history)} generations; "
-            "the best equation so far is kept.",
-            stacklevel=2,
-        )
-    finally:
-        bar.close()
+    bar = {"total": settings.n_generations, "disable": not progress}
+    history, finalists = watch(search, plateau, keep_if_interrupted, **bar)
     n_best = history[-1].n_terms if history else 0
-    perfect = bool(history) and history[-1].fitness <= parsimony.PERFECT
+    perfect = bool(history) and history[-1].fitness <= PERFECT
     finalists = _unique([lowest(term) for term in finalists])
     terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
-    return Evolution(terms, coef, tuple(history), finalists)
+    return Evolution(terms, coef, history, finalists)
 
 
 def generations(
@@ -147,18 +127,17 @@ def generations(
     """Algorithm 1. Yield each generation's record, and the terms to weigh on all rows."""
     start = time.perf_counter()
     first = problem.sample(ROWS, np.random.default_rng(0))
-    genetics = Genetics(operators, _typical(first.x), max_depth=settings.max_depth, rng=rng)
+    genetics = Genetics(operators, np.array(sizes(first.x)), max_depth=settings.max_depth, rng=rng)
     leaves = (ONE, *(Product(((Variable(i), 1),)) for i in range(problem.x.shape[1])))
-
-    survivors: tuple[Product, ...] = leaves
-    # Where the leaves say it all, as in q' = v, nothing has to grow.
-    enough = _leaves_nothing(build_dictionary(first, leaves))
     population = list(begin)
-    if not enough:
+    # Where the leaves say it all, as in q' = v, nothing has to grow.
+    if not build_dictionary(first, leaves).is_exact:
         population += plain_terms(operators, first.x, few=problem.project is not None)
         population += genetics.random_terms(settings.population_size, [*leaves, *population])
-    known: set[Hashable] = set()
+
+    survivors: tuple[Product, ...] = leaves
     best: tuple[Product, ...] = ()
+    known: set[Hashable] = set()
     for number in range(1, settings.n_generations + 1):
         sample = problem.sample(ROWS, rng)
         dictionary = build_dictionary(sample, [*survivors, *population])
@@ -172,7 +151,7 @@ def generations(
         ranking = _ranking(dictionary, found.best, fitness)
         plain = [leaf for leaf in leaves if leaf in dictionary.terms]  # always weighed at the end
         finalists = _unique([*ranking[:FINALISTS], *plain])
-        yield _record(dictionary, found.best, number, start), finalists
+        yield Generation.of(dictionary, found.best, number, start), finalists
         tuned = tune_constants(dictionary, around, fitness, partners, known, alike=genetics.smooth)
         if number == 1:  # of two that are nearly one signal, the first stays
             tuned = [*tune_beside(dictionary, leaves), *tuned]
@@ -192,7 +171,7 @@ def solve_elastic_net(
     survivors: Sequence[Product],
     best: Sequence[Product],
     max_terms: int,
-    alike: bool = False,
+    alike: bool,
 ) -> Selection:
     """Find the best equations that the dictionary holds: the best first, then smaller ones.
 
@@ -235,35 +214,11 @@ def rate(
     return value.min(axis=0), value.argmin(axis=0)
 
 
-def _leaves_nothing(dictionary: Dictionary) -> bool:
-    left = dictionary.residual(np.arange(len(dictionary.terms)))
-    return bool(left @ left <= parsimony.PERFECT * (dictionary.y @ dictionary.y))
-
-
 def _ranking(
     dictionary: Dictionary, support: np.ndarray, fitness: np.ndarray
 ) -> tuple[Product, ...]:
     order = [*support, *np.argsort(fitness, kind="stable")]
     return _unique([dictionary.terms[j] for j in order])
-
-
-def _record(dictionary: Dictionary, support: np.ndarray, number: int, start: float) -> Generation:
-    gram, scale = dictionary.gram, dictionary.scale
-    coef = least_squares(gram, support)
-    power = max(float(dictionary.y @ dictionary.y), np.finfo(float).tiny)
-    return Generation(
-        number,
-        tuple(dictionary.terms[j] for j in support),
-        tuple(float(c) for c in coef[support] / scale[support]),
-        rss(gram, coef) / power,
-        time.perf_counter() - start,
-    )
-
-
-def _typical(x: np.ndarray) -> np.ndarray:
-    """RMS of each variable; one where a variable is zero."""
-    size = np.sqrt(np.einsum("ij,ij->j", x, x) / len(x))
-    return np.where(size > 0.0, size, 1.0)
 
 
 def _unique(terms: Sequence[Product]) -> tuple[Product, ...]:

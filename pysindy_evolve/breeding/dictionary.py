@@ -20,6 +20,7 @@ import numpy as np
 
 from ..operators import BUILTIN
 from ..sparse.gram import Gram, block_grams, gram
+from ..sparse.parsimony import PERFECT
 from ..terms import Atom, Cache, Call, Product, Sum, Variable
 
 __all__ = ["Dictionary", "Problem", "build_dictionary", "price"]
@@ -126,6 +127,12 @@ class Dictionary:
     def n_fixed(self) -> int:
         """Number of columns of theta before the terms."""
         return self.theta.shape[1] - len(self.terms)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether all terms together leave nothing of the target but rounding."""
+        left = self.residual(np.arange(len(self.terms)))
+        return bool(left @ left <= PERFECT * (self.y @ self.y))
 
     def residual(self, support: np.ndarray) -> np.ndarray:
         """Return what fixed columns and the terms of a support leave of the target: (m,)."""

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
+import numpy as np
+
+from ..sparse.gram import least_squares, rss
 from ..terms import Product
+from .dictionary import Dictionary
 
 __all__ = ["Evolution", "Generation", "Settings"]
 
@@ -45,6 +50,22 @@ class Generation:
     coef: tuple[float, ...]
     fitness: float
     time: float
+
+    @classmethod
+    def of(
+        cls, dictionary: Dictionary, support: np.ndarray, number: int, start: float
+    ) -> Generation:
+        """Record the best equation, a support of a dictionary; the search began at `start`."""
+        gram = dictionary.gram
+        coef = least_squares(gram, support)
+        power = max(float(dictionary.y @ dictionary.y), np.finfo(float).tiny)
+        return cls(
+            number,
+            tuple(dictionary.terms[j] for j in support),
+            tuple(float(c) for c in coef[support] / dictionary.scale[support]),
+            rss(gram, coef) / power,
+            time.perf_counter() - start,
+        )
 
     @property
     def n_terms(self) -> int:

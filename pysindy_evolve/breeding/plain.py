@@ -14,7 +14,7 @@ import numpy as np
 from ..operators import Operator
 from ..terms import ONE, Product, Sum, add, call, constant, div, mul, variable
 
-__all__ = ["plain_terms"]
+__all__ = ["plain_terms", "sizes"]
 
 GRID = (0.5, 1.0, 2.0, 4.0)  # argument of a function at the typical size of a variable
 MOST = 400  # of many variables and functions, so that one generation does not take as long as ten
@@ -53,7 +53,7 @@ def _calls(operators: Sequence[Operator], x: np.ndarray, places: Sequence[float]
     unary = [one for one in operators if one.arity == 1]
     arguments = [
         mul(constant(sign * place / size), variable(i))
-        for i, size in enumerate(_sizes(x))
+        for i, size in enumerate(sizes(x))
         for place in places
         for sign in (1.0, -1.0)
     ]
@@ -68,13 +68,13 @@ def _reciprocals(
     one_way = np.all(x > 0.0, axis=0) - 1.0 * np.all(x < 0.0, axis=0)
     return [
         div(constant(1.0), add(constant(float(way) * place * size), variable(i)))
-        for i, (size, way) in enumerate(zip(_sizes(x), one_way, strict=True))
+        for i, (size, way) in enumerate(zip(sizes(x), one_way, strict=True))
         for place in places
         if way
     ]
 
 
-def _sizes(x: np.ndarray) -> list[float]:
+def sizes(x: np.ndarray) -> list[float]:
     """Return the RMS of each variable, one where it is zero."""
     size = np.sqrt(np.mean(x**2, axis=0))
     return np.where(size > 0.0, size, 1.0).tolist()
