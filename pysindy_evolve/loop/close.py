@@ -8,42 +8,24 @@ from dataclasses import replace
 import numpy as np
 import pysindy as ps
 
-from ..hidden_states.memory import remembered
 from ..operators import Operator, resolve
 from ..signals import Record
 from ..signals.holds import hold
 from ..threads import one_thread
-from .effects.periodic import frequency_of
-from .evidence.findings import Finding, limits_in, memories_in, with_findings
-from .evidence.offers import awaited
 from .evidence.witness import witnessed
-from .fitting.unfolding import paths_of
-from .free_runs.refuted import unrefuted
-from .free_runs.runaway import last_runaway
 from .free_runs.state_limits import may_stop_itself
 from .given.algebraic import as_algebraic
 from .given.declared import DeclaredModel, design_of, doubted
 from .given.design import Design
 from .given.input_errors import as_held
-from .given.limits import off_limits
 from .given.records import alike, check_records, split_records, widened
 from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
-from .report.cautions import is_hold_only
-from .report.doubtful import most_doubtful
-from .report.lines import shared_lines
-from .report.making import make_report
-from .report.numbers import with_numbers_known
 from .report.report import LoopReport
-from .report.sessions import offsets_by_record
-from .revision.asymmetry import with_asymmetry
-from .revision.contest import contested
-from .revision.dead_zones import told_by_slopes
 from .search import Search
+from .settle import settled
 
 __all__ = ["close_loop"]
-
-FLAT = 0.5  # of the cutoff, up to which a low-pass leaves what there is
 
 
 @one_thread()
@@ -142,16 +124,7 @@ def close_loop(
     basis = resolve(operators, "close_loop") if operators else ()
     search = Search(design, fit_on, wide, part, rules, basis, rng)
     is_whole = _run(search) and len(search.findings) < rules.max_effects
-    report = _reported(search, judge_on, is_whole)
-    report = replace(report, rejected=search.rejected, chance_left=search.chance_left)
-    return replace(report, verdict="untraced") if _differs_by_record(report) else report
-
-
-def _differs_by_record(report: LoopReport) -> bool:
-    """Tell whether a complete model leaves mostly what no fixed term can be."""
-    if report.verdict != "complete":
-        return False
-    return any(line.is_most for line in shared_lines(report)) or bool(offsets_by_record(report))
+    return settled(search, judge_on, is_whole)
 
 
 def _checked(
@@ -188,49 +161,3 @@ def _run(search: Search) -> bool:
             raise
         return False
     return True
-
-
-def _reported(search: Search, test: Sequence[Record], is_whole: bool) -> LoopReport:
-    """Report what was found, without what the final fit is not sure of, or runs away with."""
-    while True:
-        findings = _with_alternatives(search)
-        records = search.plain, [hold(record, search.held) for record in test]
-        if not search.declared.algebraic and _is_near_cutoff(findings, search.plain):
-            records = search.wide, widened(records[1])
-        given = search.declared, findings, *records, search.verdict, is_whole
-        report = make_report(*given, search.rules, search.rng)
-        if is_hold_only(report):
-            search.hold_instead()
-            continue
-        whole = with_findings(search.declared, findings)
-        gone = most_doubtful(findings, report.effects, whole)
-        if gone is None:
-            models = report.before.model, report.after.model
-            gone = last_runaway(findings, *models, search.plain)
-        if gone is None:
-            child = search.rng.spawn(1)[0]
-            return with_numbers_known(report, findings, whole, search.rules, child)
-        search.withdraw(findings.index(gone))
-
-
-def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> bool:
-    """Tell whether the low-pass of records takes a part of a forcing: its size would be too small.
-
-    It is a function of time, not of what was measured, so it did not pass the same filter.
-    """
-    made = [record.preparation for record in records]
-    cutoff = min((one.cutoff for one in made if one is not None and one.cutoff), default=np.inf)
-    return any(frequency_of(finding.candidate) > FLAT * cutoff for finding in findings)
-
-
-def _with_alternatives(search: Search) -> list[Finding]:
-    """Return what was found, each with what could stand in its place."""
-    found, design, rules = search.findings, search.declared, search.rules
-    acted = search.whole.of([remembered(record, memories_in(found)) for record in search.wide])
-    acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)), search.wide)
-    child = search.rng.spawn(1)[0]
-    grown = search.grower.grown
-    rivals = contested(design, found, acted, rules.significance, child, grown)
-    if search.runs_tell_more and not paths_of(search.design):
-        rivals = unrefuted(design, rivals, search.plain)
-    return told_by_slopes(design, with_asymmetry(rivals), acted)

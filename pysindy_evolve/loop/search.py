@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..hidden_states.memory import preceded, remembered
+from ..hidden_states.memory import Memory, preceded, remembered
 from ..operators import Operator
 from ..signals import Record
 from ..signals.holds import hold, raw_step
@@ -107,33 +107,33 @@ class Search:
     def run(self) -> None:
         """Find effects until none passes: names, what only runs show, then terms without a name."""
         self._look_through(self.findings)
-        self._name()
-        self._settle()
+        self._find_named()
+        self._tune_memories()
         if self.runs_tell_more:
-            self._watch_runs()
+            self._find_by_runs()
         if self.part.tracks:
-            self._grow_short()
+            self._grow_on_tracks()
         else:
-            self._grow()
+            self._grow_terms()
         if self.runs_tell_more:
-            self._watch_for_unnamed()
+            self._find_unnamed()
             self._hold_against_rivals()
             self._doubt_inputs()
-            self._read()
-        self._look_at_rest()
+            self._find_clipped_sensors()
+        self._judge_rest()
 
     def withdraw(self, place: int) -> None:
         """Take a finding back, and look at what is left without it."""
         self.findings = [f for k, f in enumerate(self.findings) if k != place]
         self._look_through(self.findings)
-        self._look_at_rest()
+        self._judge_rest()
 
     def hold_instead(self) -> None:
         """Take inputs as held between samples instead of late, which was all that was found."""
         memories, self.findings = memories_in(self.findings), []
         step = raw_step(self.plain[0])
         self._take_as_held({one.column: one.values[0] / step for one in memories})
-        self._look_at_rest()
+        self._judge_rest()
 
     def _take_as_held(self, late: Mapping[int, float]) -> None:
         self.plain, self.wide = ([hold(r, late) for r in rs] for rs in (self.plain, self.wide))
@@ -155,39 +155,52 @@ class Search:
         self.part = awaited(with_findings(self.declared, findings), self.part, self.records)
         self.grower.look(self.part)
 
-    def _name(self) -> None:
+    def _find_named(self) -> None:
+        """Add what has a name, or remembers, one after the other until none passes."""
         while len(self.findings) < self.rules.max_effects:
-            before, design = self.findings, self.design
-            memories = memories_in(before)
-            relaxing, springs = self.relaxing and not memories, self.relaxing
-            seen = self.declared, design, self.records, self.part, self.rules, self.rng
-            look = find_or_recall(*seen, memories, relaxing=relaxing, springs=springs)
-            self.rejected = look.rejected or self.rejected
-            if not look.found:
+            before, memories = self.findings, memories_in(self.findings)
+            new = _numbered(self._look_for_names(memories), before)
+            if not new:
                 break
-            found = _numbered(look.found, before)
-            if memories_in(found):
-                held = self._hold(found)
-                if not held:  # it was how the input was recorded, and no memory of the machine
+            if memories_in(new):
+                kept = self._without_holds(new)
+                if not kept:  # it was how the input was recorded, and no memory of the machine
                     continue
-                found = self._begin([*before, *held])
-            else:  # growing takes long, and may be ended
-                both = [*before, *found]
-                self.findings = before if self._relaxes(both, before) else both
-                self._wait(both)
-                grown = self.grower.better(design, found)
-                found = [*before, *(_numbered(grown, before) or found)]
+                found = self._begun([*before, *kept])
+            else:
+                found = self._or_grown(before, new)
             if len(found) <= len(before):  # a memory goes where records begin otherwise
                 self.findings = found
                 break
-            found = exchange(self.declared, found, self.part)
-            found = with_numbers(self.declared, found, self.part)
-            self.findings = with_shared_numbers(self.declared, found, self.part)
-            self._check(before)
-            if len(look.found) > 1 or len(memories_in(self.findings)) == len(memories):
-                self._settle()  # or what is wrong with a memory would be named as another one
+            self._take(found, before)
+            if len(new) > 1 or len(memories_in(self.findings)) == len(memories):
+                self._tune_memories()  # or what is wrong with one would be named as another one
         kept = prune(self.declared, self.findings, self.part)
         self.findings = merged(self.declared, kept, self.part)
+
+    def _look_for_names(self, memories: Sequence[Memory]) -> Sequence[Finding]:
+        """Look once for what has a name, or remembers."""
+        relaxing, springs = self.relaxing and not memories, self.relaxing
+        seen = self.declared, self.design, self.records, self.part, self.rules, self.rng
+        look = find_or_recall(*seen, memories, relaxing=relaxing, springs=springs)
+        self.rejected = look.rejected or self.rejected
+        return look.found
+
+    def _or_grown(self, before: list[Finding], new: list[Finding]) -> list[Finding]:
+        """Return all findings with new ones, or with what grows and does clearly better."""
+        both, design = [*before, *new], self.design
+        # Growing takes long, and may be interrupted.
+        self.findings = before if self._relaxes(both, before) else both
+        self._wait(both)
+        grown = self.grower.better(design, new)
+        return [*before, *(_numbered(grown, before) or new)]
+
+    def _take(self, found: list[Finding], before: list[Finding]) -> None:
+        """Keep findings, earlier ones under the names and numbers that they have by now."""
+        found = exchange(self.declared, found, self.part)
+        found = with_numbers(self.declared, found, self.part)
+        self.findings = with_shared_numbers(self.declared, found, self.part)
+        self._take_back(before)
 
     def _relaxes(self, findings: list[Finding], before: list[Finding]) -> bool:
         """Tell whether a relaxation or a spring came in, which needs more proof than others."""
@@ -195,7 +208,7 @@ class Search:
         now, known = (len(smooth_in(side)) for side in sides)
         return now > known
 
-    def _check(self, before: list[Finding]) -> None:
+    def _take_back(self, before: list[Finding]) -> None:
         """Take back a relaxation or a spring that runs do not need, and what came with it."""
         if self._relaxes(self.findings, before):
             needed = needed_by_runs(self.declared, self.findings, self.records)
@@ -203,7 +216,7 @@ class Search:
                 self.findings, self.relaxing = before, False
                 self._look_through(before)
 
-    def _hold(self, found: list[Finding]) -> list[Finding]:
+    def _without_holds(self, found: list[Finding]) -> list[Finding]:
         """Take inputs as held where that does as well as a memory, and return what is left."""
         left = []
         for finding in found:
@@ -218,7 +231,7 @@ class Search:
             left.append(finding)
         return left
 
-    def _begin(self, findings: list[Finding]) -> list[Finding]:
+    def _begun(self, findings: list[Finding]) -> list[Finding]:
         """Look through the records as memories make them, begun where their first rows say."""
         part = awaited(with_findings(self.declared, findings), self.whole, self.wide)
         begun = settled_beginning(self.declared, findings, self.plain, self.wide, part)
@@ -226,13 +239,13 @@ class Search:
         self._look_through(begun.findings)
         return list(begun.findings)
 
-    def _settle(self) -> None:
+    def _tune_memories(self) -> None:
         if memories_in(self.findings):
             part = awaited(self.design, self.whole, self.wide)
             self.findings = resettled(self.findings, self.design, self.wide, part)
             self._look_through(self.findings)
 
-    def _watch_runs(self) -> None:
+    def _find_by_runs(self) -> None:
         child = self.rng.spawn(1)[0]
         if paths_of(self.design):  # whose state those runs do not have
             return
@@ -248,7 +261,7 @@ class Search:
                 self.plain, self.wide = ([*map(preceded, records, pasts)] for records in both)
             self._look_through(self.findings)
 
-    def _grow_short(self) -> None:
+    def _grow_on_tracks(self) -> None:
         """Let a small term come in where no name did, or where it does better than all of them."""
         if not self.operators or self.rules.max_effects == 0:
             return
@@ -256,9 +269,9 @@ class Search:
         found = find_small(self.declared, *seen)
         if found and is_better(self.declared, found, self.findings, self.part):
             self.findings = _numbered(found, [])
-            self._name()
+            self._find_named()
 
-    def _grow(self) -> None:
+    def _grow_terms(self) -> None:
         n_searches = 1
         if not self.findings:
             # Not on the pieces that grown terms are tested on: their number would depend on those.
@@ -272,7 +285,7 @@ class Search:
                 break
             self.findings = [*self.findings, *_numbered(found, self.findings)]
 
-    def _watch_for_unnamed(self) -> None:
+    def _find_unnamed(self) -> None:
         child = self.rng.spawn(1)[0]
         if paths_of(self.design):
             return
@@ -280,12 +293,12 @@ class Search:
         look = find_unnamed(self.declared, self.findings, *both, small, self.rules, child)
         self.rejected, self.findings = look.rejected or self.rejected, list(look.found)
 
-    def _look_at_rest(self) -> None:
+    def _judge_rest(self) -> None:
         seen = self.records, self.part, self.rules, self.rng
         self.chance_left = structure_chance(self.design, *seen)
 
     def _hold_against_rivals(self) -> None:
-        self._drop()
+        self._drop_superfluous()
         if paths_of(self.design):
             found = with_numbers_of_runs(self.declared, self.findings, self.records)
             self.findings = needed_by_runs(self.declared, found, self.records)
@@ -306,7 +319,7 @@ class Search:
     def _small_terms(self) -> list[Candidate]:
         return small_candidates(self.design, self.part, self.operators)
 
-    def _drop(self) -> None:
+    def _drop_superfluous(self) -> None:
         """Drop what grown terms made superfluous."""
         kept = prune(self.declared, self.findings, self.part)
         if not paths_of(self.design):
@@ -315,7 +328,7 @@ class Search:
             self._look_through(kept)
         self.findings = thinned(self.declared, kept, self.part)
 
-    def _read(self) -> None:
+    def _find_clipped_sensors(self) -> None:
         found = self.findings
         if len(found) < self.rules.max_effects:
             whole = with_columns(self.declared, found)

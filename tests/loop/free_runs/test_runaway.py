@@ -5,7 +5,6 @@ import pytest
 from loop_systems import equations_of, multisine, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.close import _reported
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding, SensorFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
@@ -15,6 +14,7 @@ from pysindy_evolve.loop.given.limits import Limit
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.search import Search
+from pysindy_evolve.loop.settle import settled
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
 
@@ -59,7 +59,7 @@ def test_only_what_drives_the_run_over_the_training_data_away_is_withdrawn(recor
     search = Search(design, [train], [train], part, rules, (), rng)
     search.findings = findings_of(design, Candidate("spring", 1, (term,)))
     search._look_through(search.findings)
-    report = _reported(search, [test], True)
+    report = settled(search, [test], True)
     assert [effect.name for effect in report.effects] == ["spring"] * is_kept
     assert np.isfinite(report.after.simulation_error).all()
 

@@ -1,0 +1,116 @@
+"""Report what was found, and take back what the final fit does not bear out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..hidden_states.memory import remembered
+from ..signals import Record
+from ..signals.holds import hold
+from .effects.periodic import frequency_of
+from .evidence.findings import Finding, limits_in, memories_in, with_findings
+from .evidence.offers import awaited
+from .fitting.unfolding import paths_of
+from .free_runs.refuted import unrefuted
+from .free_runs.runaway import last_runaway
+from .given.limits import off_limits
+from .given.records import widened
+from .report.cautions import is_hold_only
+from .report.doubtful import most_doubtful
+from .report.lines import shared_lines
+from .report.making import make_report
+from .report.numbers import with_numbers_known
+from .report.report import LoopReport
+from .report.sessions import offsets_by_record
+from .revision.asymmetry import with_asymmetry
+from .revision.contest import contested
+from .revision.dead_zones import told_by_slopes
+from .search import Search
+
+__all__ = ["settled"]
+
+FLAT = 0.5  # of the cutoff, up to which a low-pass leaves what there is
+
+
+def settled(search: Search, test: Sequence[Record], is_whole: bool) -> LoopReport:
+    """Report what a search found, one effect less as long as one does not stand.
+
+    Parameters
+    ----------
+    search : Search
+        Has run; it is told what falls, and looks again at what is left.
+    test : sequence of Record
+        Records to judge on, which decide nothing.
+    is_whole : bool
+        Whether the search came to its end.
+
+    Returns
+    -------
+    LoopReport
+    """
+    while True:
+        findings = _with_alternatives(search)
+        report = _reported(search, findings, test, is_whole)
+        if is_hold_only(report):
+            search.hold_instead()
+            continue
+        gone = _what_falls(search, findings, report)
+        if gone is None:
+            break
+        search.withdraw(findings.index(gone))
+    whole = with_findings(search.declared, findings)
+    known = with_numbers_known(report, findings, whole, search.rules, search.rng.spawn(1)[0])
+    return replace(known, verdict="untraced") if _differs_by_record(known) else known
+
+
+def _reported(
+    search: Search, findings: Sequence[Finding], test: Sequence[Record], is_whole: bool
+) -> LoopReport:
+    """Fit all stages and judge them, on records whose low-pass leaves what was found."""
+    records = search.plain, [hold(record, search.held) for record in test]
+    if not search.declared.algebraic and _is_near_cutoff(findings, search.plain):
+        records = search.wide, widened(records[1])
+    given = search.declared, findings, *records, search.verdict, is_whole
+    report = make_report(*given, search.rules, search.rng)
+    return replace(report, rejected=search.rejected, chance_left=search.chance_left)
+
+
+def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport) -> Finding | None:
+    """Return what the final fit is not sure of, or else what runs away."""
+    whole = with_findings(search.declared, findings)
+    doubtful = most_doubtful(findings, report.effects, whole)
+    if doubtful is not None:
+        return doubtful
+    return last_runaway(findings, report.before.model, report.after.model, search.plain)
+
+
+def _differs_by_record(report: LoopReport) -> bool:
+    """Tell whether a complete model leaves mostly what no fixed term can be."""
+    if report.verdict != "complete":
+        return False
+    return any(line.is_most for line in shared_lines(report)) or bool(offsets_by_record(report))
+
+
+def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> bool:
+    """Tell whether the low-pass of records takes a part of a forcing: its size would be too small.
+
+    It is a function of time, not of what was measured, so it did not pass the same filter.
+    """
+    made = [record.preparation for record in records]
+    cutoff = min((one.cutoff for one in made if one is not None and one.cutoff), default=np.inf)
+    return any(frequency_of(finding.candidate) > FLAT * cutoff for finding in findings)
+
+
+def _with_alternatives(search: Search) -> list[Finding]:
+    """Return what was found, each with what could stand in its place."""
+    found, design, rules = search.findings, search.declared, search.rules
+    acted = search.whole.of([remembered(record, memories_in(found)) for record in search.wide])
+    acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)), search.wide)
+    child = search.rng.spawn(1)[0]
+    rivals = contested(design, found, acted, rules.significance, child, search.grower.grown)
+    if search.runs_tell_more and not paths_of(search.design):
+        rivals = unrefuted(design, rivals, search.plain)
+    return told_by_slopes(design, with_asymmetry(rivals), acted)
