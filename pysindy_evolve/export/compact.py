@@ -34,11 +34,16 @@ def compact(expression: Any) -> Any:
     p**2 + q
     >>> compact(0.5*p + 0.5*abs(p - 3) - 1.5)
     Max(0, p - 3)
+    >>> compact(p*abs(p - q) - q*abs(p - q))
+    (p - q)*Abs(p - q)
     """
     expression = sympy.sympify(expression)
     beyond = _beyond(expression)
     if beyond is not None:
         return beyond
+    common = sympy.factor_terms(expression)
+    if common.is_Mul and any(isinstance(factor, sympy.Abs) for factor in common.args):
+        return common
     if not expression.is_Add or len(expression.args) < 3 or not expression.is_polynomial():
         return expression
     factored = sympy.factor(sympy.nsimplify(expression, rational=True))

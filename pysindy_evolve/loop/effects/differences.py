@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...terms import sub, variable
+from ...terms import Sum, sub, variable
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, bare
 
-__all__ = ["differences", "losses"]
+__all__ = ["declared_differences", "differences", "losses"]
 
 
 def differences(
@@ -42,3 +42,35 @@ def _difference(
     fitted = {bare(c.parts[effect.state]) for c in design.columns if c.parts[effect.state].parts}
     if not fitted & {variable(own), variable(other)}:
         yield effect("coupling", sub(variable(other), variable(own)))
+
+
+def declared_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
+    """Go through what an equation declares relative to an input: a speed in the wind, a stretch.
+
+    Parameters
+    ----------
+    design : Design
+        The model.
+    state : int
+        Whose equation.
+
+    Yields
+    ------
+    own, other : int
+        The state itself or its position, and the input.
+    """
+    position = design.position_of(state)
+    able = [state] if position is None else [state, position]
+    first = len(design.states)
+    inputs = range(first, first + len(design.inputs))
+    for own in able:
+        for other in inputs:
+            if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
+                yield own, other
+
+
+def _holds_difference(side: Sum, own: int, other: int) -> bool:
+    """Tell whether two variables enter a side with opposite coefficients."""
+    weights = {term: c for c, term in side.parts}
+    (_, one), (_, two) = variable(own).parts[0], variable(other).parts[0]
+    return weights.get(one, 0.0) != 0.0 and weights.get(one) == -weights.get(two, 0.0)

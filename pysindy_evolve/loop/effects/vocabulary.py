@@ -18,7 +18,7 @@ from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .angles import angles_of, between_angles, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
-from .differences import differences, losses
+from .differences import declared_differences, differences, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
@@ -137,6 +137,7 @@ def _of_rate(
         yield from _inputs(effect, variable(column), states, float(scales[column]))
         if position is None:
             yield from losses(effect, design, column)
+    yield from _relative(effect, design, state, apart)
     yield from radial(effect, design, turning)
     yield from _at_joints(effect, design, scales)
     yield from varying(effect, design)
@@ -238,19 +239,37 @@ def _between(
     if position is None:
         return
     if design.position_of(other) is not None:
-        slip = sub(variable(state), variable(other))
-        yield effect("Coulomb friction", _sgn(slip))
-        yield effect("nonlinear damping", _abs(slip), parents=(OFFSET,))
-        yield effect("quadratic drag", mul(slip, _abs(slip)))
-        yield effect("nonlinear damping", power(slip, 3))
+        yield from _slips(effect, sub(variable(state), variable(other)))
     if design.derivative_of(other) is not None:
         stretch = sub(variable(position), variable(other))
-        yield effect("quadratic stiffness", power(stretch, 2), parents=(OFFSET,))
-        yield effect("cubic stiffness", power(stretch, 3))
-        for share in DEAD_ZONES:
-            width = share * float(apart[position, other])
-            yield effect("dead zone", shape=_half_width(width, stretch))
-        yield from stops(effect, stretch, float(apart[position, other]), 0.0)
+        yield from _stretches(effect, stretch, float(apart[position, other]))
+
+
+def _slips(effect: CandidateMaker, slip: Sum) -> Iterator[Candidate]:
+    yield effect("Coulomb friction", _sgn(slip))
+    yield effect("nonlinear damping", _abs(slip), parents=(OFFSET,))
+    yield effect("quadratic drag", mul(slip, _abs(slip)))
+    yield effect("nonlinear damping", power(slip, 3))
+
+
+def _stretches(effect: CandidateMaker, stretch: Sum, reach: float) -> Iterator[Candidate]:
+    yield effect("quadratic stiffness", power(stretch, 2), parents=(OFFSET,))
+    yield effect("cubic stiffness", power(stretch, 3))
+    for share in DEAD_ZONES:
+        yield effect("dead zone", shape=_half_width(share * reach, stretch))
+    yield from stops(effect, stretch, reach, 0.0)
+
+
+def _relative(
+    effect: CandidateMaker, design: Design, state: int, apart: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through the forces of a motion relative to an input: to the wind, or to a shaken floor."""
+    for own, other in declared_differences(design, state):
+        between = sub(variable(own), variable(other))
+        if own == state:
+            yield from _slips(effect, between)
+        else:
+            yield from _stretches(effect, between, float(apart[own, other]))
 
 
 def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:

@@ -1,0 +1,60 @@
+"""What moves relative to an input: a hull in a current, a mass on a shaken floor."""
+
+import numpy as np
+import pytest
+from loop_systems import equations_of, multisine
+from scipy.signal import butter, filtfilt
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.differences import declared_differences
+
+
+def smooth(t, seed, cutoff):
+    rng = np.random.default_rng(seed)
+    b, a = butter(3, 2.0 * cutoff * (t[1] - t[0]))
+    noise = filtfilt(b, a, rng.standard_normal(len(t)))
+    return noise / noise.std()
+
+
+@pytest.mark.parametrize(
+    ("side", "expected"),
+    [
+        ("b*F - c*(v - w)", [(0, 2)]),
+        ("b*F - c*v + d*w", []),
+        ("b*F - 3*v + 3*w", [(0, 2)]),
+        ("b*F - 3*v + 2*w", []),
+    ],
+)
+def test_only_a_declared_difference_is_one(side, expected):
+    design = pse.DeclaredModel({"v": side}, inputs=["F", "w"]).design()
+    assert list(declared_differences(design, 0)) == expected
+
+
+def test_drag_of_a_hull_is_found_relative_to_the_current():
+    t = np.arange(0.0, 300.0, 0.1)
+    u = np.column_stack([1.5 * smooth(t, 0, 0.3), 0.3 + 0.2 * np.sin(t / 17.0)])
+    sides = {"v": "F - 0.1*(v - w) - 1.1*(v - w)*abs(v - w)"}
+    v = pse.simulate(equations_of(sides, ("F", "w")), [0.0], t, u)
+    noise = 0.005 * np.random.default_rng(1).standard_normal(v.shape)
+    record = pse.prepare(t, v + noise, u, order=1)
+    declared = pse.DeclaredModel({"v": "b*F - c*(v - w)"}, inputs=["F", "w"])
+    report = pse.close_loop(declared, record, operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.name == "quadratic drag"
+    assert effect.coefficients == pytest.approx([-1.1], rel=0.02)
+    assert str(effect.term) == "(v - w)*Abs(v - w)"
+
+
+def test_a_spring_to_a_shaken_floor_is_stretched_by_the_difference():
+    t = np.arange(0.0, 40.0, 0.01)
+    floor = 0.5 * multisine(1.0, 0)(t)
+    sides = {"q": "v", "v": "-40*(q - y) - 0.8*v - 30*(q - y)**3"}
+    x = pse.simulate(equations_of(sides, ("y",)), [0.0, 0.0], t, floor)
+    q = x[:, 0] + 1e-3 * np.random.default_rng(1).standard_normal(len(t))
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*(q - y) - c*v"}, inputs=["y"])
+    record = pse.prepare(t, q, floor)
+    report = pse.close_loop(declared, record, operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.name == "cubic stiffness"
+    assert effect.coefficients == pytest.approx([-30.0], rel=0.1)
+    assert str(effect.term) == "(q - y)**3"
