@@ -20,6 +20,7 @@ __all__ = [
     "is_same_ripple",
     "lines_of",
     "periodic_candidates",
+    "pumped_candidates",
     "ripple_candidates",
 ]
 
@@ -71,6 +72,45 @@ def periodic_candidates(
     return [
         effect(FORCING, *(wave(2 * np.pi * frequency) for wave in _waves(time)))
         for frequency in lines_of(residual, drivers, dt, n_peaks)
+    ]
+
+
+def pumped_candidates(
+    state: int,
+    time: int,
+    residual: np.ndarray,
+    part: Sum,
+    values: np.ndarray,
+    drivers: np.ndarray,
+    dt: float,
+) -> list[Candidate]:
+    """Return a declared term times sines and cosines of time: a stiffness that is pumped.
+
+    What such a term leaves is a line where it is multiplied by the term itself.
+
+    Parameters
+    ----------
+    state, time, residual, drivers, dt
+        As in `periodic_candidates`.
+    part : Sum
+        The term, without its coefficient.
+    values : ndarray of shape (n_samples,)
+        Its values.
+
+    Returns
+    -------
+    list of Candidate
+        One or none.
+    """
+    effect, others = CandidateMaker(state), np.column_stack([drivers, values, values**2])
+    return [
+        effect(
+            "varying coefficient",
+            *(mul(part, wave(2 * np.pi * frequency)) for wave in _waves(time)),
+            parents=(part,),
+            alone=True,
+        )
+        for frequency in lines_of(residual * values, others, dt, 1)
     ]
 
 

@@ -13,7 +13,7 @@ from ..given.design import Design
 from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, bare
 
-__all__ = ["drifts", "varying"]
+__all__ = ["drifts", "parts_of", "varying"]
 
 
 def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
@@ -22,7 +22,7 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
     An angle is left out: what changes with it is the same after a turn, and so no multiple of it.
     """
     acting = set(range(len(design.states) + len(design.inputs))) - angles_of(design)
-    for part in _parts(design, effect.state):
+    for part in parts_of(design, effect.state):
         for other in map(variable, sorted(acting)):
             if other != part:
                 parents = (OFFSET, part)
@@ -32,12 +32,12 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
 def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:
     """Go through what changes with the time: the constant, or what another term is worth."""
     yield effect("drift", t, parents=(OFFSET,))
-    for part in _parts(design, effect.state):
+    for part in parts_of(design, effect.state):
         if not part.variables & t.variables:
             yield effect("drift", mul(t, part), parents=(part,))
 
 
-def _parts(design: Design, state: int) -> list[Sum]:
+def parts_of(design: Design, state: int) -> list[Sum]:
     """Return what has a coefficient of its own in an equation, but the constant."""
     parts = (column.parts[state] for column in design.columns)
     return [bare(part) for part in parts if part.variables]

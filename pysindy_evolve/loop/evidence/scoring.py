@@ -11,7 +11,13 @@ from ...equations import Equations
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, standing
-from ..effects.periodic import is_same_ripple, periodic_candidates, ripple_candidates
+from ..effects.periodic import (
+    is_same_ripple,
+    periodic_candidates,
+    pumped_candidates,
+    ripple_candidates,
+)
+from ..effects.varying import parts_of
 from ..effects.vocabulary import VOCABULARY
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams
@@ -65,6 +71,9 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
         drivers = longest.x[:, :0] if longest.u is None else longest.u
         residual = left[first][:, state]
         proposed += periodic_candidates(state, time, residual, drivers, longest.dt)
+        for part in parts_of(design, state):
+            values = part.evaluate(variables_of(longest))
+            proposed += pumped_candidates(state, time, residual, part, values, drivers, longest.dt)
         position = design.position_of(state)
         if position is not None:
             residuals = [own[:, state] for own in left]

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from loop_systems import equations_of, multisine
 
+import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.periodic import periodic_candidates, ripple_candidates
 
 STILL = np.empty((1000, 0))  # no inputs
@@ -129,3 +131,22 @@ def test_what_is_too_slow_for_a_ripple_is_none_of_any_other_wave_number(periods)
     for ripple in ripple_candidates(1, 0, np.sin(2.0 * np.pi * periods * q) + noise, q):
         assert 3.9 < ripple.shape.values[0] / (2.0 * np.pi) < 6.0
         assert ripple.shape.reach > 0.0
+
+
+def test_a_stiffness_that_is_pumped_is_found_with_its_frequency():
+    t = np.arange(0.0, 60.0, 0.01)
+    force = multisine(20.0, 0)(t)
+    sides = {"q": "v", "v": "-150*q - 0.8*v + F - 30*q*cos(9.1*t)"}
+    x = pse.simulate(equations_of(sides, ("F",)), [0.0, 0.0], t, force)
+    q = x[:, 0] + 1e-3 * x[:, 0].std() * np.random.default_rng(0).standard_normal(len(t))
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    report = pse.close_loop(
+        declared, pse.prepare(t, q, force), operators=(), n_twins=59, random_state=0
+    )
+    (effect,) = report.effects
+    assert effect.name == "varying coefficient"
+    frequencies = {
+        number for product in effect.expressions for number in product.parts[0][1].constants
+    }
+    assert sorted(frequencies) == pytest.approx([9.1], rel=1e-3)
+    assert np.abs(effect.coefficients).max() == pytest.approx(30.0, rel=0.02)
