@@ -130,7 +130,15 @@ def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate
     if OFFSET not in candidate.parents or (candidate.state, OFFSET) in known:
         return candidate
     others = tuple(parent for parent in candidate.parents if parent != OFFSET)
-    return replace(candidate, terms=(OFFSET, *candidate.terms), parents=others)
+    shape = candidate.shape
+    if shape is not None:
+        shape = replace(shape, builds=(_offset, *shape.builds))
+    return replace(candidate, terms=(OFFSET, *candidate.terms), parents=others, shape=shape)
+
+
+def _offset(*numbers: float) -> Sum:
+    """Return the offset, whatever the numbers are that the terms beside it are tuned to."""
+    return OFFSET
 
 
 def _by_twins(

@@ -5,11 +5,12 @@ import pytest
 from loop_systems import Hidden, equations_of, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate, CandidateMaker
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.effects.stops import stops
 from pysindy_evolve.loop.evidence.encompassing import chance, explained
 from pysindy_evolve.loop.evidence.findings import Finding
-from pysindy_evolve.loop.evidence.rivals import rivals_of
+from pysindy_evolve.loop.evidence.rivals import _with_offset, rivals_of
 from pysindy_evolve.loop.evidence.same_model import hold
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
@@ -130,6 +131,13 @@ def test_a_rival_brings_the_offset_that_it_needs():
 
 
 DRAG = oscillator("quadratic drag", "- 0.05*v*abs(v)")
+
+
+def test_a_rival_keeps_the_offset_that_it_brings_when_it_is_tuned():
+    (stop, *_) = stops(CandidateMaker(1), variable(0), 1.0, 0.0)
+    rival = _with_offset(stop, known=set())
+    assert rival.terms == (OFFSET, *stop.terms)
+    assert rival.at([0.3]).terms == (OFFSET, *stop.at([0.3]).terms)
 
 
 def test_an_effect_with_an_offset_beside_it_is_no_alternative_of_itself():
