@@ -42,7 +42,7 @@ def periodic_candidates(
     residual: np.ndarray,
     drivers: np.ndarray,
     dt: float,
-    n_peaks: int = 2,
+    highest: float = np.inf,
 ) -> list[Candidate]:
     """Return sines and cosines of time at the strongest frequencies of a residual.
 
@@ -61,8 +61,8 @@ def periodic_candidates(
         Inputs.
     dt : float
         Sampling time, units of t.
-    n_peaks : int
-        How many frequencies to propose.
+    highest : float
+        Frequency up to which to look, cycles per unit of t, such as the cutoff of a low-pass.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def periodic_candidates(
     effect = CandidateMaker(state)
     return [
         effect(FORCING, *(wave(2 * np.pi * frequency) for wave in _waves(time)))
-        for frequency in lines_of(residual, drivers, dt, n_peaks)
+        for frequency in lines_of(residual, drivers, dt, highest)
     ]
 
 
@@ -83,6 +83,7 @@ def pumped_candidates(
     values: np.ndarray,
     drivers: np.ndarray,
     dt: float,
+    highest: float = np.inf,
 ) -> list[Candidate]:
     """Return a declared term times sines and cosines of time: a stiffness that is pumped.
 
@@ -90,7 +91,7 @@ def pumped_candidates(
 
     Parameters
     ----------
-    state, time, residual, drivers, dt
+    state, time, residual, drivers, dt, highest
         As in `periodic_candidates`.
     part : Sum
         The term, without its coefficient.
@@ -110,7 +111,7 @@ def pumped_candidates(
             parents=(part,),
             alone=True,
         )
-        for frequency in lines_of(residual * values, others, dt, 1)
+        for frequency in lines_of(residual * values, others, dt, highest, n_peaks=1)
     ]
 
 
@@ -121,20 +122,30 @@ def frequency_of(candidate: Candidate) -> float:
     return max(term.constants[0] for one in candidate.terms for _, term in one.parts) / (2 * np.pi)
 
 
-def lines_of(residual: np.ndarray, drivers: np.ndarray, dt: float, n_peaks: int = 2) -> list[float]:
+def lines_of(
+    residual: np.ndarray,
+    drivers: np.ndarray,
+    dt: float,
+    highest: float = np.inf,
+    *,
+    n_peaks: int = 2,
+) -> list[float]:
     """Return the frequencies, cycles per unit of t, of lines of a residual that no input has.
 
     Parameters
     ----------
-    residual, drivers, dt, n_peaks
+    residual, drivers, dt, highest
         As in `periodic_candidates`.
+    n_peaks : int
+        How many to return at most.
 
     Returns
     -------
     list of float
         The clearest first.
     """
-    return [cycles / dt for cycles in _lines(residual, drivers.T, PERIODS_IN_TIME, n_peaks)]
+    found = _lines(residual, drivers.T, PERIODS_IN_TIME, n_peaks, highest * dt)
+    return [cycles / dt for cycles in found]
 
 
 def ripple_candidates(

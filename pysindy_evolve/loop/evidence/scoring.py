@@ -67,13 +67,15 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
     left = [_left(record, equations) for record in records]
     first = int(np.argmax([len(record) for record in records]))
     longest, time = records[first], len(design.states) + len(design.inputs)
+    drivers = longest.x[:, :0] if longest.u is None else longest.u
+    made = longest.preparation
+    cutoff = np.inf if made is None or made.cutoff is None else made.cutoff
     for state in design.open_states:
-        drivers = longest.x[:, :0] if longest.u is None else longest.u
-        residual = left[first][:, state]
-        proposed += periodic_candidates(state, time, residual, drivers, longest.dt)
-        for part in parts_of(design, state):
-            values = part.evaluate(variables_of(longest))
-            proposed += pumped_candidates(state, time, residual, part, values, drivers, longest.dt)
+        line = state, time, left[first][:, state]
+        proposed += periodic_candidates(*line, drivers, longest.dt, cutoff)
+        for part in (one for one in parts_of(design, state) if time not in one.variables):
+            pumped = part, part.evaluate(variables_of(longest))
+            proposed += pumped_candidates(*line, *pumped, drivers, longest.dt, cutoff)
         position = design.position_of(state)
         if position is not None:
             residuals = [own[:, state] for own in left]
