@@ -1,6 +1,7 @@
-"""What begins at one place: an end stop, a rope that goes slack, a tank that runs over.
+"""What begins at one place: an end stop, a rope that goes slack.
 
-Each is a spring, or a flow, in proportion to how far a state lies beyond the place.
+Each is a spring, in proportion to how far a position lies beyond the place. A state of the first
+order gets none: the overflow of a tank took the place of the hidden tank above it.
 """
 
 from __future__ import annotations

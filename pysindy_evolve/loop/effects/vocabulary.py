@@ -122,9 +122,9 @@ def _of_rate(
     if position is not None:
         q = variable(position)
         yield from _springs(effect, q, float(scales[position]))
+        yield from stops(effect, q, float(scales[position]), float(middle[position]))
         yield from _with_position(effect, q, v, units_of(design, position, scales, middle))
     own = state if position is None else position
-    yield from stops(effect, variable(own), float(scales[own]), float(middle[own]))
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, state, other)
