@@ -108,8 +108,9 @@ def evolve(
     problem = Problem(x, target, fixed, project, noise, domain)
     search = generations(problem, operators, settings, rng, begin)
     plateau = Plateau(problem, settings.patience)
-    bar = {"total": settings.n_generations, "disable": not progress}
-    history, finalists = watch(search, plateau, keep_if_interrupted, **bar)
+    history, finalists = watch(
+        search, plateau, settings.n_generations, progress, keep_if_interrupted
+    )
     n_best = history[-1].n_terms if history else 0
     perfect = bool(history) and history[-1].fitness <= PERFECT
     finalists = _unique([lowest(term) for term in finalists])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterable
-from typing import Any
 
 from tqdm.auto import tqdm
 
@@ -18,8 +17,9 @@ __all__ = ["watch"]
 def watch(
     search: Iterable[tuple[Generation, tuple[Product, ...]]],
     plateau: Plateau,
+    n_generations: int,
+    progress: bool,
     keep_if_interrupted: bool,
-    **bar: Any,
 ) -> tuple[tuple[Generation, ...], tuple[Product, ...]]:
     """Go through the generations of a search.
 
@@ -29,10 +29,12 @@ def watch(
         The generations, each with the terms to weigh if it is the last.
     plateau : Plateau
         Tells which one is the last.
+    n_generations : int
+        Most generations that there will be.
+    progress : bool
+        Whether to show a progress bar.
     keep_if_interrupted : bool
         Whether Ctrl-C ends the search with what there is, or is passed on.
-    **bar
-        For the progress bar.
 
     Returns
     -------
@@ -43,7 +45,7 @@ def watch(
     """
     history: list[Generation] = []
     finalists: tuple[Product, ...] = ()
-    shown = tqdm(search, desc="generation", **bar)
+    shown = tqdm(search, desc="generation", total=n_generations, disable=not progress)
     try:
         for generation, ranking in shown:
             history.append(generation)

@@ -1,7 +1,7 @@
-"""What begins at one place: an end stop, a rope that goes slack.
+"""What begins at one place: a bump stop, a rope that goes slack.
 
-Each is a spring, in proportion to how far a position lies beyond the place. A state of the first
-order gets none: the overflow of a tank took the place of the hidden tank above it.
+Each is a spring, in proportion to how far something lies beyond the place. It is looked for between
+two bodies, and in algebraic targets.
 """
 
 from __future__ import annotations

@@ -14,7 +14,6 @@ import numpy as np
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, with_parents
-from ..effects.stops import mirrored
 from ..evidence.findings import Finding, MemoryFinding, limits_in, memories_in, with_columns
 from ..evidence.rejected import Rejected
 from ..evidence.scoring import MARGIN, columns_of, score
@@ -101,9 +100,7 @@ def named_terms(drift: Drift) -> list[Variant]:
     design = drift.model.design
     acted = drift.model.acted(drift.records)
     variables = np.concatenate([variables_of(record) for record in acted])
-    # Stops show in the derivative, and all of them over whole runs would take a gigabyte.
-    offered = [c for c in candidates(design, *ranges(variables)) if mirrored(c) is None]
-    return variants_of(drift, with_parents(offered, design))
+    return variants_of(drift, with_parents(candidates(design, *ranges(variables)), design))
 
 
 def variants_of(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:

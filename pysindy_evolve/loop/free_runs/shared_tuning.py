@@ -67,9 +67,10 @@ def numbers_by_runs(
         Numbers stay where the runs are clearly closer with them.
     """
     candidates = [f.candidate for f in findings]
-    taken = {place for group in partnerships(candidates) for place in group}
+    groups = partnerships(candidates)
+    taken = {place for group in groups for place in group}
     alone = [[k] for k, c in enumerate(candidates) if c.shape is not None and k not in taken]
-    return _with_numbers([*partnerships(candidates), *alone], model, findings, records)
+    return _with_numbers([*groups, *alone], model, findings, records)
 
 
 def _with_numbers(
