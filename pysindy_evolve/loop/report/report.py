@@ -82,15 +82,10 @@ class LoopReport:
     def model(self) -> ps.SINDy:
         """The corrected model as a fitted SINDy model; time, if needed, is its last input.
 
-        It cannot hold the delay of an input, and warns: the input is then what arrives. It warns as
-        well of an algebraic target, whose right-hand side PySINDy prints as a rate.
+        It cannot hold the delay of an input, and warns: the input is then what arrives. Of an
+        algebraic target, such as a force, it predicts the target itself, which PySINDy prints as a
+        rate: run it by `simulate` here.
         """
-        if target := self.equations.states[: self.equations.n_algebraic]:
-            warnings.warn(
-                "LoopReport.model: a SINDy model takes right-hand sides for rates; this one "
-                f"predicts {', '.join(target)} itself. Use its predict, and LoopReport.simulate.",
-                stacklevel=3,
-            )
         late = self.equations.delays if isinstance(self.equations, MemoryEquations) else ()
         if any(late):
             named = zip(self.equations.inputs, late, strict=True)

@@ -108,8 +108,7 @@ def test_a_force_is_not_integrated(of_a_force):
     record = of_a_force.test[0]
     with pytest.raises(ValueError, match=r"must be a differential equation; got an algebraic one"):
         pse.simulate(of_a_force, record.x[0], record.t, u=record.u)
-    with pytest.warns(UserWarning, match=r"this one predicts F itself"):
-        model = of_a_force.model
+    model = of_a_force.model
     assert model.predict(record.x, u=record.u) == pytest.approx(of_a_force.simulate(record))
 
 
