@@ -21,6 +21,7 @@ IN_MOTION = 8.0  # ... and above which it has all
 LEAST = 1e-3  # share of the RMS velocity that is rest, however little noise there is
 STUCK = 1.0  # periods of the cutoff that a rest lasts at least
 STILL = 0.1  # share of the RMS acceleration below which a quarter of the rows of a rest lie
+OFTEN = 3  # rests of a record between motions, from which on it sticks again and again
 MIXED, FORGOTTEN = 0.75, 1.5  # periods of it next to a rest, in which the low-pass mixes it in
 ENOUGH = 0.2  # share of the weight that must be left; a body that hardly moves is looked at whole
 
@@ -75,7 +76,10 @@ def _away_from_rest(record: Record, state: int, slow: np.ndarray) -> np.ndarray:
 
 
 def _still(acceleration: np.ndarray, slow: np.ndarray) -> np.ndarray:
-    """Tell on which rows a body rests between two motions; at a turning point it accelerates."""
+    """Tell on which rows a body rests between motions, if it does often.
+
+    At a turning point it is slow too, but accelerates.
+    """
     still = STILL * float(np.sqrt(np.mean(acceleration**2)))
     spans, n_spans = ndimage.label(slow)
     ends = {int(spans[0]), int(spans[-1])}
@@ -84,7 +88,7 @@ def _still(acceleration: np.ndarray, slow: np.ndarray) -> np.ndarray:
         for span in range(1, n_spans + 1)
         if span not in ends and np.quantile(acceleration[spans == span], 0.25) < still
     ]
-    return np.isin(spans, rests)
+    return np.isin(spans, rests if len(rests) >= OFTEN else [])
 
 
 def noise_of(record: Record, state: int, further: int = 0) -> float:

@@ -1,4 +1,4 @@
-"""Which rows say nothing of a friction: those at rest, and those that a low-pass mixes with them."""
+"""Which rows say nothing of a friction: those at rest, and those mixed with them by a low-pass."""
 
 import numpy as np
 import pytest
