@@ -18,12 +18,14 @@ from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..evidence.findings import Finding, SensorFinding, is_needed
 from ..fitting.residual import MAX_GROWTH, jacobian, respond
-from ..fitting.runs import free_run
+from ..fitting.runs import simulation_errors
 from ..given.segments import segments
 
 __all__ = ["last_runaway"]
 
-FAR = 1e3  # ranges of the record: a run that only drifts does not come so far beyond it
+FOLLOWS = 50.0  # percent NRMSE: a run that misses no more follows its record ...
+LOST = 100.0  # ... one that misses more than this tells less than the mean of the record ...
+AWAY = 1e5  # ... and one that only drifts does not miss by so much
 ROWS = 64  # of a record, at which it is seen how deviations have grown
 
 
@@ -49,7 +51,8 @@ def last_runaway(
     Returns
     -------
     Finding or None
-        None if the runs hold, or if deviations grow along a record.
+        None if the runs hold, or if deviations grow along a record. A run that followed its record
+        without the effects, and is lost with them, does not hold.
     """
     free = [
         one
@@ -60,17 +63,15 @@ def last_runaway(
     if not free or declared.n_algebraic:  # nothing runs
         return None
     for record in records:
-        if _runs_away(corrected, record) and not _runs_away(declared, record):
+        before, after = (simulation_errors(e, [record]).max() for e in (declared, corrected))
+        if _is_lost(before, after):
             return None if _is_unstable(corrected, record) else free[-1]
     return None
 
 
-def _runs_away(equations: Equations, record: Record) -> bool:
-    """Tell whether a free run diverges, or leaves the range of a record far behind."""
-    run = free_run(equations, record, on_divergence="nan", tolerance=1e-7)[:, : record.n_states]
-    low, high = record.x.min(axis=0), record.x.max(axis=0)
-    reach = FAR * np.where(high > low, high - low, 1.0)
-    return not bool(np.all((run >= low - reach) & (run <= high + reach)))  # False for NaN too
+def _is_lost(before: float, after: float) -> bool:
+    """Tell whether a run no longer follows its record, or is far away only now."""
+    return (before < FOLLOWS and after > LOST) or (before < AWAY <= after)
 
 
 def _is_unstable(equations: Equations, record: Record) -> bool:

@@ -8,6 +8,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding, SensorFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.free_runs.runaway import last_runaway
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.limits import Limit
@@ -46,6 +47,17 @@ def test_the_last_effect_that_changes_an_equation_is_named(record):
     assert last_runaway([first, last], LINEAR, LINEAR, [record]) is None
     assert last_runaway([first, last], WILD, WILD, [record]) is None
     assert last_runaway([clipped], LINEAR, WILD, [record]) is None
+
+
+def test_an_effect_with_which_the_run_no_longer_follows_its_record_is_named(record):
+    design = design_of(YIELDING.model, [record])
+    found = findings_of(design, Candidate("linear stiffness", 1, (Q,)))
+    right = equations_of(YIELDING.truth, ("F",))
+    slack = equations_of({"q": "v", "v": "-0.8*v + F"}, ("F",))  # drifts, not far
+    miss, off = (simulation_errors(model, [record]).max() for model in (right, slack))
+    assert miss < 50.0 < 100.0 < off < 1e4
+    assert last_runaway(found, right, slack, [record]) is found[0]
+    assert last_runaway(found, slack, slack, [record]) is None
 
 
 @pytest.mark.parametrize(
