@@ -390,3 +390,11 @@ def test_states_in_another_order_than_positions_and_velocities_are_an_error():
     declared = pse.DeclaredModel({"a": "p", "b": "q", "p": "-k*a", "q": "-r*b"})
     with pytest.raises(ValueError, match=r"each position followed by its velocity; got a, b, p, q"):
         pse.close_loop(declared, record)
+
+
+def test_a_column_given_twice_is_refused_as_such():
+    t = 0.02 * np.arange(400)
+    record = pse.prepare(t, np.column_stack([np.sin(3.0 * t)] * 2))
+    two = pse.DeclaredModel({"q": "v", "v": "-k*q", "p": "w", "w": "-l*p"})
+    with pytest.raises(ValueError, match=r"column of its own for each state; got .* q and p"):
+        pse.close_loop(two, record)

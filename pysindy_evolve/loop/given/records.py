@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import permutations
+from itertools import combinations, permutations
 from typing import Any
 
 import numpy as np
@@ -84,6 +84,7 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
         _check_finite(design, record)
     _check_names(design, records)
     _check_columns(design, records)
+    _check_copies(design, records)
     _check_velocities(design, records)
 
 
@@ -173,6 +174,17 @@ def _check_columns(design: Design, records: Sequence[Record]) -> None:
                 f"close_loop(train=..., test=...) must have columns of {name} that vary; got "
                 f"{stacked[0, index]:g} everywhere in {called[index]}. Drop it from the records "
                 f"and from the model{made}."
+            )
+
+
+def _check_copies(design: Design, records: Sequence[Record]) -> None:
+    """Raise where two states are the same column, given twice by mistake."""
+    for first, second in combinations(range(len(design.states)), 2):
+        if all(np.array_equal(r.x[:, first], r.x[:, second]) for r in records):
+            raise ValueError(
+                "close_loop(train=..., test=...) must have a column of its own for each state; got "
+                f"the same values for {design.states[first]} and {design.states[second]}. "
+                "Pass the column of each to prepare."
             )
 
 
