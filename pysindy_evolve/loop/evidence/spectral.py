@@ -110,21 +110,24 @@ def _weights(rows: np.ndarray) -> np.ndarray:
     The noise is what all columns together, candidates included, leave. What only the model leaves
     would hold the effect that is sought, and hide it behind its own power.
     """
-    n_open, n_columns, n_segments, n_frequencies = rows.shape
-    at = rows.transpose(0, 3, 1, 2).reshape(-1, n_columns, n_segments)
-    at = np.ascontiguousarray(at).view(float)
-    grams = at @ np.swapaxes(at, 1, 2)  # of each frequency
-    target = grams[:, -1, -1].reshape(n_open, n_frequencies) / n_segments
+    target = np.mean(np.abs(rows[:, -1]) ** 2, axis=1)
     # Where a column fits the target exactly there is no noise, and the weight would be infinite.
     rounding = 1e-24 * target.max(axis=-1, keepdims=True) + 1e-100
-    weight = np.ones((n_open, n_frequencies))
+    weight = np.ones_like(target)
     for _ in range(N_WEIGHINGS):
-        gram = np.tensordot(weight.ravel() ** 2, grams, axes=1)
+        gram = _gram(rows, weight)
         contrast = np.append(solve(gram[:-1, :-1], gram[:-1, -1]), -1.0)
         left = np.tensordot(rows, contrast, axes=(1, 0))
         power = np.mean(np.abs(left) ** 2, axis=1)
         weight = 1.0 / np.sqrt(np.maximum(_smooth(power), rounding))
     return weight
+
+
+def _gram(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return the Gram matrix of weighed columns, over all equations, segments and frequencies."""
+    weighed = np.moveaxis(rows * weight[:, None, None], 1, 0)
+    parts = np.ascontiguousarray(weighed).reshape(rows.shape[1], -1).view(float)
+    return np.asarray(parts @ parts.T)
 
 
 def _smooth(power: np.ndarray) -> np.ndarray:
