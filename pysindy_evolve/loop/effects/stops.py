@@ -1,7 +1,6 @@
-"""What begins at one place: a bump stop, a rope that goes slack.
+"""What begins at one place: an end stop, a contact, a rope that goes slack.
 
-Each is a spring, in proportion to how far something lies beyond the place. It is looked for between
-two bodies, and in algebraic targets.
+Each is a spring, in proportion to how far something lies beyond the place.
 """
 
 from __future__ import annotations

@@ -122,6 +122,7 @@ def _of_rate(
     if position is not None:
         q = variable(position)
         yield from _springs(effect, q, float(scales[position]))
+        yield from stops(effect, q, float(scales[position]), float(middle[position]))
         yield from _with_position(effect, q, v, units_of(design, position, scales, middle))
     own = state if position is None else position
     for other in range(n_states):

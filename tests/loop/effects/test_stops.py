@@ -2,11 +2,15 @@
 
 import numpy as np
 import pytest
+import sympy
+from loop_systems import oscillator
 
+import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import CandidateMaker
 from pysindy_evolve.loop.effects.stops import mirrored, stops
 from pysindy_evolve.terms import variable
 
+STOP = oscillator("dead zone", "- 300*max(q - 0.4, 0)", "-k*q - c*v + b*F")
 ONE_SIDED = [*stops(CandidateMaker(0), variable(0), 3.0, 1.0)]
 Q = np.linspace(-3.0, 3.0, 61)[:, None]
 
@@ -31,3 +35,14 @@ def test_what_begins_to_the_other_side_differs_by_a_straight_line():
 def test_a_place_next_to_zero_is_left_to_the_magnitude(place):
     found = list(stops(CandidateMaker(0), variable(0), 1.0, 0.2 + place))
     assert all(candidate.shape.values[0] > 0.02 for candidate in found)
+
+
+def test_an_end_stop_is_found_with_its_place_and_no_offset_beside_it():
+    record = STOP.record()
+    report = pse.close_loop(STOP.model, record, operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.name == "dead zone"
+    assert effect.numbers["end"] == pytest.approx(0.4, rel=0.02)
+    assert effect.coefficients == pytest.approx([-300.0], rel=0.02)
+    assert effect.term.func is sympy.Max
+    assert f"max(q - {effect.numbers['end']:.4g}, 0)" in str(report)
