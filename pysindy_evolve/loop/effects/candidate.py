@@ -24,13 +24,15 @@ class Shape:
     """Positive numbers that terms depend on other than linearly, and how to build the terms.
 
     `reach` is how far the logarithm of each number may be tuned to both sides; `meanings` say what
-    each number is, such as a half width.
+    each number is, such as a half width. No tuning leads from one `branch` to another, such as from
+    places below zero to those above it.
     """
 
     values: tuple[float, ...]
     builds: tuple[Callable[..., Sum], ...]
     reach: float = REACH
     meanings: tuple[str, ...] = ()
+    branch: int = 0
 
     @property
     def terms(self) -> tuple[Sum, ...]:

@@ -5,14 +5,14 @@ Each is a spring, in proportion to how far something lies beyond the place.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 from ...reading.extremes import EXTREMES
 from ...terms import Call, Product, Sum, constant, mul, sub
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
 
-__all__ = ["mirrored", "stops"]
+__all__ = ["begun_at_same", "stops"]
 
 PLACES = (-0.6, -0.2, 0.2, 0.6)  # of half the range, from its middle
 LEAST = 0.02  # of the largest magnitude: nearer to zero it is a magnitude, as |q|
@@ -40,25 +40,46 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
     half = largest - abs(middle)
     for place in (middle + share * half for share in PLACES):
         if abs(place) >= LEAST * largest:
-            toward = 1.0 if place > 0.0 else -1.0
-            for side in (1.0, -1.0):
-                shape = Shape(
-                    (abs(place),), (partial(_beyond, q, side, toward),), meanings=("end",)
-                )
-                yield effect("dead zone", shape=shape, parents=(OFFSET,), whole=True)
+            yield from _on_both_sides(effect, q, place)
 
 
-def mirrored(candidate: Candidate) -> Candidate | None:
-    """Return what begins at the same place to the other side; None of any other effect.
+def begun_at_same(candidate: Candidate) -> list[Candidate]:
+    """Return the dead zones with one end that begin where an effect has its kink.
 
-    Beside a spring and an offset both are one force: max(q, 0) is q + max(-q, 0).
+    Beside a spring and an offset all are one force: max(q, 0) is q + max(-q, 0), and (q + |q|) / 2.
+    A dead zone with one end has one to the other side; a grown |q - c| has one to each.
     """
-    if candidate.name != "dead zone" or not candidate.whole or candidate.shape is None:
+    if candidate.name == "dead zone" and candidate.whole and candidate.shape is not None:
+        return [rewritten(candidate, _to_the_other_side)]
+    kink = _kink_of(candidate.terms)
+    if kink is None:
+        return []
+    return list(_on_both_sides(CandidateMaker(candidate.state), *kink))
+
+
+def _on_both_sides(effect: CandidateMaker, q: Sum, place: float) -> Iterator[Candidate]:
+    toward = 1 if place > 0.0 else -1
+    for side in (1.0, -1.0):
+        build = partial(_beyond, q, side, toward)
+        shape = Shape((abs(place),), (build,), meanings=("end",), branch=toward)
+        yield effect("dead zone", shape=shape, parents=(OFFSET,), whole=True)
+
+
+def _kink_of(terms: Sequence[Sum]) -> tuple[Sum, float] | None:
+    """Return the variable and the place of |q - c|; None of anything else."""
+    factors = [factor for term in terms for _, part in term.parts for factor in part.factors]
+    atom, exponent = factors[0] if len(factors) == 1 else (None, 0)
+    if not isinstance(atom, Call) or atom.operator.name != "abs" or exponent != 1:
         return None
-    return rewritten(candidate, _to_the_other_side)
+    (inner,) = atom.args
+    place = -sum(c for c, part in inner.parts if not part.factors)
+    rest = [(c, part) for c, part in inner.parts if part.factors]
+    if place == 0.0 or len(rest) != 1 or rest[0][0] != 1.0 or rest[0][1].size != 1:
+        return None
+    return Sum(tuple(rest)), place
 
 
-def _beyond(q: Sum, side: float, toward: float, end: float) -> Sum:
+def _beyond(q: Sum, side: float, toward: int, end: float) -> Sum:
     """Return how far q lies above an end (side 1) or below it (side -1), toward a sign of q."""
     past = mul(constant(side), sub(q, constant(toward * end)))
     return EXTREMES["max"](past, constant(0.0))

@@ -138,10 +138,11 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
     """
     scores = score(design, part, proposed, pairs=False)
     leader = scores[0].value if scores else 0.0
-    first: dict[tuple[str, int], Score] = {}
+    first: dict[tuple[str, int, int], Score] = {}
     for s in scores:
-        if s.group[0].shape is not None and s.value > max(MARGIN, leader / 2):
-            first.setdefault((s.group[0].name, s.group[0].state), s)
+        (one,) = s.group
+        if one.shape is not None and s.value > max(MARGIN, leader / 2):
+            first.setdefault((one.name, one.state, one.shape.branch), s)
     return [*proposed, *(tuned(s.group[0], design, part) for s in first.values())]
 
 

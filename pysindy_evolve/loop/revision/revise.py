@@ -10,7 +10,7 @@ import numpy as np
 
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
-from ..effects.stops import mirrored
+from ..effects.stops import begun_at_same
 from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of, score, tuned
 from ..given.design import Design
@@ -84,7 +84,7 @@ def _in_place_of(
     own = [c for c in pair if not c.whole]
     # What refines an effect has to pass a test of its own.
     others = [c for c in candidates(design, *ranges(part.rows)) if not c.refines]
-    mirrors = [tuned(there, design, part) for c in pair if (there := mirrored(c)) is not None]
+    mirrors = [tuned(there, design, part) for c in pair for there in begun_at_same(c)]
     options = [*mirrors, *(c for c in others if c not in own)]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
     # In one call, for the errors are weighed by what all columns together leave.

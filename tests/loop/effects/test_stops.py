@@ -6,9 +6,10 @@ import sympy
 from loop_systems import oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.candidate import CandidateMaker
-from pysindy_evolve.loop.effects.stops import mirrored, stops
-from pysindy_evolve.terms import variable
+from pysindy_evolve.loop.effects.candidate import Candidate, CandidateMaker
+from pysindy_evolve.loop.effects.stops import begun_at_same, stops
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import call, constant, mul, power, sub, variable
 
 STOP = oscillator("dead zone", "- 300*max(q - 0.4, 0)", "-k*q - c*v + b*F")
 ONE_SIDED = [*stops(CandidateMaker(0), variable(0), 3.0, 1.0)]
@@ -24,11 +25,22 @@ def test_they_begin_within_the_range_and_are_nothing_on_one_side_of_it():
 
 def test_what_begins_to_the_other_side_differs_by_a_straight_line():
     for candidate in ONE_SIDED:
-        other = mirrored(candidate)
+        (other,) = begun_at_same(candidate)
         assert candidate.shape.values == other.shape.values
         difference = candidate.terms[0].evaluate(Q) - other.terms[0].evaluate(Q)
         assert np.diff(difference, n=2) == pytest.approx(0.0, abs=1e-12)
-        assert mirrored(other).terms == candidate.terms
+        assert [c.terms for c in begun_at_same(other)] == [candidate.terms]
+
+
+@pytest.mark.parametrize("place", [0.3, -0.3])
+def test_a_grown_magnitude_has_a_dead_zone_to_either_side(place):
+    kink = call(BUILTIN["abs"], sub(variable(0), constant(place)))
+    above, below = begun_at_same(Candidate("evolved term", 0, (kink,)))
+    values = [c.terms[0].evaluate(Q) for c in (above, below)]
+    assert values[0] == pytest.approx(np.maximum(Q[:, 0] - place, 0.0))
+    assert values[1] == pytest.approx(np.maximum(place - Q[:, 0], 0.0))
+    for other in (call(BUILTIN["abs"], variable(0)), mul(kink, variable(0)), power(kink, 3)):
+        assert begun_at_same(Candidate("evolved term", 0, (other,))) == []
 
 
 @pytest.mark.parametrize("place", [0.0, 1e-3])
