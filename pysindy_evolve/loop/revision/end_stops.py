@@ -1,0 +1,80 @@
+"""Say of a dead zone with one end on which side of it the stop stands.
+
+Beside a spring and an offset max(q - c, 0) and max(c - q, 0) are one force, with another spring.
+Of the two, the stop is the one that pushes back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...terms import Sum
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.missing import fitted
+from ..effects.stops import begun_at_same
+from ..evidence.findings import Finding, with_findings
+from ..evidence.scoring import columns_of, quick_fit
+from ..given.design import Design
+from ..given.segments import Segments
+
+__all__ = ["pushing_back"]
+
+NEAR = 1e-3  # of the largest magnitude of the position: how far from its end a stop is looked at
+
+
+def pushing_back(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
+    """Return findings in which stops push back, where the model leaves that open.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found.
+    part : Segments
+        Pieces of the training records.
+
+    Returns
+    -------
+    list of Finding
+    """
+    return [_pushing_back(declared, findings, finding, part) for finding in findings]
+
+
+def _pushing_back(
+    declared: Design, findings: Sequence[Finding], finding: Finding, part: Segments
+) -> Finding:
+    candidate, shape = finding.candidate, finding.candidate.shape
+    is_stop = candidate.name == "dead zone" and candidate.whole and not candidate.partners
+    if shape is None or not is_stop:
+        return finding
+    whole, end = with_findings(declared, findings), shape.branch * shape.values[0]
+    if not _is_open(candidate, whole) or _pushes_back(candidate, end, whole, part):
+        return finding
+    (other,) = begun_at_same(candidate)
+    return replace(finding, candidate=other, columns=columns_of(other, whole))
+
+
+def _is_open(candidate: Candidate, design: Design) -> bool:
+    """Tell whether a spring and an offset are fitted beside a stop of one position."""
+    if len(candidate.variables) != 1:
+        return False
+    beside = {OFFSET, *(Sum(((1.0, term),)) for _, term in candidate.terms[0].parts)}
+    free = fitted(design)
+    return sum((candidate.state, term) in free for term in beside) >= 2
+
+
+def _pushes_back(candidate: Candidate, end: float, design: Design, part: Segments) -> bool:
+    """Tell whether the force of a stop points out of where it acts."""
+    (position,) = candidate.variables
+    step = NEAR * float(np.abs(part.z[..., position]).max())
+    rows = np.tile(part.z[..., :-1].mean(axis=(0, 1)), (3, 1))
+    rows[:, position] = end + step * np.array([-1.0, 0.0, 1.0])
+    n = part.n_states
+    rates = quick_fit(design, part).evaluate(rows[:, :n], rows[:, n:], np.zeros(3))
+    bend = float(np.diff(rates[:, candidate.state], 2)[0])
+    below, _, above = candidate.terms[0].evaluate(rows)
+    return bool(bend < 0.0) == bool(above > below)
