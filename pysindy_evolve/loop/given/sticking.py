@@ -20,7 +20,7 @@ AT_REST = 4.0  # standard deviations of the velocity noise below which a row has
 IN_MOTION = 8.0  # ... and above which it has all
 LEAST = 1e-3  # share of the RMS velocity that is rest, however little noise there is
 STUCK = 1.0  # periods of the cutoff that a rest lasts at least
-STILL = 0.1  # share of the RMS acceleration below which a quarter of the rows of a rest lie
+CREEP = 0.3  # of the speed that counts as slow, below which half of the rows of a rest lie
 OFTEN = 3  # rests of a record between motions, from which on it sticks again and again
 MIXED, FORGOTTEN = 0.75, 1.5  # periods of it next to a rest, in which the low-pass mixes it in
 ENOUGH = 0.2  # share of the weight that must be left; a body that hardly moves is looked at whole
@@ -48,7 +48,7 @@ def moving(record: Record, velocities: Sequence[int]) -> np.ndarray:
         low = max(AT_REST * noise, LEAST * float(np.sqrt(np.mean(speed**2))))
         high = low * IN_MOTION / AT_REST
         share = np.clip((speed - low) / max(high - low, 1e-300), 0.0, 1.0)
-        apart = share * _away_from_rest(record, state, speed < low)
+        apart = share * _away_from_rest(record, speed / max(low, 1e-300))
         share = apart if apart.mean() >= ENOUGH else share
         if share.mean() >= ENOUGH:
             weights[:, state] = share * share * (3.0 - 2.0 * share)
@@ -57,38 +57,34 @@ def moving(record: Record, velocities: Sequence[int]) -> np.ndarray:
     return weights
 
 
-def _away_from_rest(record: Record, state: int, slow: np.ndarray) -> np.ndarray:
+def _away_from_rest(record: Record, speed: np.ndarray) -> np.ndarray:
     """Return 0 next to where a body sticks, rising to 1 where the low-pass has forgotten that.
 
     The low-pass mixes what is at rest with the motion next to it. That matters to a body that
-    sticks again and again, not to one that comes to rest once, at the end of its record.
+    sticks again and again, not to one that comes to rest once, at the end of its record. The speed
+    is relative to what counts as slow.
     """
     made = record.preparation
     if made is None or made.cutoff is None:
-        return np.ones(len(slow))
+        return np.ones(len(speed))
     period = 1.0 / (made.cutoff * record.dt)
-    long = ndimage.binary_opening(slow, np.ones(max(round(STUCK * period), 2), dtype=bool))
-    stuck = _still(np.abs(record.x_dot[:, state]), long)
+    stuck = _stuck(speed, max(round(STUCK * period), 2))
     if not stuck.any():
-        return np.ones(len(slow))
+        return np.ones(len(speed))
     distance = ndimage.distance_transform_edt(~stuck) / period
     return np.asarray(np.clip((distance - MIXED) / (FORGOTTEN - MIXED), 0.0, 1.0))
 
 
-def _still(acceleration: np.ndarray, slow: np.ndarray) -> np.ndarray:
+def _stuck(speed: np.ndarray, n_rows: int) -> np.ndarray:
     """Tell on which rows a body rests between motions, if it does often.
 
-    At a turning point it is slow too, but accelerates.
+    At a turning point, and in a swing that dies out, it is slow too, but goes evenly through all
+    speeds up to what counts as slow.
     """
-    still = STILL * float(np.sqrt(np.mean(acceleration**2)))
-    spans, n_spans = ndimage.label(slow)
-    ends = {int(spans[0]), int(spans[-1])}
-    rests = [
-        span
-        for span in range(1, n_spans + 1)
-        if span not in ends and np.quantile(acceleration[spans == span], 0.25) < still
-    ]
-    return np.isin(spans, rests if len(rests) >= OFTEN else [])
+    spans, n_spans = ndimage.label(ndimage.binary_opening(speed < 1.0, np.ones(n_rows, dtype=bool)))
+    typical = ndimage.median(speed, spans, np.arange(1, n_spans + 1))
+    rests = set(1 + np.flatnonzero(np.asarray(typical) < CREEP)) - {spans[0], spans[-1]}
+    return np.isin(spans, list(rests) if len(rests) >= OFTEN else [])
 
 
 def noise_of(record: Record, state: int, further: int = 0) -> float:
