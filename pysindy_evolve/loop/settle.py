@@ -28,7 +28,7 @@ from .report.sessions import offsets_by_record
 from .revision.asymmetry import with_asymmetry
 from .revision.contest import contested
 from .revision.dead_zones import told_by_slopes
-from .revision.end_stops import pushing_back
+from .revision.end_stops import on_steep_side
 from .search import Search
 
 __all__ = ["settled"]
@@ -115,4 +115,4 @@ def _with_alternatives(search: Search) -> list[Finding]:
     if search.runs_tell_more and not paths_of(search.design):
         rivals = unrefuted(design, rivals, search.plain)
     told = told_by_slopes(design, with_asymmetry(rivals), acted)
-    return pushing_back(design, told, acted)
+    return on_steep_side(design, told, acted)

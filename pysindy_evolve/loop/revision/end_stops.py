@@ -1,7 +1,7 @@
 """Say of a dead zone with one end on which side of it the stop stands.
 
 Beside a spring and an offset max(q - c, 0) and max(c - q, 0) are one force, with another spring.
-Of the two, the stop is the one that pushes back.
+Of the two, the stop is the one beyond which the force is steeper.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from ..evidence.scoring import columns_of, quick_fit
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["pushing_back"]
+__all__ = ["on_steep_side"]
 
 NEAR = 1e-3  # of the largest magnitude of the position: how far from its end a stop is looked at
 
 
-def pushing_back(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Return findings in which stops push back, where the model leaves that open.
+def on_steep_side(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
+    """Return findings in which stops stand on the steeper side, where the model leaves that open.
 
     Parameters
     ----------
@@ -41,10 +41,10 @@ def pushing_back(declared: Design, findings: Sequence[Finding], part: Segments) 
     -------
     list of Finding
     """
-    return [_pushing_back(declared, findings, finding, part) for finding in findings]
+    return [_on_steep_side(declared, findings, finding, part) for finding in findings]
 
 
-def _pushing_back(
+def _on_steep_side(
     declared: Design, findings: Sequence[Finding], finding: Finding, part: Segments
 ) -> Finding:
     candidate, shape = finding.candidate, finding.candidate.shape
@@ -52,7 +52,7 @@ def _pushing_back(
     if shape is None or not is_stop:
         return finding
     whole, end = with_findings(declared, findings), shape.branch * shape.values[0]
-    if not _is_open(candidate, whole) or _pushes_back(candidate, end, whole, part):
+    if not _is_open(candidate, whole) or _is_on_steep_side(candidate, end, whole, part):
         return finding
     (other,) = begun_at_same(candidate)
     return replace(finding, candidate=other, columns=columns_of(other, whole))
@@ -67,14 +67,14 @@ def _is_open(candidate: Candidate, design: Design) -> bool:
     return sum((candidate.state, term) in free for term in beside) >= 2
 
 
-def _pushes_back(candidate: Candidate, end: float, design: Design, part: Segments) -> bool:
-    """Tell whether the force of a stop points out of where it acts."""
+def _is_on_steep_side(candidate: Candidate, end: float, design: Design, part: Segments) -> bool:
+    """Tell whether a stop acts where the rate changes faster over the position."""
     (position,) = candidate.variables
     step = NEAR * float(np.abs(part.z[..., position]).max())
     rows = np.tile(part.z[..., :-1].mean(axis=(0, 1)), (3, 1))
     rows[:, position] = end + step * np.array([-1.0, 0.0, 1.0])
     n = part.n_states
     rates = quick_fit(design, part).evaluate(rows[:, :n], rows[:, n:], np.zeros(3))
-    bend = float(np.diff(rates[:, candidate.state], 2)[0])
+    slope_below, slope_above = np.abs(np.diff(rates[:, candidate.state]))
     below, _, above = candidate.terms[0].evaluate(rows)
-    return bool(bend < 0.0) == bool(above > below)
+    return bool(slope_above > slope_below) == bool(above > below)

@@ -43,6 +43,14 @@ def test_coulomb_friction_in_a_force_is_found_with_its_size():
     assert effect.coefficients == pytest.approx([5.0], rel=0.05)
 
 
+def test_a_bump_stop_in_a_force_is_found_with_its_place_and_its_side():
+    (effect,) = close(measured_force(lambda x, v: 20.0 * np.maximum(x - 1.5, 0.0))).effects
+    assert effect.name == "dead zone"
+    assert effect.numbers["end"] == pytest.approx(1.5, rel=0.02)
+    assert effect.coefficients == pytest.approx([20.0], rel=0.05)
+    assert effect.term.subs(dict.fromkeys(effect.term.free_symbols, 3.0)) > 1.0
+
+
 @pytest.mark.slow
 def test_hysteresis_in_a_force_is_found_and_betters_what_was_held_out():
     report = close(measured_force(lambda x, v: 8.0 * np.tanh((v + 2.0 * x) / 2.0)))

@@ -1,4 +1,4 @@
-"""A stop stands where it pushes back, if spring and offset beside it leave that open."""
+"""A stop stands on the steep side of its end, if spring and offset beside it leave that open."""
 
 import numpy as np
 import pytest
@@ -10,14 +10,16 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.revision.end_stops import pushing_back
+from pysindy_evolve.loop.revision.end_stops import on_steep_side
 from pysindy_evolve.terms import variable
 
 
 @pytest.mark.parametrize("declared", ["-k*q - c*v + b*F + o", "-k*q - c*v + b*F"])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize("place", [0.3, -0.3])
-def test_a_stop_pushes_back_where_spring_and_offset_leave_its_side_open(declared, side, place):
+def test_a_stop_stands_on_the_steep_side_where_spring_and_offset_leave_that_open(
+    declared, side, place
+):
     hidden = oscillator("dead zone", f"- {side * 300}*max({side}*(q - {place}), 0)", declared)
     record = hidden.record()
     design, part = design_of(hidden.model, [record]), segments([record])
@@ -28,7 +30,7 @@ def test_a_stop_pushes_back_where_spring_and_offset_leave_its_side_open(declared
         if stop.shape.branch * place < 0.0:
             continue
         finding = Finding(stop, columns_of(stop, design), 1.0, 0.016, np.zeros(60), 1)
-        (told,) = pushing_back(design, [finding], part)
+        (told,) = on_steep_side(design, [finding], part)
         if declared.endswith("o"):
             assert told.candidate.terms[0].evaluate(q) == pytest.approx(beyond)
         else:
