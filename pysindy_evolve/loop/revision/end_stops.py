@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...terms import Sum
+from ...terms import variable
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import fitted
 from ..effects.stops import begun_at_same
@@ -62,9 +62,8 @@ def _is_open(candidate: Candidate, design: Design) -> bool:
     """Tell whether a spring and an offset are fitted beside a stop of one position."""
     if len(candidate.variables) != 1:
         return False
-    beside = {OFFSET, *(Sum(((1.0, term),)) for _, term in candidate.terms[0].parts)}
-    free = fitted(design)
-    return sum((candidate.state, term) in free for term in beside) >= 2
+    (position,) = candidate.variables
+    return {(candidate.state, OFFSET), (candidate.state, variable(position))} <= fitted(design)
 
 
 def _is_on_steep_side(candidate: Candidate, end: float, design: Design, part: Segments) -> bool:
