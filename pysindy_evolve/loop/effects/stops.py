@@ -1,4 +1,4 @@
-"""What begins at one place: an end stop, a contact, a rope that goes slack.
+"""What begins at a place: an end stop, a contact, a rope that goes slack; or a stop at either end.
 
 Each is a spring, in proportion to how far something lies beyond the place.
 """
@@ -6,20 +6,24 @@ Each is a spring, in proportion to how far something lies beyond the place.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
+from functools import partial, reduce
 
+from ...operators import BUILTIN
 from ...reading.extremes import EXTREMES
-from ...terms import Call, Product, Sum, constant, mul, sub
+from ...terms import Call, Product, Sum, add, call, constant, mul, sub
+from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
+from .varying import parts_of
 
-__all__ = ["begun_at_same", "stops"]
+__all__ = ["begun_at_same", "damped_contacts", "is_stop", "stops"]
 
 PLACES = (-0.6, -0.2, 0.2, 0.6)  # of half the range, from its middle
+WIDTHS = (0.3, 0.7)  # of the range, between two stops
 LEAST = 0.02  # of the largest magnitude: nearer to zero it is a magnitude, as |q|
 
 
 def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iterator[Candidate]:
-    """Go through what a state does beyond places in its range, on either side of each.
+    """Go through what a state does beyond a place in its range, on either side, and beyond two.
 
     Parameters
     ----------
@@ -35,12 +39,37 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
     Yields
     ------
     Candidate
-        A dead zone that ends at one place. It has a mean, as an offset has.
+        A dead zone that ends at one place, or at two with a stiffness each. It has a mean, as an
+        offset has.
     """
-    half = largest - abs(middle)
+    half, least = largest - abs(middle), LEAST * largest
     for place in (middle + share * half for share in PLACES):
-        if abs(place) >= LEAST * largest:
+        if abs(place) >= least:
             yield from _on_both_sides(effect, q, place)
+    for low, high in ((middle - share * half, middle + share * half) for share in WIDTHS):
+        if min(abs(low), abs(high)) >= least:
+            yield effect("dead zone", shape=_two_ends(q, low, high), parents=(OFFSET,), whole=True)
+
+
+def damped_contacts(effect: CandidateMaker, design: Design, q: Sum, v: Sum) -> Iterator[Candidate]:
+    """Go through what contacts in an equation may lose: by how deep they are, or while closed.
+
+    References
+    ----------
+    Hunt and Crossley, Coefficient of restitution interpreted as damping in vibroimpact, Journal of
+    Applied Mechanics 42 (1975), 440-445: damping in proportion to the depth.
+    """
+    for part in parts_of(design, effect.state):
+        if _begins_at_a_place(part, q):
+            depth = mul(constant(0.5), part)  # of |q - c| + q - c
+            yield effect("nonlinear damping", mul(v, depth))
+            yield effect("nonlinear damping", mul(v, _closed(depth)))
+
+
+def is_stop(candidate: Candidate) -> bool:
+    """Tell whether an effect is a dead zone with one end."""
+    is_whole = candidate.name == "dead zone" and candidate.whole and candidate.shape is not None
+    return is_whole and len(candidate.terms) == 1
 
 
 def begun_at_same(candidate: Candidate) -> list[Candidate]:
@@ -49,7 +78,7 @@ def begun_at_same(candidate: Candidate) -> list[Candidate]:
     Beside a spring and an offset all are one force: max(q, 0) is q + max(-q, 0), and (q + |q|) / 2.
     A dead zone with one end has one to the other side; a grown |q - c| has one to each.
     """
-    if candidate.name == "dead zone" and candidate.whole and candidate.shape is not None:
+    if is_stop(candidate):
         return [rewritten(candidate, _to_the_other_side)]
     kink = _kink_of(candidate.terms)
     if kink is None:
@@ -57,11 +86,35 @@ def begun_at_same(candidate: Candidate) -> list[Candidate]:
     return list(_on_both_sides(CandidateMaker(candidate.state), *kink))
 
 
+def _two_ends(q: Sum, low: float, high: float) -> Shape:
+    below, above = _toward(low), _toward(high)
+    builds = (partial(_above, q, above), partial(_below, q, below))
+    branch = 3 * below + above  # none of those of one end
+    meanings = (_said("lower end", below), _said("upper end", above))
+    return Shape((abs(low), abs(high)), builds, meanings=meanings, branch=branch)
+
+
+def _said(end: str, toward: int) -> str:
+    return end if toward > 0 else f"{end}, below zero"  # numbers of shapes are positive
+
+
+def _toward(place: float) -> int:
+    return 1 if place > 0.0 else -1
+
+
+def _above(q: Sum, toward: int, low: float, high: float) -> Sum:
+    return _beyond(q, 1.0, toward, high)
+
+
+def _below(q: Sum, toward: int, low: float, high: float) -> Sum:
+    return _beyond(q, -1.0, toward, low)
+
+
 def _on_both_sides(effect: CandidateMaker, q: Sum, place: float) -> Iterator[Candidate]:
-    toward = 1 if place > 0.0 else -1
+    toward = _toward(place)
     for side in (1.0, -1.0):
         build = partial(_beyond, q, side, toward)
-        shape = Shape((abs(place),), (build,), meanings=("end",), branch=toward)
+        shape = Shape((abs(place),), (build,), meanings=(_said("end", toward),), branch=toward)
         yield effect("dead zone", shape=shape, parents=(OFFSET,), whole=True)
 
 
@@ -83,6 +136,28 @@ def _beyond(q: Sum, side: float, toward: int, end: float) -> Sum:
     """Return how far q lies above an end (side 1) or below it (side -1), toward a sign of q."""
     past = mul(constant(side), sub(q, constant(toward * end)))
     return EXTREMES["max"](past, constant(0.0))
+
+
+def _begins_at_a_place(expression: Sum, q: Sum) -> bool:
+    """Tell whether an expression is zero on one side of a place and straight beyond it."""
+    if expression.variables != q.variables or len(expression.parts) != 3:
+        return False
+    return sum(_is_magnitude(term) for _, term in expression.parts) == 1
+
+
+def _closed(depth: Sum) -> Sum:
+    """Return 1 where a contact is closed and 0 elsewhere: how its depth changes with the place."""
+    changes = [_change(coefficient, term) for coefficient, term in depth.parts if term.factors]
+    slope = reduce(add, changes)
+    (away,) = (c for c, term in depth.parts if term.factors and not _is_magnitude(term))
+    return mul(constant(1.0 if away > 0.0 else -1.0), slope)
+
+
+def _change(coefficient: float, term: Product) -> Sum:
+    ((atom, _),) = term.factors
+    if isinstance(atom, Call):
+        return mul(constant(coefficient), call(BUILTIN["sgn"], *atom.args))
+    return constant(coefficient)
 
 
 def _to_the_other_side(expression: Sum) -> Sum:

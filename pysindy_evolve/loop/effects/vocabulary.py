@@ -22,7 +22,7 @@ from .differences import declared_differences, differences, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
-from .stops import stops
+from .stops import damped_contacts, stops
 from .varying import drifts, varying
 
 __all__ = ["VOCABULARY", "of_equation"]
@@ -123,6 +123,7 @@ def _of_rate(
         q = variable(position)
         yield from _springs(effect, q, float(scales[position]))
         yield from stops(effect, q, float(scales[position]), float(middle[position]))
+        yield from damped_contacts(effect, design, q, v)
         yield from _with_position(effect, q, v, units_of(design, position, scales, middle))
     own = state if position is None else position
     for other in range(n_states):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
@@ -134,16 +135,25 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
     """Return candidates with the promising shapes tuned, beside those on the grid.
 
     Between two places of the grid a power of the input can look more like a saturation than
-    either of them does.
+    either of them does. What holds its parents, as an end stop holds an offset, is tuned without
+    them: the offset stands for what is wrong with the place.
     """
-    scores = score(design, part, proposed, pairs=False)
+    scores = score(design, part, [_by_itself(one) for one in proposed], pairs=False)
     leader = scores[0].value if scores else 0.0
-    first: dict[tuple[str, int, int], Score] = {}
+    first: dict[tuple[str, int, int], Candidate] = {}
     for s in scores:
         (one,) = s.group
         if one.shape is not None and s.value > max(MARGIN, leader / 2):
-            first.setdefault((one.name, one.state, one.shape.branch), s)
-    return [*proposed, *(tuned(s.group[0], design, part) for s in first.values())]
+            first.setdefault((one.name, one.state, one.shape.branch), one)
+    parents = {_by_itself(one): one.parents for one in proposed}
+    return [
+        *proposed,
+        *(replace(tuned(one, design, part), parents=parents[one]) for one in first.values()),
+    ]
+
+
+def _by_itself(candidate: Candidate) -> Candidate:
+    return replace(candidate, parents=()) if candidate.whole else candidate
 
 
 def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:

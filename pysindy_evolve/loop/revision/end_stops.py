@@ -14,7 +14,7 @@ import numpy as np
 from ...terms import variable
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import fitted
-from ..effects.stops import begun_at_same
+from ..effects.stops import begun_at_same, is_stop
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import columns_of, quick_fit
 from ..given.design import Design
@@ -48,8 +48,7 @@ def _on_steep_side(
     declared: Design, findings: Sequence[Finding], finding: Finding, part: Segments
 ) -> Finding:
     candidate, shape = finding.candidate, finding.candidate.shape
-    is_stop = candidate.name == "dead zone" and candidate.whole and not candidate.partners
-    if shape is None or not is_stop:
+    if shape is None or not is_stop(candidate) or candidate.partners:
         return finding
     whole, end = with_findings(declared, findings), shape.branch * shape.values[0]
     if not _is_open(candidate, whole) or _is_on_steep_side(candidate, end, whole, part):

@@ -1,4 +1,6 @@
-"""What begins at one place: an end stop, a rope that goes slack."""
+"""What begins at a place: an end stop, a rope that goes slack."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,12 +9,17 @@ from loop_systems import oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate, CandidateMaker
-from pysindy_evolve.loop.effects.stops import begun_at_same, stops
+from pysindy_evolve.loop.effects.stops import begun_at_same, damped_contacts, is_stop, stops
+from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.given.design import Design, in_state
 from pysindy_evolve.operators import BUILTIN
-from pysindy_evolve.terms import call, constant, mul, power, sub, variable
+from pysindy_evolve.terms import Sum, call, constant, mul, power, sub, variable
 
 STOP = oscillator("dead zone", "- 300*max(q - 0.4, 0)", "-k*q - c*v + b*F")
-ONE_SIDED = [*stops(CandidateMaker(0), variable(0), 3.0, 1.0)]
+OFFERED = [*stops(CandidateMaker(0), variable(0), 3.0, 1.0)]
+ONE_SIDED = [candidate for candidate in OFFERED if is_stop(candidate)]
+TWO_SIDED = [candidate for candidate in OFFERED if candidate not in ONE_SIDED]
+FREE = Design(("q", "v"), (), (variable(1), Sum(())), ())
 Q = np.linspace(-3.0, 3.0, 61)[:, None]
 
 
@@ -21,6 +28,25 @@ def test_they_begin_within_the_range_and_are_nothing_on_one_side_of_it():
         values = candidate.terms[0].evaluate(Q)
         assert 0 < np.count_nonzero(values[(Q[:, 0] > -1.0)] > 1e-9) < 40
         assert values.min() == pytest.approx(0.0, abs=1e-12)
+
+
+def test_two_stops_have_a_stiffness_each_and_nothing_between_them():
+    (wide,) = (c for c in TWO_SIDED if c.terms[1].evaluate(np.array([[0.0]])) == 0.0)
+    above, below = (term.evaluate(Q) for term in wide.at([0.5, 2.0]).terms)
+    assert above == pytest.approx(np.maximum(Q[:, 0] - 2.0, 0.0))
+    assert below == pytest.approx(np.maximum(-0.5 - Q[:, 0], 0.0))
+
+
+def test_a_contact_may_lose_energy_by_how_deep_it_is_or_wherever_it_is_closed():
+    q, v = variable(0), variable(1)
+    (stop,) = (c.at([0.4]) for c in ONE_SIDED[-1:])
+    columns = [in_state("v", v, 1, 2), *columns_of(replace(stop, state=1), FREE)]
+    offered = damped_contacts(CandidateMaker(1), FREE.adding(columns), q, v)
+    rows = np.column_stack([Q[:, 0], np.linspace(2.0, -2.0, 61)])
+    deep, closed = (candidate.terms[0].evaluate(rows) for candidate in offered)
+    below = rows[:, 0] < 0.4
+    assert deep == pytest.approx(rows[:, 1] * np.maximum(0.4 - rows[:, 0], 0.0))
+    assert closed == pytest.approx(rows[:, 1] * below)
 
 
 def test_what_begins_to_the_other_side_differs_by_a_straight_line():
@@ -58,3 +84,14 @@ def test_an_end_stop_is_found_with_its_place_and_no_offset_beside_it():
     assert effect.coefficients == pytest.approx([-300.0], rel=0.02)
     assert effect.term.func is sympy.Max
     assert f"max(q - {effect.numbers['end']:.4g}, 0)" in str(report)
+
+
+@pytest.mark.slow
+def test_two_stops_are_found_where_they_are_and_as_stiff_as_they_are():
+    force = "- 300*max(q - 0.3, 0) + 150*max(-q - 0.15, 0)"
+    slide = oscillator("dead zone", force, "-k*q - c*v + b*F")
+    report = pse.close_loop(slide.model, slide.record(), operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    places = {"lower end, below zero": 0.15, "upper end": 0.3}
+    assert effect.numbers == pytest.approx(places, rel=0.03)
+    assert effect.coefficients == pytest.approx([-300.0, 150.0], rel=0.03)

@@ -5,7 +5,7 @@ import pytest
 from loop_systems import oscillator
 
 from pysindy_evolve.loop.effects.candidate import CandidateMaker
-from pysindy_evolve.loop.effects.stops import stops
+from pysindy_evolve.loop.effects.stops import is_stop, stops
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
@@ -23,10 +23,10 @@ def test_a_stop_stands_on_the_steep_side_where_spring_and_offset_leave_that_open
     hidden = oscillator("dead zone", f"- {side * 300}*max({side}*(q - {place}), 0)", declared)
     record = hidden.record()
     design, part = design_of(hidden.model, [record]), segments([record])
-    offered = [c.at([0.3]) for c in stops(CandidateMaker(1), variable(0), 1.0, 0.0)]
+    places = filter(is_stop, stops(CandidateMaker(1), variable(0), 1.0, 0.0))
     q = np.linspace(-1.0, 1.0, 41)[:, None]
     beyond = np.maximum(side * (q[:, 0] - place), 0.0)
-    for stop in offered:
+    for stop in (place.at([0.3]) for place in places):
         if stop.shape.branch * place < 0.0:
             continue
         finding = Finding(stop, columns_of(stop, design), 1.0, 0.016, np.zeros(60), 1)
