@@ -8,8 +8,9 @@ from typing import Any
 import sympy
 from sympy.printing.latex import LatexPrinter
 
-from .printing import format_number, join_terms
-from .symbolic import system_of
+from ..terms import join_terms
+from .printing import format_number
+from .symbolic import as_shown, system_of
 
 __all__ = ["to_latex"]
 
@@ -51,7 +52,7 @@ def to_latex(model: Any, digits: int | None = 4) -> str:
     for left, is_rate, side in zip(system.lefts, system.are_rates, system.sides, strict=True):
         name = printer.doprint(sympy.Symbol(left))
         dotted = rf"\dot{{{name}}}" if is_rate else name
-        right = join_terms(side, lambda value: _number(value, digits), term, " ")
+        right = join_terms(as_shown(side), lambda value: _number(value, digits), term)
         lines.append((dotted, right))
     if len(lines) == 1:
         return " = ".join(lines[0])

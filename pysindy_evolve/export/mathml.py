@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import sympy
 from sympy.core.function import AppliedUndef
 from sympy.printing.mathml import MathMLPresentationPrinter
 
-from ..terms import ONE
+from ..terms import ONE, Product, signed
 from .printing import format_number
-from .symbolic import constant_last, system_of
+from .symbolic import as_shown, system_of
 
 __all__ = ["equations_mathml", "expression_mathml"]
 
@@ -37,22 +38,12 @@ def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
     for left, is_rate, side in zip(system.lefts, system.are_rates, system.sides, strict=True):
         name = printer.doprint(sympy.Symbol(left))
         shown = f"<mover>{name}<mo>˙</mo></mover>" if is_rate else name
-        pieces = [_math(f"{shown}<mo>=</mo>")]
-        parts = constant_last(side)
-        for place, (coefficient, product) in enumerate(parts):
-            sign = "−" if coefficient < 0 else "+" if place else ""
-            size = format_number(abs(coefficient), digits)
-            body = _number(size) if product == ONE or size != "1" else ""
-            if product != ONE:
-                expression = product.to_sympy(symbols)
-                term = printer.doprint(expression)
-                if isinstance(expression, sympy.Add):
-                    term = f"<mrow><mo>(</mo>{term}<mo>)</mo></mrow>"
-                body = f'{body}<mspace width="0.15em"/>{term}' if body else term
-            # A sign between two terms has room on both sides, one before the first term none.
-            space = ' lspace="0.3em" rspace="0.3em"' if place else ' form="prefix"'
-            pieces.append(_math(f"<mo{space}>{sign}</mo>{body}" if sign else body))
-        lines.append(pieces if parts else [*pieces, _math("<mn>0</mn>")])
+        terms = list(signed(as_shown(side)))
+        pieces = [
+            _math(_between(sign, bool(place)) + _scaled(size, product, symbols, printer))
+            for place, (sign, size, product) in enumerate(terms)
+        ]
+        lines.append([_math(f"{shown}<mo>=</mo>"), *(pieces or [_math("<mn>0</mn>")])])
     return lines
 
 
@@ -71,6 +62,24 @@ def expression_mathml(expression: Any, digits: int = 4) -> str:
     str
     """
     return _math(_Printer(digits).doprint(expression))
+
+
+def _between(sign: str, has_left: bool) -> str:
+    """Return a sign, with room on both sides if it has a term to its left."""
+    space = ' lspace="0.3em" rspace="0.3em"' if has_left else ' form="prefix"'
+    return f"<mo{space}>{sign.replace('-', '−')}</mo>" if sign else ""
+
+
+def _scaled(size: float, product: Product, symbols: Sequence[Any], printer: _Printer) -> str:
+    """Return a term with the number before it, unless that is one."""
+    number = format_number(size, printer.digits)
+    if product == ONE:
+        return _number(number)
+    expression = product.to_sympy(symbols)
+    term = printer.doprint(expression)
+    if isinstance(expression, sympy.Add):
+        term = f"<mrow><mo>(</mo>{term}<mo>)</mo></mrow>"
+    return term if number == "1" else f'{_number(number)}<mspace width="0.15em"/>{term}'
 
 
 def _math(body: str) -> str:

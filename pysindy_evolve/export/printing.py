@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from typing import Any
 
 import sympy
 from sympy.printing.str import StrPrinter
 
-from ..terms import ONE, Sum
+from ..terms import Sum, join_terms
 from .symbolic import System, as_shown, system_of
 
-__all__ = ["TextPrinter", "format_equations", "format_expression", "format_number", "join_terms"]
+__all__ = ["TextPrinter", "format_equations", "format_expression", "format_number"]
 
 
 def format_equations(model: Any, digits: int | None = 4) -> str:
@@ -93,35 +92,6 @@ def format_number(value: float, digits: int | None = 4) -> str:
     return f"{mantissa.removesuffix('.0')}e{int(exponent)}" if exponent else mantissa
 
 
-def join_terms(
-    side: Sum, number: Callable[[float], str], term: Callable[[Any], str], space: str
-) -> str:
-    """Write a sum with its signs between the terms, the constant last.
-
-    Parameters
-    ----------
-    side : Sum
-        Right-hand side.
-    number, term : callable
-        Print a positive number, and a term.
-    space : str
-        What stands between a number and its term.
-
-    Returns
-    -------
-    str
-    """
-    text = ""
-    for coefficient, product in as_shown(side):
-        size = number(abs(coefficient))
-        body = size if product == ONE else term(product)
-        if product != ONE and size != "1":
-            body = f"{size}{space}{body}"
-        sign = "-" if coefficient < 0 else "+" if text else ""
-        text += f" {sign} {body}" if text else f"{sign}{body}"
-    return text or "0"
-
-
 class TextPrinter(StrPrinter):
     """Prints sympy expressions with sgn, |v|, ^ for powers and a space for products.
 
@@ -174,7 +144,7 @@ def _side(system: System, side: Sum, digits: int | None) -> str:
         bare = not isinstance(expression, sympy.Add) and not text.startswith("-")
         return text if bare else f"({text})"
 
-    return join_terms(side, lambda value: format_number(value, digits), term, " ")
+    return join_terms(as_shown(side), lambda value: format_number(value, digits), term)
 
 
 def _plain(name: str) -> str:

@@ -20,10 +20,10 @@ from .canonical import simplified
 from .lowest import lowest
 from .node import Cache
 from .products import ONE, Product
-from .sums import Atom, Sum, as_product, as_sum
+from .sums import Atom, Sum, as_product, as_sum, join_terms, signed
 
 __all__ = [
     "ONE", "Atom", "Cache", "Call", "Product", "Sum", "Variable",
-    "add", "as_product", "as_sum", "call", "constant", "div", "lowest", "mul", "neg", "power",
-    "simplified", "sub", "variable",
+    "add", "as_product", "as_sum", "call", "constant", "div", "join_terms", "lowest", "mul",
+    "neg", "power", "signed", "simplified", "sub", "variable",
 ]  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,43 @@ from .atoms import Call, Variable
 from .node import Cache, Node, take
 from .products import ONE, Product
 
-__all__ = ["Atom", "Sum", "as_sum", "collect"]
+__all__ = ["Atom", "Sum", "as_sum", "collect", "join_terms", "signed"]
+
+
+def signed(
+    parts: Iterable[tuple[float, Product]],
+) -> Iterator[tuple[str, float, Product]]:
+    """Go through sign, size and term of each part; a first one that is positive has no sign."""
+    for place, (coefficient, term) in enumerate(parts):
+        yield "-" if coefficient < 0 else "+" if place else "", abs(coefficient), term
+
+
+def join_terms(
+    parts: Iterable[tuple[float, Product]],
+    number: Callable[[float], str],
+    term: Callable[[Product], str],
+) -> str:
+    """Write coefficients times terms with the signs between them.
+
+    Parameters
+    ----------
+    parts : iterable of (float, Product)
+        Coefficients and terms, in the order in which they are written.
+    number, term : callable
+        Print a positive number, and a term.
+
+    Returns
+    -------
+    str
+    """
+    text = ""
+    for sign, size, product in signed(parts):
+        scale = number(size)
+        body = scale if product == ONE else term(product)
+        if product != ONE and scale != "1":
+            body = f"{scale} {body}"
+        text += f" {sign} {body}" if text else f"{sign}{body}"
+    return text or "0"
 
 
 @dataclass(frozen=True)
@@ -35,17 +71,7 @@ class Sum(Node):
 
     def name(self, names: Sequence[str]) -> str:
         """Return the printed form, such as ``0.5 + q``."""
-        if not self.parts:
-            return "0"
-        text = ""
-        for coefficient, term in self.parts:
-            sign = "-" if coefficient < 0 else "+" if text else ""
-            size = _number(abs(coefficient))
-            body = size if term == ONE else term.name(names)
-            if term != ONE and size != "1":
-                body = f"{size} {body}"
-            text += f" {sign} {body}" if text else f"{sign}{body}"
-        return text
+        return join_terms(self.parts, _number, lambda term: term.name(names))
 
     def factor_name(self, names: Sequence[str]) -> str:
         """Return the printed form in brackets."""

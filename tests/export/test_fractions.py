@@ -5,6 +5,7 @@ import numpy as np
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.export.fractions import as_fractions
+from pysindy_evolve.export.mathml import equations_mathml
 
 CART = pse.DeclaredModel({"v": "(F - 2*v - sin(q)*v**2)/(4 + sin(q)**2) + 3*v"}, inputs=["F", "q"])
 
@@ -17,6 +18,8 @@ def test_equations_show_one_fraction_and_the_same_values():
     rows = np.random.default_rng(0).normal(size=(50, 3))
     np.testing.assert_allclose(as_fractions(side).evaluate(rows), side.evaluate(rows), rtol=1e-12)
     assert r"\frac{F - v^{2} \sin" in pse.to_latex(equations)
+    (pieces,) = equations_mathml(equations)
+    assert [piece.count("<mfrac>") for piece in pieces] == [0, 0, 1]
 
 
 def test_a_single_term_over_a_sum_stays_as_it_is():
