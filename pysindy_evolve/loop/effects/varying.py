@@ -30,11 +30,18 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
 
 
 def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:
-    """Go through what changes with the time: the constant, or what another term is worth."""
+    """Go through what changes with the time: the constant, or what another term is worth.
+
+    What changes already may do so faster and faster, as the pull on a rocket that burns its fuel.
+    """
     yield effect("drift", t, parents=(OFFSET,))
-    for part in parts_of(design, effect.state):
-        if not part.variables & t.variables:
-            yield effect("drift", mul(t, part), parents=(part,))
+    parts = parts_of(design, effect.state)
+    still = [part for part in parts if not part.variables & t.variables]
+    for part in still:
+        yield effect("drift", mul(t, part), parents=(part,))
+    for changing in (t, *(mul(t, part) for part in still)):
+        if changing in parts:
+            yield effect("drift", mul(t, changing), parents=(changing,))
 
 
 def parts_of(design: Design, state: int) -> list[Sum]:

@@ -92,12 +92,19 @@ def plateaus(
     observed = _plateau(raw, limit.upper)
     if len(found) < len(raw):
         return observed, np.full(n_twins, np.inf)
-    noise = [float(one.noise[column]) for one in made]
+    step = _resolution(raw)
+    # Reading in steps is a noise too, which the twins have by themselves.
+    noise = [np.sqrt(max(one.noise[column] ** 2 - step**2 / 12.0, 0.0)) for one in made]
     lengths = []
     for _ in range(n_twins):
         twins = [y + s * rng.standard_normal(len(y)) for y, s in zip(found, noise, strict=True)]
-        lengths.append(_plateau(twins, limit.upper))
+        lengths.append(_plateau([step * np.round(y / step) for y in twins], limit.upper))
     return observed, np.array(lengths, dtype=float)
+
+
+def _resolution(columns: Sequence[np.ndarray]) -> float:
+    """Return the least step between readings: what sticks repeats one of a coarse sensor."""
+    return float(np.diff(np.unique(np.concatenate(columns))).min())
 
 
 def _plateau(columns: Sequence[np.ndarray], upper: bool) -> int:

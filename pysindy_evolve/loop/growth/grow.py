@@ -20,6 +20,7 @@ from ...signals import Record
 from ...terms import Product, variable
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates, fitted, standing, zeros_of
+from ..effects.stops import is_stop
 from ..evidence.findings import Finding, with_columns
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.shares import view_gain
@@ -32,6 +33,7 @@ from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
+from .levels import begun_at_levels
 from .naming import named, shifted
 from .poles import has_pole
 from .seeds import screened, small_terms, varied
@@ -110,7 +112,7 @@ def grow(
         )
         grown = [name(term) for term in dict.fromkeys(finalists)]
         grown += [name(term) for term in _above(grown, design, part, operators, whole)]
-        found += dict.fromkeys(grown)
+        found += dict.fromkeys([*grown, *begun_at_levels(design, state, part)])
     return found
 
 
@@ -197,7 +199,7 @@ class TermGrower:
         ours = score(design, self.fresh, [*names, *_zeros_beside(names, design)], pairs=True)
         named_scores = [len(s.group) * net(s) for s in ours if set(names) <= set(s.group)]
         bar = BETTER * max(named_scores, default=0.0)
-        fresh = [c for c in self.pool if c.name == EVOLVED]
+        fresh = [c for c in self.pool if c.name == EVOLVED or is_stop(c)]
         best = max(score(design, self.fresh, fresh, pairs=False), key=net, default=None)
         leak = self._leak(design, names[0].state)
         if leak is not None and 2.0 * net(leak) > max(bar, net(best) / BETTER if best else 0.0):

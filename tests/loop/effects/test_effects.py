@@ -8,7 +8,7 @@ from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates, standing
 from pysindy_evolve.loop.effects.vocabulary import VOCABULARY
 from pysindy_evolve.loop.given.design import in_state
-from pysindy_evolve.terms import sub, variable
+from pysindy_evolve.terms import mul, sub, variable
 
 ONE_MASS = {"q": "v", "v": "-k*q - c*v"}
 TWO_MASSES = {"a": "va", "va": "-k*a", "b": "vb", "vb": "-m*b"}
@@ -140,6 +140,15 @@ def test_what_a_term_is_worth_may_drift_and_a_constant_may():
     design = design_of({"q": "v", "v": "-k*q - c*v + b*F + o"})
     terms = [c.terms[0].name(("q", "v", "F", "t")) for c in proposed(design) if c.name == "drift"]
     assert sorted(terms) == ["F t", "q t", "t", "v t"]
+
+
+def test_what_drifts_already_may_do_so_faster_and_faster():
+    design = design_of({"q": "v", "v": "-k*q + b*F"})
+    drifting = mul(variable(3), variable(2))
+    found = proposed(design.adding([in_state("drift", drifting, 1, 2)]))
+    parents = {c.terms[0].name(("q", "v", "F", "t")): c.parents for c in found if c.name == "drift"}
+    assert parents["F t^2"] == (drifting,)
+    assert not {"q t^2", "t^2"} & parents.keys()
 
 
 def test_velocities_of_two_masses_may_rub_and_their_positions_couple():

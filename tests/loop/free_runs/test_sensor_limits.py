@@ -11,10 +11,12 @@ from test_by_runs import FINE, TANK, found_in, inflow
 import pysindy_evolve as pse
 from pysindy_evolve.loop.evidence.findings import LimitFinding
 from pysindy_evolve.loop.fitting.runs import simulation_errors
+from pysindy_evolve.loop.free_runs.plateaus import plateaus
 from pysindy_evolve.loop.free_runs.sensor_limits import clipped_sensors
 from pysindy_evolve.loop.free_runs.state_limits import may_stop_itself
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.limits import Limit
 from pysindy_evolve.loop.given.rules import Rules
 
 OSCILLATOR = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
@@ -77,6 +79,18 @@ def test_sensor_that_rounds_or_whose_range_is_never_reached_is_not_named():
     made = clipped_oscillator(2, (0.0, 1.0)).preparation
     assert sensors_of(pse.prepare(made.t, np.round(made.y, 2), made.u)) == []
     assert sensors_of(pse.prepare(made.t, made.y, made.u, limits=(-9.0, 9.0))) == []
+
+
+def test_an_axis_that_sticks_at_its_highest_place_has_twins_that_do_so():
+    sticking = equations_of({"q": "v", "v": "3*u - 2*v - 4*q - 6*sgn(v)"}, ("u",))
+    t = np.arange(0.0, 20.0, 0.005)
+    u = multisine(2.0, 5, (0.1, 1.0))(t)
+    q = pse.simulate(sticking, [0.0, 0.0], t, u)[:, 0]
+    record = pse.prepare(t, 1e-4 * np.round(q / 1e-4), u)
+    there = Limit(0, float(record.preparation.y.max()), 200.0, upper=True)
+    observed, in_twins = plateaus(there, sticking, [record], 19, np.random.default_rng(0))
+    assert observed > 10
+    assert in_twins == pytest.approx(observed, abs=0.1 * observed)
 
 
 @pytest.mark.parametrize("seed", [2, 3, 5])
