@@ -84,9 +84,9 @@ def test_effects_with_a_mean_need_the_constant_first():
     z = points(design, n=4000)
     z = np.concatenate([z, -z])  # now every odd function of the variables has no mean
     for candidate in proposed(design):
-        (values,) = (term.evaluate(z) for term in candidate.terms)
-        if abs(values.mean()) > 0.05 * np.abs(values).mean() and candidate.terms != (OFFSET,):
-            assert OFFSET in candidate.parents, candidate.name
+        for values in (term.evaluate(z) for term in candidate.terms):
+            if abs(values.mean()) > 0.05 * np.abs(values).mean() and candidate.terms != (OFFSET,):
+                assert OFFSET in candidate.parents, candidate.name
 
 
 def test_stribeck_friction_needs_coulomb_friction_first():
@@ -114,8 +114,8 @@ def test_effects_that_stand_in_the_equation_are_not_proposed_again():
 def test_every_effect_that_is_added_is_not_proposed_again():
     design = design_of(ONE_MASS)
     for candidate in proposed(design):
-        column = in_state(candidate.name, candidate.terms[0], candidate.state, 2)
-        again = proposed(design.adding([column]))
+        name, state = candidate.name, candidate.state
+        again = proposed(design.adding(in_state(name, term, state, 2) for term in candidate.terms))
         assert (candidate.state, candidate.terms) not in {(c.state, c.terms) for c in again}
 
 
