@@ -1,18 +1,38 @@
-"""Sums as people write them: powers of differences, and what is beyond an end."""
+"""Sums as people write them: powers of differences, fractions, and what is beyond an end."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import sympy
 
-__all__ = ["compact"]
+from ..terms import Sum
+from .fractions import as_fractions
+from .hinges import as_hinges
 
-ROUNDING = 1e-12  # of what should cancel
+__all__ = ["as_written", "compact"]
+
+
+def as_written(expression: Sum, symbols: Sequence[Any]) -> Any:
+    """Return an expression in sympy as people write it: fractions, hinges, powers of differences.
+
+    Parameters
+    ----------
+    expression : Sum
+        Multiplied out.
+    symbols : sequence of sympy.Symbol
+        The variables.
+
+    Returns
+    -------
+    sympy expression
+    """
+    return compact(as_fractions(as_hinges(expression)).to_sympy(symbols))
 
 
 def compact(expression: Any) -> Any:
-    """Return a sum as a power of a shorter one, or half of |a| + a as max(a, 0), where it is that.
+    """Return a sum as a power of a shorter one, where it is that.
 
     Parameters
     ----------
@@ -32,15 +52,10 @@ def compact(expression: Any) -> Any:
     (p - q)**3
     >>> compact(p**2 + q)
     p**2 + q
-    >>> compact(0.5*p + 0.5*abs(p - 3) - 1.5)
-    Max(0, p - 3)
     >>> compact(p*abs(p - q) - q*abs(p - q))
     (p - q)*Abs(p - q)
     """
     expression = sympy.sympify(expression)
-    beyond = _beyond(expression)
-    if beyond is not None:
-        return beyond
     common = sympy.factor_terms(expression)
     if common.is_Mul and any(isinstance(factor, sympy.Abs) for factor in common.args):
         return common
@@ -53,18 +68,3 @@ def compact(expression: Any) -> Any:
     if factor == -1 and power.exp.is_odd:  # a coefficient before it has a sign of its own
         return sympy.Pow(sympy.expand(-power.base), power.exp)
     return factored
-
-
-def _beyond(expression: Any) -> Any:
-    """Return c |a| + c a as 2 c max(a, 0); None if it is anything else."""
-    magnitudes = expression.atoms(sympy.Abs)
-    weight = expression.coeff(next(iter(magnitudes))) if len(magnitudes) == 1 else None
-    if weight is None or not weight.is_number:
-        return None
-    (magnitude,) = magnitudes
-    for inside in (magnitude.args[0], -magnitude.args[0]):
-        left = sympy.expand(expression - weight * (magnitude + inside))
-        if all(abs(number) < ROUNDING for number in left.as_coefficients_dict().values()):
-            factor = 2 * weight
-            return (1 if abs(factor - 1) < ROUNDING else factor) * sympy.Max(inside, 0)
-    return None

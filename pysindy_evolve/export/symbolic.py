@@ -12,6 +12,7 @@ from ..hidden_states.hidden import MemoryEquations
 from ..reading.library_terms import from_model
 from ..terms import ONE, Product, Sum
 from .fractions import as_fractions
+from .hinges import as_hinges
 
 __all__ = ["System", "as_shown", "constant_last", "round_to", "system_of", "to_sympy"]
 
@@ -89,7 +90,7 @@ def system_of(model: Any, owner: str, digits: int | None = None) -> System:
                 f"{owner}(model=...) must have a name of its own for each variable; "
                 f"got {name!r} twice. Fit with other feature_names."
             )
-    sides = tuple(_collected(side) for side in equations.sums)
+    sides = tuple(as_hinges(_collected(side)) for side in equations.sums)
     if digits is not None:
         if not isinstance(digits, int) or digits < 1:
             raise ValueError(

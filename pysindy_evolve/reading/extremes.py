@@ -1,7 +1,8 @@
 """The smaller and the larger of several expressions, written with magnitudes.
 
-A limit reads min(max(u, -1), 1); half of a + b -+ |a - b| is the same, in functions that the rest
-of the package knows.
+Half of a + b -+ |a - b| is min(a, b) and max(a, b), in functions that the rest of the package
+knows. A limit such as min(max(u, -1), 1) has two magnitudes side by side, none inside of another:
+half of |u + 1| - |u - 1|.
 """
 
 from __future__ import annotations
@@ -10,17 +11,60 @@ from collections.abc import Callable
 from functools import partial, reduce
 
 from ..operators import BUILTIN
-from ..terms import Sum, add, call, constant, mul, sub
+from ..terms import ONE, Call, Sum, add, call, constant, mul, neg, sub
 
 __all__ = ["EXTREMES"]
 
 
 def _extreme(sign: float, *arguments: Sum) -> Sum:
-    def of_two(a: Sum, b: Sum) -> Sum:
-        apart = mul(constant(sign), call(BUILTIN["abs"], sub(a, b)))
-        return mul(constant(0.5), add(add(a, b), apart))
+    return reduce(partial(_of_two, sign), arguments)
 
-    return reduce(of_two, arguments)
+
+def _of_two(sign: float, a: Sum, b: Sum) -> Sum:
+    limited = _limit(sign, a, b) or _limit(sign, b, a)
+    return limited or _half(add(a, b), mul(constant(sign), _abs(sub(a, b))))
+
+
+def _limit(sign: float, inner: Sum, end: Sum) -> Sum | None:
+    """Return what is between two numbers; None unless one end limits what the other one does."""
+    other = _limited(-sign, inner)
+    if other is None or not _is_number(end):
+        return None
+    x, beginning = other
+    if sign * (_value(end) - _value(beginning)) > 0.0:  # the last one is never passed
+        return end
+    lower, upper = (beginning, end) if sign < 0.0 else (end, beginning)
+    return _half(add(lower, upper), sub(_abs(sub(x, lower)), _abs(sub(x, upper))))
+
+
+def _limited(sign: float, expression: Sum) -> tuple[Sum, Sum] | None:
+    """Return x and a number of which an expression is the larger (sign 1) or the smaller."""
+    for weight, term in expression.parts:
+        ((atom, _),) = term.factors if len(term.factors) == 1 else ((None, 0),)
+        if weight * sign > 0.0 and isinstance(atom, Call) and atom.operator.name == "abs":
+            both = mul(constant(2.0), sub(expression, Sum(((weight, term),))))
+            size = mul(constant(2.0 * abs(weight)), atom.args[0])
+            for apart in (size, neg(size)):
+                x, end = _half(both, apart), _half(both, neg(apart))
+                if _is_number(end) and not _is_number(x):
+                    return x, end
+    return None
+
+
+def _half(a: Sum, b: Sum) -> Sum:
+    return mul(constant(0.5), add(a, b))
+
+
+def _abs(a: Sum) -> Sum:
+    return call(BUILTIN["abs"], a)
+
+
+def _is_number(a: Sum) -> bool:
+    return all(term == ONE for _, term in a.parts)
+
+
+def _value(number: Sum) -> float:
+    return sum(weight for weight, _ in number.parts)
 
 
 EXTREMES: dict[str, Callable[..., Sum]] = {

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...export import format_number
-from ...export.compact import compact
-from ...export.fractions import as_fractions
+from ...export.compact import as_written
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .remains import remains
@@ -120,7 +119,7 @@ def _shown_term(effect: Effect, k: int, symbols: Sequence[Any]) -> str:
     """Return what a coefficient multiplies, or what it is if it multiplies nothing."""
     if effect.quantities:
         return f"{expression_mathml(effect.term)}, {effect.quantities[k]}"
-    return expression_mathml(compact(as_fractions(effect.expressions[k]).to_sympy(symbols)))
+    return expression_mathml(as_written(effect.expressions[k], symbols))
 
 
 def _shown(report: LoopReport) -> list[int]:

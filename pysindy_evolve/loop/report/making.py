@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...export import format_expression
-from ...export.compact import compact
-from ...export.fractions import as_fractions
+from ...export.compact import as_written
 from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import Sum, mul
@@ -193,7 +192,7 @@ def _entry(design: Design, finding: Finding) -> str:
 
 
 def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:
-    return compact(sum(as_fractions(term).to_sympy(symbols) for term in terms))
+    return sum(as_written(term, symbols) for term in terms)
 
 
 def _other_names(finding: Finding) -> tuple[str, ...]:

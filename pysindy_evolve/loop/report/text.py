@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...export import format_equations, format_expression, format_number
-from ...export.compact import compact
-from ...export.fractions import as_fractions
+from ...export.compact import as_written
+from ...export.hinges import as_hinges
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
 from .advice import paragraphs
@@ -73,17 +73,19 @@ def _model(errors: Errors) -> str:
 
 
 def added_up(report: LoopReport) -> list[str]:
-    """Say it where an effect holds terms of the declared model, which the equations add up."""
-    model = report.before.model
-    declared = {(model.states[k], model.terms[j]) for k, j in np.argwhere(model.coef != 0.0)}
+    """Say it where an effect does not stand in the equations as it is printed by itself."""
+    before, after = report.before.model, report.after.model
+    declared = {(before.states[k], before.terms[j]) for k, j in np.argwhere(before.coef != 0.0)}
+    sides = dict(zip(after.states, map(as_hinges, after.sums), strict=True))
     brought = {
         (effect.state, product)
         for effect in report.effects
         for expression in (() if effect.quantities else effect.expressions)
-        for _, product in expression.parts
+        for _, product in as_hinges(expression).parts
     }
+    shown = {(state, product) for state, side in sides.items() for _, product in side.parts}
     said = "Where an effect below holds one of the same terms, the equations show the sum."
-    return [said] if report.after.parameters and declared & brought else []
+    return [said] if report.after.parameters and (declared & brought or brought - shown) else []
 
 
 def readings(report: LoopReport) -> list[str]:
@@ -174,7 +176,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
             shown = f"{format_expression(effect.term)}: {effect.quantities[k]} {value:.4g}"
             lines.append(shown if effect.of_sensor else f"{shown}   {interval(low, high)}")
             continue
-        shown = _factor(compact(as_fractions(effect.expressions[k]).to_sympy(symbols)))
+        shown = _factor(as_written(effect.expressions[k], symbols))
         times = "" if effect.expressions[k] == OFFSET else f" times {shown}"
         lines.append(f"{value:.4g}{times}   {interval(low, high)}")
         if low < 0.0 < high:

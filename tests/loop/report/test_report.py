@@ -350,14 +350,21 @@ def _alone(state):
 
 @pytest.fixture(scope="module")
 def softened():
-    """A loop that finds a spring without stiffness around its middle."""
-    gap = oscillator("dead zone", "+ 40*0.5*(abs(q + 0.2) - abs(q - 0.2))")
+    """A loop that finds a spring with half its stiffness away from its middle."""
+    gap = oscillator("dead zone", "+ 20*(q - 0.5*(abs(q + 0.2) - abs(q - 0.2)))")
     return pse.close_loop(gap.model, gap.record(), operators=(), random_state=0)
 
 
 def test_a_declared_term_that_an_effect_holds_too_is_mentioned(report, softened):
     assert "Where an effect below holds one of the same terms" in str(softened)
     assert "Where an effect below holds" not in str(report)
+
+
+def test_no_sum_is_mentioned_where_the_equations_show_a_stop_by_itself():
+    stop = oscillator("dead zone", "- 300*max(q - 0.4, 0)")
+    said = str(pse.close_loop(stop.model, stop.record(), operators=(), random_state=0))
+    assert re.search(r"v' = .* - \S+ max\(q - 0\.\d+, 0\)", said)
+    assert "Where an effect below holds" not in said
 
 
 def test_the_loop_says_how_sure_a_half_width_is(softened):
