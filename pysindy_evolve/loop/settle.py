@@ -29,6 +29,7 @@ from .revision.asymmetry import with_asymmetry
 from .revision.contest import contested
 from .revision.dead_zones import told_by_slopes
 from .revision.end_stops import on_steep_side
+from .revision.transfer import last_untransferred
 from .search import Search
 
 __all__ = ["settled"]
@@ -80,11 +81,12 @@ def _reported(
 
 
 def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport) -> Finding | None:
-    """Return what the final fit is not sure of, or else what runs away."""
+    """Return what the final fit is not sure of, what differs by record, or what runs away."""
     whole = with_findings(search.declared, findings)
-    doubtful = most_doubtful(findings, report.effects, whole)
-    if doubtful is not None:
-        return doubtful
+    gone = most_doubtful(findings, report.effects, whole)
+    gone = gone or last_untransferred(search.declared, findings, search.part)
+    if gone is not None:
+        return gone
     return last_runaway(findings, report.before.model, report.after.model, search.plain)
 
 
