@@ -101,8 +101,8 @@ class Search:
 
     @property
     def runs_tell_more(self) -> bool:
-        """Whether there are free runs that nothing was compared with yet, as tracks are."""
-        return not self.declared.algebraic and not self.whole.tracks
+        """Whether there are free runs that nothing was compared with yet, as trajectories are."""
+        return not self.declared.algebraic and not self.whole.by_trajectory
 
     def run(self) -> None:
         """Find effects until none passes: names, what only runs show, then terms without a name."""
@@ -111,8 +111,8 @@ class Search:
         self._tune_memories()
         if self.runs_tell_more:
             self._find_by_runs()
-        if self.part.tracks:
-            self._grow_on_tracks()
+        if self.part.by_trajectory:
+            self._grow_by_trajectory()
         else:
             self._grow_terms()
         if self.runs_tell_more:
@@ -261,7 +261,7 @@ class Search:
                 self.plain, self.wide = ([*map(preceded, records, pasts)] for records in both)
             self._look_through(self.findings)
 
-    def _grow_on_tracks(self) -> None:
+    def _grow_by_trajectory(self) -> None:
         """Let a small term come in where no name did, or where it does better than all of them."""
         if not self.operators or self.rules.max_effects == 0:
             return

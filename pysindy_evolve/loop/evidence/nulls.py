@@ -76,7 +76,11 @@ def chance_of(
     p_value : float
     twins : ndarray of shape (n_twins,)
     """
-    maker = DriftingTwins.of(design, records) if part.tracks else TwinMaker.of(equations, records)
+    maker = (
+        DriftingTwins.of(design, records)
+        if part.by_trajectory
+        else TwinMaker.of(equations, records)
+    )
     twins = twin_values(maker, part, statistic, observed, rules, rng)
     p_value = p_value_of(observed, twins)
     if p_value > rules.level or isinstance(maker, DriftingTwins):

@@ -80,7 +80,7 @@ def offer_for(
     -------
     Offer
     """
-    if part.tracks:
+    if part.by_trajectory:
         return Offer(part)
     yields = [] if design.algebraic else _hystereses_for(design, records, springs=springs)
     relaxes, late = [], _late(part, records)

@@ -61,7 +61,7 @@ def justified(
     own = [c for c in proposed if c.state == candidate.state]
     forms = [c for c in own if c.name == candidate.name]
     plain = score(design, part, [c for c in own if c.name in candidate.refines], pairs=False)
-    if not plain or part.tracks:
+    if not plain or part.by_trajectory:
         return candidate
     (null,) = plain[0].group
     equations = quick_fit(design.adding(columns_of(null, design)), part)

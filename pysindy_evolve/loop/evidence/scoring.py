@@ -55,8 +55,8 @@ LEAD = 0.1
 
 def quick_fit(design: Design, part: Segments) -> Equations:
     """Fit a design on segments by its derivative, or by the trajectory if that is the witness."""
-    if part.tracks:
-        return design.equations(Trajectories(part.tracks, design, design.columns).fit()[0])
+    if part.by_trajectory:
+        return design.equations(Trajectories(part.records, design, design.columns).fit()[0])
     grams = derivative_grams(part, design, design.columns)
     return design.equations(solve_gram(grams.sum(axis=0)))
 
@@ -112,8 +112,8 @@ def score(
     extra = [column for candidate in proposed for column in columns_of(candidate, design)]
     n_fixed = len(design.columns)
     columns, present = [*design.columns, *extra], standing(design)
-    if part.tracks:
-        tracks = Trajectories(part.tracks, design, columns)
+    if part.by_trajectory:
+        tracks = Trajectories(part.records, design, columns)
         return ranked(tracks.errors, tracks.total(0), n_fixed, proposed, present, pairs=pairs)
     grams = spectral_grams(part, design, columns)
     return rank(grams, n_fixed, proposed, present, part.folds, pairs=pairs)

@@ -89,7 +89,7 @@ def structure_chance(
     float
         One where it gains nothing notable.
     """
-    if part.tracks:  # which hold fewer numbers than a generic model has coefficients
+    if part.by_trajectory:  # which hold fewer numbers than a generic model has coefficients
         return 1.0
     models = [generic_columns(design, part)]
     if len(records) == 1:  # in another one, a wave has another phase

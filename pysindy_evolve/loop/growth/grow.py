@@ -231,7 +231,7 @@ class TermGrower:
         return self._test(design, list(dict.fromkeys(grown)))
 
     def _grow(self, design: Design) -> list[Candidate]:
-        if not self.operators or self.seen.tracks or len(self.fresh.z) < MIN_FRESH:
+        if not self.operators or self.seen.by_trajectory or len(self.fresh.z) < MIN_FRESH:
             return []
         known = fitted(design)  # what is known may be wrong
         grown = grow(self.declared, design, self.seen, self.operators, self.rng)

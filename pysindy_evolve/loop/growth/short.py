@@ -55,7 +55,7 @@ def find_small(
     records : sequence of Record
         Training records.
     part : Segments
-        Pieces of them, with their tracks.
+        Pieces of them, whose trajectories bear witness.
     rules : Rules
         Significance and twins.
     operators : sequence of Operator
@@ -85,7 +85,7 @@ def is_better(
     found, names : sequence of Finding
         The term, and the effects with names.
     part : Segments
-        Pieces of the training records, with their tracks.
+        Pieces of the training records, whose trajectories bear witness.
 
     Returns
     -------
@@ -99,7 +99,7 @@ def is_better(
 
 def _error(design: Design, part: Segments) -> float:
     every = np.arange(len(design.columns))[None, :]
-    return float(Trajectories(part.tracks, design, design.columns).errors(every)[0, 0])
+    return float(Trajectories(part.records, design, design.columns).errors(every)[0, 0])
 
 
 def _proposed(

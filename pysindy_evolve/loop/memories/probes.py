@@ -80,7 +80,7 @@ def grid_of(
     segment = part.z.shape[1] * part.dt
     record = min(len(r) for r in records) * part.dt
     found = []
-    for column in range(0 if design.algebraic or part.tracks else len(design.inputs)):
+    for column in range(0 if design.algebraic or part.by_trajectory else len(design.inputs)):
         if not users_of(design, column):
             continue
         had = {memory.kind for memory in present if memory.column == column}
