@@ -88,7 +88,7 @@ def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
     if isinstance(finding, MemoryFinding) or not declared.columns:
         return removed
     coef = refit(declared, drift.records, "derivative")
-    trial = Model(declared).trial(coef, drift.trial.scale, drift.records, drift.part)
+    trial = Model(declared).trial(coef, drift.trial.scale, drift.part)
     (first,) = settled([trial])
     if not np.isfinite(first.error):  # nothing to be compared with
         return removed

@@ -67,11 +67,9 @@ class Model:
             records = [preceded(r, past) for r, past in zip(records, self.pasts, strict=True)]
         return [remembered(record, self.memories) for record in records]
 
-    def trial(
-        self, coef: np.ndarray, scale: np.ndarray, records: Sequence[Record], part: Segments
-    ) -> Trial:
+    def trial(self, coef: np.ndarray, scale: np.ndarray, part: Segments) -> Trial:
         """Return a trial that begins with coefficients, on pieces of records without memories."""
-        acted = part.of([straightened(driven(record)) for record in self.acted(records)])
+        acted = part.of([straightened(driven(record)) for record in self.acted(part.records)])
         starts = acted.z[:, 0, : part.n_states]
         return Trial(self.whole, acted, scale, coef, starts, acted.z[:, :, : part.n_states])
 
