@@ -109,7 +109,7 @@ def _with_alternatives(search: Search) -> list[Finding]:
     """Return what was found, each with what could stand in its place."""
     found, design, rules = search.findings, search.declared, search.rules
     acted = search.whole.of([remembered(record, memories_in(found)) for record in search.wide])
-    acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)), search.wide)
+    acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)))
     child = search.rng.spawn(1)[0]
     rivals = contested(design, found, acted, rules.significance, child, search.grower.grown)
     if search.runs_tell_more and not paths_of(search.design):

@@ -184,7 +184,7 @@ def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
     acted = drift.model.acted(wide)
     part = off_limits(segments(acted, design.velocities), drift.model.limits)
     if variant.memory is not None:
-        gain = exchanged([variant.memory], design, acted, part)[0].gain
+        gain = exchanged([variant.memory], design, part)[0].gain
     elif variant.columns:
         scores = score(design, part, [replace(variant.candidate, parents=())], pairs=False)
         gain = scores[0].value if scores else 0.0

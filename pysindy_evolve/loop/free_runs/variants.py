@@ -116,17 +116,15 @@ class Variant:
         return replace(self, model=model, memory=memory)
 
 
-def memories_beside(model: Model, records: Sequence[Record], part: Segments) -> list[Variant]:
+def memories_beside(model: Model, part: Segments) -> list[Variant]:
     """Return the variants of a model that have one more memory.
 
     Parameters
     ----------
     model : Model
         The model so far.
-    records : sequence of Record
-        Training records without memories.
     part : Segments
-        Pieces of them.
+        Pieces of the training records without memories.
 
     Returns
     -------
@@ -134,13 +132,13 @@ def memories_beside(model: Model, records: Sequence[Record], part: Segments) -> 
         Memories on a grid from very short to very long ones, vessels with and without a brim.
     """
     found = []
-    for memory in grid_of(model.design, records, part, model.memories):
+    for memory in grid_of(model.design, part, model.memories):
         state = users_of(model.design, memory.column)[0]
         acts = variable(len(model.design.states) + memory.column)
         candidate = Candidate(memory.kind, state, (acts,))
         found += [
             Variant(candidate, replace(model, memories=(*model.memories, one)), memory=one)
-            for one in (memory, *_with_brims(memory, records))
+            for one in (memory, *_with_brims(memory, part.records))
         ]
     return found
 

@@ -125,6 +125,12 @@ class Segments:
         band = Band(own, self.places, length)
         return replace(self, z=z, x_dot=x_dot, weight=weight, records=own, seen=seen, band=band)
 
+    def begun(self, records: Sequence[Record]) -> Segments:
+        """Return the same rows of records that differ in nothing but what came before them."""
+        own = tuple(records)
+        band = None if self.band is None else replace(self.band, records=own)
+        return replace(self, records=own, band=band)
+
     def missed(self, x: np.ndarray) -> np.ndarray:
         """Return by how much runs (n_segments, n, n_states) miss what the sensors show."""
         return missed(self.z[:, :, : self.n_states], self.shown(x), self.limits, self.seen)

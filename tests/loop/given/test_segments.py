@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from loop_systems import measured
 
+from pysindy_evolve.hidden_states.memory import preceded
 from pysindy_evolve.loop.given.segments import segments
 
 
@@ -24,3 +25,13 @@ def test_the_same_pieces_of_other_records_hold_those(record):
     assert again.by_trajectory
     assert np.array_equal(again.records[0].x, record[1000:3000].x)
     assert again.band.records is again.records
+
+
+def test_records_that_began_otherwise_have_the_same_rows(record):
+    part = segments([record], (1,))
+    elsewhere = preceded(record, [7.0])
+    begun = part.begun([elsewhere])
+    assert begun.records == (elsewhere,)
+    assert begun.band.records is begun.records
+    assert begun.z is part.z
+    assert begun.weight is part.weight
