@@ -252,8 +252,9 @@ class Search:
         model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
         tuned = numbers_by_runs(model, self.findings, self.plain)
         self.findings = merged(self.declared, tuned, self.part)
-        both = self.plain, self.wide
-        look, pasts = find_by_runs(self.declared, self.findings, *both, self.rules, child)
+        look, pasts = find_by_runs(
+            self.declared, self.findings, self.plain, self.wide, self.rules, child
+        )
         self.rejected = look.rejected or self.rejected
         if len(look.found) > len(self.findings):
             self.findings = list(look.found)
@@ -287,8 +288,10 @@ class Search:
         child = self.rng.spawn(1)[0]
         if paths_of(self.design):
             return
-        both, small = (self.plain, self.wide), self._small_terms()
-        look = find_unnamed(self.declared, self.findings, *both, small, self.rules, child)
+        small = self._small_terms()
+        look = find_unnamed(
+            self.declared, self.findings, self.plain, self.wide, small, self.rules, child
+        )
         self.rejected, self.findings = look.rejected or self.rejected, list(look.found)
 
     def _judge_rest(self) -> None:

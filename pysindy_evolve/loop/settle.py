@@ -71,11 +71,19 @@ def _reported(
     search: Search, findings: Sequence[Finding], test: Sequence[Record], is_whole: bool
 ) -> LoopReport:
     """Fit all stages and judge them, on records whose low-pass leaves what was found."""
-    records = search.plain, [hold(record, search.held) for record in test]
+    train, judged = search.plain, [hold(record, search.held) for record in test]
     if not search.declared.algebraic and _is_near_cutoff(findings, search.plain):
-        records = search.wide, widened(records[1])
-    given = search.declared, findings, *records, search.verdict, is_whole
-    report = make_report(*given, search.rules, search.rng)
+        train, judged = search.wide, widened(judged)
+    report = make_report(
+        search.declared,
+        findings,
+        train,
+        judged,
+        search.verdict,
+        is_whole,
+        search.rules,
+        search.rng,
+    )
     return replace(report, rejected=search.rejected, chance_left=search.chance_left)
 
 

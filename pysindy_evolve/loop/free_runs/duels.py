@@ -85,8 +85,7 @@ def held_against(
         if finding.columns and not is_needed(finding, rest):
             without = replace(model, design=with_columns(model.design, rest))
             tied = any(shares_number(finding.candidate, f.candidate) for f in rest)
-            seen = records, part, rules
-            kept[place] = _winner(without, finding, grown, small, *seen, tied=tied)
+            kept[place] = _winner(without, finding, grown, small, records, part, rules, tied=tied)
     return kept
 
 

@@ -68,10 +68,9 @@ def find_or_recall(
     if plain and not offer.ways and not any(isinstance(f, MemoryFinding) for f in plain):
         late = memory_instead(plain, design, part, memories)
         plain = plain if late is None else [_recalled(plain[0], late, design)]
+    level = rules.significance
     found = (
-        _settled(f, design, part, rules.significance, rng, present)
-        if isinstance(f, MemoryFinding)
-        else f
+        _settled(f, design, part, level, rng, present) if isinstance(f, MemoryFinding) else f
         for f in plain
     )
     return Look(tuple(found), look.rejected and _narrowed_failure(look.rejected, probes))
