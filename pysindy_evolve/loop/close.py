@@ -120,9 +120,9 @@ def close_loop(
     if may_stop_itself(design, fit_on, rules, rng):
         fit_on, judge_on, wide = map(_believed, (fit_on, judge_on, wide))
     part = witnessed(design, wide)
-    rules = replace(rules, by_trajectory=bool(part.tracks))
+    rules = replace(rules, by_trajectory=part.by_trajectory)
     basis = resolve(operators, "close_loop") if operators else ()
-    search = Search(design, fit_on, wide, part, rules, basis, rng)
+    search = Search(design, fit_on, part, rules, basis, rng)
     is_whole = _run(search) and len(search.findings) < rules.max_effects
     return settled(search, judge_on, is_whole)
 

@@ -60,14 +60,13 @@ LIKELY = 0.2  # chance that the residual has no structure, up to which there is 
 class Search:
     """What a search has found so far, also if it is interrupted.
 
-    Runs are compared with the `plain` records, derivatives with the `wide` ones, of which `whole`
-    are the pieces and whose cutoff is higher. `records`, `part` and `grower` are what these become
-    with the memories and limits that were found.
+    Runs are compared with the `plain` records, derivatives with the `wide` ones, whose cutoff is
+    higher and of which `whole` are the pieces. `part` and `grower` are what these become with the
+    memories and limits that were found.
     """
 
     declared: Design
     plain: Sequence[Record]
-    wide: Sequence[Record]
     whole: Segments
     rules: Rules
     operators: Sequence[Operator]
@@ -76,9 +75,13 @@ class Search:
     rejected: Rejected | None = None  # the last one
     chance_left: float = 1.0  # that what is left only seems to depend on what was measured
     relaxing: bool = True  # whether to look for relaxations, and springs that remember
-    records: list[Record] = field(init=False)
     part: Segments = field(init=False)
     grower: TermGrower = field(init=False)
+
+    @property
+    def wide(self) -> tuple[Record, ...]:
+        """The records without memories whose derivatives are looked at."""
+        return self.whole.records
 
     @property
     def verdict(self) -> str:
@@ -101,8 +104,8 @@ class Search:
 
     @property
     def runs_tell_more(self) -> bool:
-        """Whether there are free runs that nothing was compared with yet, as tracks are."""
-        return not self.declared.algebraic and not self.whole.tracks
+        """Whether there are free runs that nothing was compared with yet, as trajectories are."""
+        return not self.declared.algebraic and not self.whole.by_trajectory
 
     def run(self) -> None:
         """Find effects until none passes: names, what only runs show, then terms without a name."""
@@ -111,8 +114,8 @@ class Search:
         self._tune_memories()
         if self.runs_tell_more:
             self._find_by_runs()
-        if self.part.tracks:
-            self._grow_on_tracks()
+        if self.part.by_trajectory:
+            self._grow_by_trajectory()
         else:
             self._grow_terms()
         if self.runs_tell_more:
@@ -136,23 +139,21 @@ class Search:
         self._judge_rest()
 
     def _take_as_held(self, late: Mapping[int, float]) -> None:
-        self.plain, self.wide = ([hold(r, late) for r in rs] for rs in (self.plain, self.wide))
-        self.whole = self.whole.of(self.wide)
+        self.plain = [hold(record, late) for record in self.plain]
+        self.whole = self.whole.of([hold(record, late) for record in self.wide])
         self._look_through(self.findings)
 
     def _look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
         memories, limits = memories_in(findings), limits_in(findings)
-        self.records = [remembered(record, memories) for record in self.wide]
-        self.part = off_limits(self.whole.of(self.records), limits) if findings else self.whole
-        self.grower = TermGrower(
-            self.declared, self.records, self.part, self.rules, self.operators, self.rng
-        )
+        acted = [remembered(record, memories) for record in self.wide]
+        self.part = off_limits(self.whole.of(acted), limits) if findings else self.whole
+        self.grower = TermGrower(self.declared, self.part, self.rules, self.operators, self.rng)
         self._wait(findings)
 
     def _wait(self, findings: Sequence[Finding]) -> None:
         """Look at records only where each relaxation knows where it is."""
-        self.part = awaited(with_findings(self.declared, findings), self.part, self.records)
+        self.part = awaited(with_findings(self.declared, findings), self.part)
         self.grower.look(self.part)
 
     def _find_named(self) -> None:
@@ -181,8 +182,8 @@ class Search:
     def _look_for_names(self, memories: Sequence[Memory]) -> Sequence[Finding]:
         """Look once for what has a name, or remembers."""
         relaxing, springs = self.relaxing and not memories, self.relaxing
-        seen = self.declared, self.design, self.records, self.part, self.rules, self.rng
-        look = find_or_recall(*seen, memories, relaxing=relaxing, springs=springs)
+        given = self.declared, self.design, self.part, self.rules, self.rng, memories
+        look = find_or_recall(*given, relaxing=relaxing, springs=springs)
         self.rejected = look.rejected or self.rejected
         return look.found
 
@@ -211,7 +212,7 @@ class Search:
     def _take_back(self, before: list[Finding]) -> None:
         """Take back a relaxation or a spring that runs do not need, and what came with it."""
         if self._relaxes(self.findings, before):
-            needed = needed_by_runs(self.declared, self.findings, self.records)
+            needed = needed_by_runs(self.declared, self.findings, self.part.records)
             if len(needed) < len(self.findings):
                 self.findings, self.relaxing = before, False
                 self._look_through(before)
@@ -221,8 +222,7 @@ class Search:
         left = []
         for finding in found:
             if isinstance(finding, MemoryFinding):
-                seen = self.design, self.records, self.part
-                late, memory = memory_beside_hold(finding.memory, *seen)
+                late, memory = memory_beside_hold(finding.memory, self.design, self.part)
                 if late > 0.0:
                     self._take_as_held({finding.memory.column: late})
                 if memory is None:
@@ -233,16 +233,16 @@ class Search:
 
     def _begun(self, findings: list[Finding]) -> list[Finding]:
         """Look through the records as memories make them, begun where their first rows say."""
-        part = awaited(with_findings(self.declared, findings), self.whole, self.wide)
-        begun = settled_beginning(self.declared, findings, self.plain, self.wide, part)
-        self.plain, self.wide = begun.plain, begun.wide
+        part = awaited(with_findings(self.declared, findings), self.whole)
+        begun = settled_beginning(self.declared, findings, self.plain, part)
+        self.plain, self.whole = begun.plain, self.whole.begun(begun.wide)
         self._look_through(begun.findings)
         return list(begun.findings)
 
     def _tune_memories(self) -> None:
         if memories_in(self.findings):
-            part = awaited(self.design, self.whole, self.wide)
-            self.findings = resettled(self.findings, self.design, self.wide, part)
+            part = awaited(self.design, self.whole)
+            self.findings = resettled(self.findings, self.design, part)
             self._look_through(self.findings)
 
     def _find_by_runs(self) -> None:
@@ -252,21 +252,22 @@ class Search:
         model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
         tuned = numbers_by_runs(model, self.findings, self.plain)
         self.findings = merged(self.declared, tuned, self.part)
-        both = self.plain, self.wide
-        look, pasts = find_by_runs(self.declared, self.findings, *both, self.rules, child)
+        look, pasts = find_by_runs(
+            self.declared, self.findings, self.plain, self.wide, self.rules, child
+        )
         self.rejected = look.rejected or self.rejected
         if len(look.found) > len(self.findings):
             self.findings = list(look.found)
             if pasts:
-                self.plain, self.wide = ([*map(preceded, records, pasts)] for records in both)
+                self.plain = [*map(preceded, self.plain, pasts)]
+                self.whole = self.whole.begun([*map(preceded, self.wide, pasts)])
             self._look_through(self.findings)
 
-    def _grow_on_tracks(self) -> None:
+    def _grow_by_trajectory(self) -> None:
         """Let a small term come in where no name did, or where it does better than all of them."""
         if not self.operators or self.rules.max_effects == 0:
             return
-        seen = self.records, self.part, self.rules, self.operators, self.rng
-        found = find_small(self.declared, *seen)
+        found = find_small(self.declared, self.part, self.rules, self.operators, self.rng)
         if found and is_better(self.declared, found, self.findings, self.part):
             self.findings = _numbered(found, [])
             self._find_named()
@@ -275,9 +276,7 @@ class Search:
         n_searches = 1
         if not self.findings:
             # Not on the pieces that grown terms are tested on: their number would depend on those.
-            chance = structure_chance(
-                self.declared, self.records, self.grower.seen, self.rules, self.rng
-            )
+            chance = structure_chance(self.declared, self.grower.seen, self.rules, self.rng)
             n_searches = N_SEARCHES if chance <= LIKELY else 1
         while len(self.findings) < self.rules.max_effects:
             found = self.grower.find(self.design, n_searches)
@@ -289,19 +288,20 @@ class Search:
         child = self.rng.spawn(1)[0]
         if paths_of(self.design):
             return
-        both, small = (self.plain, self.wide), self._small_terms()
-        look = find_unnamed(self.declared, self.findings, *both, small, self.rules, child)
+        small = self._small_terms()
+        look = find_unnamed(
+            self.declared, self.findings, self.plain, self.wide, small, self.rules, child
+        )
         self.rejected, self.findings = look.rejected or self.rejected, list(look.found)
 
     def _judge_rest(self) -> None:
-        seen = self.records, self.part, self.rules, self.rng
-        self.chance_left = structure_chance(self.design, *seen)
+        self.chance_left = structure_chance(self.design, self.part, self.rules, self.rng)
 
     def _hold_against_rivals(self) -> None:
         self._drop_superfluous()
         if paths_of(self.design):
-            found = with_numbers_of_runs(self.declared, self.findings, self.records)
-            self.findings = needed_by_runs(self.declared, found, self.records)
+            found = with_numbers_of_runs(self.declared, self.findings, self.part.records)
+            self.findings = needed_by_runs(self.declared, found, self.part.records)
             return
         model = Model(self.declared, memories_in(self.findings), limits_in(self.findings))
         grown = [c for c in self.grower.grown if c.name == EVOLVED]
@@ -312,8 +312,8 @@ class Search:
         self.findings = prune(self.declared, kept, self.part)
 
     def _doubt_inputs(self) -> None:
-        seen = self.wide, self.records, self.part, self.rng.spawn(1)[0]
-        found = without_errors_in_inputs(self.declared, self.findings, *seen)
+        child = self.rng.spawn(1)[0]
+        found = without_errors_in_inputs(self.declared, self.findings, self.wide, self.part, child)
         self.findings = prune(self.declared, found, self.part)
 
     def _small_terms(self) -> list[Candidate]:

@@ -72,11 +72,19 @@ def _reported(
     search: Search, findings: Sequence[Finding], test: Sequence[Record], is_whole: bool
 ) -> LoopReport:
     """Fit all stages and judge them, on records whose low-pass leaves what was found."""
-    records = search.plain, [hold(record, search.held) for record in test]
+    train, judged = search.plain, [hold(record, search.held) for record in test]
     if not search.declared.algebraic and _is_near_cutoff(findings, search.plain):
-        records = search.wide, widened(records[1])
-    given = search.declared, findings, *records, search.verdict, is_whole
-    report = make_report(*given, search.rules, search.rng)
+        train, judged = search.wide, widened(judged)
+    report = make_report(
+        search.declared,
+        findings,
+        train,
+        judged,
+        search.verdict,
+        is_whole,
+        search.rules,
+        search.rng,
+    )
     return replace(report, rejected=search.rejected, chance_left=search.chance_left)
 
 
@@ -111,7 +119,7 @@ def _with_alternatives(search: Search) -> list[Finding]:
     """Return what was found, each with what could stand in its place."""
     found, design, rules = search.findings, search.declared, search.rules
     acted = search.whole.of([remembered(record, memories_in(found)) for record in search.wide])
-    acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)), search.wide)
+    acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)))
     child = search.rng.spawn(1)[0]
     rivals = contested(design, found, acted, rules.significance, child, search.grower.grown)
     if search.runs_tell_more and not paths_of(search.design):

@@ -27,7 +27,6 @@ class NoiseFloor:
     """The power that noise leaves of records, (n_bands, n_open)."""
 
     design: Design
-    records: tuple[Record, ...]
     part: Segments
     power: np.ndarray
 
@@ -36,7 +35,6 @@ class NoiseFloor:
         cls,
         equations: Equations,
         design: Design,
-        records: Sequence[Record],
         part: Segments,
         rng: np.random.Generator,
     ) -> NoiseFloor | None:
@@ -48,10 +46,8 @@ class NoiseFloor:
             A model of the machine.
         design : Design
             Says which equations are looked at.
-        records : sequence of Record
-            Training records.
         part : Segments
-            Pieces of them.
+            Pieces of the training records.
         rng : numpy.random.Generator
             Draws the noise.
 
@@ -62,16 +58,16 @@ class NoiseFloor:
         """
         powers = []
         for child in rng.spawn(N_DRAWS):
-            drawn = [noise_alone(equations, record, child) for record in records]
+            drawn = [noise_alone(equations, record, child) for record in part.records]
             known = [columns for columns in drawn if columns is not None]
             if len(known) < len(drawn):
                 return None
             powers.append(_power(known, design, part))
-        return cls(design, tuple(records), part, np.mean(powers, axis=0))
+        return cls(design, part, np.mean(powers, axis=0))
 
     def excess(self, equations: Equations) -> float:
         """Return how many times this power a model leaves in the band where it leaves most."""
-        left = [_left(equations, record) for record in self.records]
+        left = [_left(equations, record) for record in self.part.records]
         power = _power(left, self.design, self.part)
         return float(np.max(power / np.maximum(self.power, 1e-300)))
 

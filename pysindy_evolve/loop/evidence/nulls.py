@@ -14,13 +14,11 @@ indirect inference.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 
 from ...equations import Equations
-from ...signals import Record
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams
 from ..fitting.shooting import fit_to_runs
@@ -46,7 +44,6 @@ def chance_of(
     design: Design,
     equations: Equations,
     part: Segments,
-    records: Sequence[Record],
     rules: Rules,
     rng: np.random.Generator,
 ) -> tuple[float, np.ndarray]:
@@ -57,15 +54,13 @@ def chance_of(
     observed : float
         The statistic of the records.
     statistic : callable
-        Maps the pieces of records, and the records, to a number.
+        Maps the pieces of records to a number.
     design : Design
         The model in which nothing is missing.
     equations : Equations
         Its fit to the records.
     part : Segments
-        Pieces of the records.
-    records : sequence of Record
-        Training records.
+        Pieces of the training records.
     rules : Rules
         Significance and twins.
     rng : numpy.random.Generator
@@ -76,7 +71,11 @@ def chance_of(
     p_value : float
     twins : ndarray of shape (n_twins,)
     """
-    maker = DriftingTwins.of(design, records) if part.tracks else TwinMaker.of(equations, records)
+    maker = (
+        DriftingTwins.of(design, part.records)
+        if part.by_trajectory
+        else TwinMaker.of(equations, part.records)
+    )
     twins = twin_values(maker, part, statistic, observed, rules, rng)
     p_value = p_value_of(observed, twins)
     if p_value > rules.level or isinstance(maker, DriftingTwins):
@@ -84,7 +83,7 @@ def chance_of(
     freed = freed_of_noise(maker, design, part, rng.spawn(1)[0])
     if freed is None:
         return p_value, twins
-    others = twin_values(TwinMaker.of(freed, records), part, statistic, observed, rules, rng)
+    others = twin_values(TwinMaker.of(freed, part.records), part, statistic, observed, rules, rng)
     return max((p_value, twins), (p_value_of(observed, others), others), key=lambda pair: pair[0])
 
 

@@ -46,20 +46,13 @@ class Offer:
     ways: tuple[Candidate, ...] = ()
     relaxes: bool = False
 
-    def propose(
-        self, design: Design, equations: Equations, records: Sequence[Record]
-    ) -> list[Candidate]:
+    def propose(self, design: Design, equations: Equations, part: Segments) -> list[Candidate]:
         """Return the vocabulary, and what remembers."""
-        return [*propose(design, equations, records), *self.ways]
+        return [*propose(design, equations, part), *self.ways]
 
 
 def offer_for(
-    design: Design,
-    part: Segments,
-    records: Sequence[Record],
-    *,
-    relaxing: bool = True,
-    springs: bool = True,
+    design: Design, part: Segments, *, relaxing: bool = True, springs: bool = True
 ) -> Offer:
     """Return what is on offer.
 
@@ -69,8 +62,6 @@ def offer_for(
         The model so far.
     part : Segments
         Pieces of the training records.
-    records : sequence of Record
-        The training records.
     relaxing : bool
         Whether relaxations may be among it.
     springs : bool
@@ -80,27 +71,27 @@ def offer_for(
     -------
     Offer
     """
-    if part.tracks:
+    if part.by_trajectory:
         return Offer(part)
-    yields = [] if design.algebraic else _hystereses_for(design, records, springs=springs)
-    relaxes, late = [], _late(part, records)
+    yields = [] if design.algebraic else _hystereses_for(design, part, springs=springs)
+    relaxes, late = [], _late(part)
     if relaxing and not part.has_gaps:  # over which a slow state would have to be guessed
-        relaxes = relaxations_for(design, records)
+        relaxes = relaxations_for(design, part.records)
     if leading(relaxes, (), design, late):  # mostly none is worth it, and all else takes longer
-        others = [*propose(design, quick_fit(design, late), records), *yields]
+        others = [*propose(design, quick_fit(design, late), late), *yields]
         relaxes = [w for w in relaxes if design.algebraic or _opposes(w, design, late)]
         if leading(relaxes, others, design, late):
             return Offer(late, tuple(relaxes), relaxes=True)
     if yields:
-        others = propose(design, quick_fit(design, part), records)
+        others = propose(design, quick_fit(design, part), part)
         if leading(yields, others, design, part):
             return Offer(part, tuple(yields))
     return Offer(part)
 
 
-def _hystereses_for(design: Design, records: Sequence[Record], *, springs: bool) -> list[Candidate]:
+def _hystereses_for(design: Design, part: Segments, *, springs: bool) -> list[Candidate]:
     """Return the frictions and springs that remember, of positions that have none yet."""
-    longest = max(records, key=len)
+    longest = max(part.records, key=len)
     turning = BOUC_WEN, WEN_SPRING
     taken = {source_of(path) for path in paths_of(design) if path.operator in turning}
     found = []
@@ -145,10 +136,10 @@ def _opposes(way: Candidate, design: Design, part: Segments) -> bool:
     return bool(equations.coef[way.state, equations.terms.index(term)] < 0.0)
 
 
-def awaited(design: Design, part: Segments, records: Sequence[Record]) -> Segments:
+def awaited(design: Design, part: Segments) -> Segments:
     """Return pieces with weight only where each relaxation of a design knows where it is."""
-    return _late(part, records) if relaxations_of(design) else part
+    return _late(part) if relaxations_of(design) else part
 
 
-def _late(part: Segments, records: Sequence[Record]) -> Segments:
-    return part.after([int(SETTLING * len(record)) for record in records])
+def _late(part: Segments) -> Segments:
+    return part.after([int(SETTLING * len(record)) for record in part.records])

@@ -13,7 +13,6 @@ from functools import partial
 
 import numpy as np
 
-from ...signals import Record
 from ..effects.candidate import Candidate
 from ..given.design import Design
 from ..given.rules import Rules
@@ -30,7 +29,6 @@ def justified(
     candidate: Candidate,
     design: Design,
     proposed: Sequence[Candidate],
-    records: Sequence[Record],
     part: Segments,
     rules: Rules,
     rng: np.random.Generator,
@@ -45,10 +43,8 @@ def justified(
         The model without it.
     proposed : sequence of Candidate
         All that was looked at.
-    records : sequence of Record
-        Training records.
     part : Segments
-        Pieces of them.
+        Pieces of the training records.
     rules : Rules
         Significance and twins.
     rng : numpy.random.Generator
@@ -61,22 +57,22 @@ def justified(
     own = [c for c in proposed if c.state == candidate.state]
     forms = [c for c in own if c.name == candidate.name]
     plain = score(design, part, [c for c in own if c.name in candidate.refines], pairs=False)
-    if not plain or part.tracks:
+    if not plain or part.by_trajectory:
         return candidate
     (null,) = plain[0].group
     equations = quick_fit(design.adding(columns_of(null, design)), part)
     lead = partial(_lead, design=design, forms=forms, plain=[s.group[0] for s in plain])
-    observed = lead(part, [])
+    observed = lead(part)
     if observed < MARGIN:
         return null
-    twins = twin_values(TwinMaker.of(equations, records), part, lead, observed, rules, rng)
+    maker = TwinMaker.of(equations, part.records)
+    twins = twin_values(maker, part, lead, observed, rules, rng)
     p_value = p_value_of(observed, twins)
     return candidate if p_value <= rules.level else null
 
 
 def _lead(
     part: Segments,
-    _: Sequence[Record],
     *,
     design: Design,
     forms: Sequence[Candidate],

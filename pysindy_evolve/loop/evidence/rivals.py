@@ -94,7 +94,7 @@ def rivals_of(
         able = [c for c in able if not _hardly_varies(c, part)]
     rest = (c for c in dict.fromkeys(able) if _differs(c, candidate, design))
     options = [c for c in rest if not _is_form(c, candidate)]
-    if part.tracks:
+    if part.by_trajectory:
         return _by_twins(candidate, options, design, part, level, rng)
     everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
     grams = spectral_grams(part, design, [*design.columns, *everything])
@@ -152,7 +152,7 @@ def _by_twins(
     """Return the alternatives of an effect on short trajectories."""
     best: dict[str, Rival] = {}
     for option in options:
-        p_value = twin_chance(option, design, [candidate, *options], part.tracks, level, rng)
+        p_value = twin_chance(option, design, [candidate, *options], part.records, level, rng)
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))

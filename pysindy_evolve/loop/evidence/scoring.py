@@ -44,7 +44,7 @@ __all__ = [
 ]
 
 LOOKS = 16  # at each number of a shape
-Proposer = Callable[[Design, Equations, Sequence[Record]], list[Candidate]]
+Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
 
 MARGIN = 0.02  # of the log error: names do not change for less
 PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
@@ -55,14 +55,15 @@ LEAD = 0.1
 
 def quick_fit(design: Design, part: Segments) -> Equations:
     """Fit a design on segments by its derivative, or by the trajectory if that is the witness."""
-    if part.tracks:
-        return design.equations(Trajectories(part.tracks, design, design.columns).fit()[0])
+    if part.by_trajectory:
+        return design.equations(Trajectories(part.records, design, design.columns).fit()[0])
     grams = derivative_grams(part, design, design.columns)
     return design.equations(solve_gram(grams.sum(axis=0)))
 
 
-def propose(design: Design, equations: Equations, records: Sequence[Record]) -> list[Candidate]:
+def propose(design: Design, equations: Equations, part: Segments) -> list[Candidate]:
     """Return what may be missing: the vocabulary, and waves over time and position."""
+    records = part.records
     variables = np.concatenate([variables_of(record) for record in records])
     proposed = candidates(design, *ranges(variables))
     left = [_left(record, equations) for record in records]
@@ -74,8 +75,8 @@ def propose(design: Design, equations: Equations, records: Sequence[Record]) -> 
     for state in design.open_states:
         line = state, time, left[first][:, state]
         proposed += periodic_candidates(*line, drivers, longest.dt, cutoff)
-        for part in (one for one in parts_of(design, state) if time not in one.variables):
-            pumped = part, part.evaluate(variables_of(longest))
+        for side in (one for one in parts_of(design, state) if time not in one.variables):
+            pumped = side, side.evaluate(variables_of(longest))
             proposed += pumped_candidates(*line, *pumped, drivers, longest.dt, cutoff)
         position = design.position_of(state)
         if position is not None:
@@ -112,8 +113,8 @@ def score(
     extra = [column for candidate in proposed for column in columns_of(candidate, design)]
     n_fixed = len(design.columns)
     columns, present = [*design.columns, *extra], standing(design)
-    if part.tracks:
-        tracks = Trajectories(part.tracks, design, columns)
+    if part.by_trajectory:
+        tracks = Trajectories(part.records, design, columns)
         return ranked(tracks.errors, tracks.total(0), n_fixed, proposed, present, pairs=pairs)
     grams = spectral_grams(part, design, columns)
     return rank(grams, n_fixed, proposed, present, part.folds, pairs=pairs)

@@ -34,8 +34,8 @@ class Shares:
     ) -> None:
         extra = [column for candidate in proposed for column in columns_of(candidate, design)]
         columns = [*design.columns, *extra]
-        if part.tracks:
-            tracks = Trajectories(part.tracks, design, columns)
+        if part.by_trajectory:
+            tracks = Trajectories(part.records, design, columns)
             views = {"simulation": tracks.total(0)[None], "derivative": tracks.total(-1)[None]}
         else:
             slopes = jacobian(quick_fit(design, part), part.z, part.state_scale)

@@ -8,7 +8,6 @@ from functools import partial
 
 import numpy as np
 
-from ...signals import Record
 from ...terms import Sum
 from ..effects.candidate import Candidate
 from ..effects.missing import standing, zeros_of
@@ -41,7 +40,6 @@ class Look:
 def find(
     declared: Design,
     design: Design,
-    records: Sequence[Record],
     part: Segments,
     rules: Rules,
     rng: np.random.Generator,
@@ -55,16 +53,14 @@ def find(
         The model at the start; shares are of its error.
     design : Design
         The model so far.
-    records : sequence of Record
-        Training records.
     part : Segments
-        Pieces of them.
+        Pieces of the training records.
     rules : Rules
         When an effect counts.
     rng : numpy.random.Generator
         Draws the twins.
     proposer : callable
-        Maps design, equations and records to candidates.
+        Maps design, equations and pieces of records to candidates.
 
     Returns
     -------
@@ -74,7 +70,7 @@ def find(
         return Look()
     rules = rules.at(len(design.columns) - len(declared.columns))
     equations = quick_fit(design, part)
-    proposed = proposer(design, equations, records)
+    proposed = proposer(design, equations, part)
     searched = score(design, part, proposed)  # as in the twins, which tune no shapes
     proposed = sharpened(design, part, proposed)
     scores = score(design, part, proposed)
@@ -91,12 +87,11 @@ def find(
     best = _without_numbers(plainest(worthy or gaining), worthy, shares)
     statistic = partial(_best_score, design=design, proposer=proposer)
     observed = min(best.value, searched[0].value)
-    seen = design, equations, part, records
-    p_value, twins = chance_of(observed, statistic, *seen, rules, rng)
+    p_value, twins = chance_of(observed, statistic, design, equations, part, rules, rng)
     if p_value > rules.level or not worthy:
         tested = Rejected(best, shares.of(best), p_value, twins, names, rules.level)
         return Look(rejected=tested)
-    group = _tuned_group(best, design, proposed, records, part, rules, rng)
+    group = _tuned_group(best, design, proposed, part, rules, rng)
     evidence = best.value, p_value, twins
     return Look(tuple(Finding(c, columns_of(c, design), *evidence) for c in group))
 
@@ -105,7 +100,6 @@ def _tuned_group(
     best: Score,
     design: Design,
     proposed: Sequence[Candidate],
-    records: Sequence[Record],
     part: Segments,
     rules: Rules,
     rng: np.random.Generator,
@@ -115,7 +109,7 @@ def _tuned_group(
     for candidate in best.group:
         beside = _beside(design, best.group, candidate)
         if candidate.refines:
-            candidate = justified(candidate, beside, proposed, records, part, rules, rng)
+            candidate = justified(candidate, beside, proposed, part, rules, rng)
         group.append(tuned(candidate, beside, part))
     return group
 
@@ -156,9 +150,7 @@ def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Desig
     return design.adding(column for c in others for column in columns_of(c, design))
 
 
-def _best_score(
-    part: Segments, records: list[Record], *, design: Design, proposer: Proposer
-) -> float:
-    proposed = proposer(design, quick_fit(design, part), records)
+def _best_score(part: Segments, *, design: Design, proposer: Proposer) -> float:
+    proposed = proposer(design, quick_fit(design, part), part)
     scores = score(design, part, proposed)  # best first
     return scores[0].value if scores else 0.0

@@ -18,7 +18,6 @@ import numpy as np
 
 from ...equations import Equations
 from ...operators import BUILTIN
-from ...signals import Record
 from ...terms import Cache, call, constant, mul, variable
 from ..effects.periodic import PERIODS_IN_TIME
 from ..fitting.linear import TINY, log_ratio
@@ -64,7 +63,6 @@ class Monomial(Column):
 
 def structure_chance(
     design: Design,
-    records: Sequence[Record],
     part: Segments,
     rules: Rules,
     rng: np.random.Generator,
@@ -75,10 +73,8 @@ def structure_chance(
     ----------
     design : Design
         The model in which no effect was found to be missing.
-    records : sequence of Record
-        Training records.
     part : Segments
-        Pieces of them.
+        Pieces of the training records.
     rules : Rules
         Significance and twins.
     rng : numpy.random.Generator
@@ -89,45 +85,35 @@ def structure_chance(
     float
         One where it gains nothing notable.
     """
-    if part.tracks:  # which hold fewer numbers than a generic model has coefficients
+    if part.by_trajectory:  # which hold fewer numbers than a generic model has coefficients
         return 1.0
     models = [generic_columns(design, part)]
-    if len(records) == 1:  # in another one, a wave has another phase
+    if len(part.records) == 1:  # in another one, a wave has another phase
         models.append(slow_waves(design, part))
     observed = generic_gain(design, models, part)
     if observed < NOTABLE or is_exact(design, part):
         return 1.0
-    maker = TwinMaker.of(quick_fit(design, part), records)
-    if not _exceeds_noise(maker, maker.equations, design, part, rng.spawn(1)[0]):
+    equations = quick_fit(design, part)
+    if not _exceeds_noise(equations, design, part, rng.spawn(1)[0]):
         return 1.0
+    maker = TwinMaker.of(equations, part.records)
     freed = freed_of_noise(maker, design, part, rng.spawn(1)[0])
-    if freed is not None and not _exceeds_noise(maker, freed, design, part, rng.spawn(1)[0]):
+    if freed is not None and not _exceeds_noise(freed, design, part, rng.spawn(1)[0]):
         return 1.0
-    statistic = partial(_gain_in_twin, design=design, models=models)
-    seen = design, maker.equations, part, records
-    return chance_of(observed, statistic, *seen, rules, rng)[0]
+    statistic = partial(generic_gain, design, models)
+    return chance_of(observed, statistic, design, equations, part, rules, rng)[0]
 
 
 def _exceeds_noise(
-    maker: TwinMaker,
-    equations: Equations,
-    design: Design,
-    part: Segments,
-    rng: np.random.Generator,
+    equations: Equations, design: Design, part: Segments, rng: np.random.Generator
 ) -> bool:
     """Tell whether more is left at some frequencies than the sensors alone would leave.
 
     In a closed loop the input answers the noise of the sensor, and so tells what that was. What is
     predicted by it then is noise, and no twin, whose noise nobody answered, shows the same.
     """
-    floor = NoiseFloor.of(equations, design, maker.records, part, rng)
+    floor = NoiseFloor.of(equations, design, part, rng)
     return floor is None or floor.excess(equations) > EXCESS
-
-
-def _gain_in_twin(
-    part: Segments, _: list[Record], *, design: Design, models: Sequence[Sequence[Column]]
-) -> float:
-    return generic_gain(design, models, part)
 
 
 def generic_columns(design: Design, part: Segments) -> list[Column]:

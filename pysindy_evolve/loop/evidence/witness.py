@@ -23,7 +23,7 @@ __all__ = ["witnessed"]
 
 
 def witnessed(design: Design, records: Sequence[Record]) -> Segments:
-    """Cut records into pieces, with their tracks if these are to be the witness.
+    """Cut records into pieces, and say whether their trajectories are to be the witness.
 
     Parameters
     ----------
@@ -37,14 +37,14 @@ def witnessed(design: Design, records: Sequence[Record]) -> Segments:
     Segments
     """
     part = segments(records, design.velocities)
-    if not followable(design, records) or _says_enough(design, records, part):
+    if not followable(design, records) or _says_enough(design, part):
         return part
-    return part.tracked(records)
+    return part.tracked()
 
 
-def _says_enough(design: Design, records: Sequence[Record], part: Segments) -> bool:
+def _says_enough(design: Design, part: Segments) -> bool:
     """Tell whether the spectra of the pieces hold twice as many numbers as there are columns."""
-    variables = np.concatenate([variables_of(record) for record in records])
+    variables = np.concatenate([variables_of(record) for record in part.records])
     offered = [c.state for c in candidates(design, *ranges(variables)) for _ in c.terms]
     n_columns = len(design.columns) + max(offered.count(state) for state in design.open_states)
     n_numbers = len(part.places) * (2 * n_frequencies(part) - 1)

@@ -106,7 +106,7 @@ def _memory_or_term(
 ) -> tuple[Finding, Model] | None:
     """Return the plainest memory or term of those that gain most, with its chance."""
     signs = signs_for(drift, rules, rng)
-    memories = memories_beside(drift.model, drift.records, segments(drift.records))
+    memories = memories_beside(drift.model, segments(drift.records))
     terms = [v for v in named_terms(drift) if not first or _is_of_motion(v, drift)]
     by_terms = gains_of_terms(drift, [v.columns for v in terms])
     # Nothing is held against the twins where no term gains enough.

@@ -52,10 +52,8 @@ class Drift:
     ----------
     model : Model
         The model.
-    records : tuple of Record
-        Training records without memories.
     part : Segments
-        Their stretches.
+        Stretches of the training records without memories.
     trial : Trial
         The runs.
     whitener : Whitener
@@ -63,10 +61,14 @@ class Drift:
     """
 
     model: Model
-    records: tuple[Record, ...]
     part: Segments
     trial: Trial
     whitener: Whitener
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """Training records without memories."""
+        return self.part.records
 
     @property
     def views(self) -> tuple[Whitener | None, ...]:
@@ -88,7 +90,7 @@ class Drift:
         old = self.trial
         coef = np.zeros(len(model.design.columns))
         coef[: len(old.coef)] = old.coef[: len(coef)]
-        return replace(model.trial(coef, old.scale, self.records, self.part), starts=old.starts)
+        return replace(model.trial(coef, old.scale, self.part), starts=old.starts)
 
 
 def drift_of(
@@ -119,7 +121,7 @@ def drift_of(
     """
     for n in n_stretches:
         part = segments(records, model.design.velocities, n, MAX_ROWS)
-        (trial,) = settled([model.trial(coef, part.state_scale, records, part)])
+        (trial,) = settled([model.trial(coef, part.state_scale, part)])
         rows = trial.rows(most_growth)
         with np.errstate(over="ignore"):  # of runs that leave the record
             missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
@@ -128,7 +130,7 @@ def drift_of(
             trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
             stride = max(1, round(0.5 / (part.cutoff * part.dt * rows.keep)))
             whitener = Whitener.of(misses.reshape(len(misses), -1, part.n_states), stride)
-            return None if whitener is None else Drift(model, tuple(records), part, trial, whitener)
+            return None if whitener is None else Drift(model, part, trial, whitener)
     return None
 
 

@@ -85,8 +85,7 @@ def held_against(
         if finding.columns and not is_needed(finding, rest):
             without = replace(model, design=with_columns(model.design, rest))
             tied = any(shares_number(finding.candidate, f.candidate) for f in rest)
-            seen = records, part, rules
-            kept[place] = _winner(without, finding, grown, small, *seen, tied=tied)
+            kept[place] = _winner(without, finding, grown, small, records, part, rules, tied=tied)
     return kept
 
 
@@ -111,15 +110,15 @@ def _winner(
     able = [one for one in grown if have_values(one.terms, acted)]
     shown = [c for c in stand_ins(drift, own, small, matter) if have_values(c.terms, acted)]
     rivals = list(dict.fromkeys([*_closest(model, own, able, part), *shown]))
-    begun = [begun_with(model, rival, drift, records) for rival in rivals]
+    begun = [begun_with(model, rival, drift) for rival in rivals]
     # The effect itself was fitted in other units of the errors.
     first, *others = settled([drift.trial, *begun])
     fitted = [Contender(own, first, tied), *map(Contender, rivals, others)]
-    tuned = tuned_by_runs(fitted, model, drift, records)
+    tuned = tuned_by_runs(fitted, model, drift)
     best = _best(tuned, matter, rules.significance / max(len(rivals), 1))
     plain = with_units(best.candidate)
     if plain is not None:  # sin(q), unless another number than one in it does clearly better
-        (trial,) = settled([begun_with(model, plain, drift, records)])
+        (trial,) = settled([begun_with(model, plain, drift)])
         best = Contender(plain, trial) if trial.error <= np.exp(matter) * best.error else best
     columns = columns_of(best.candidate, model.design)
     return replace(finding, candidate=best.candidate, columns=columns)
@@ -190,12 +189,10 @@ def fitted_with(
     return whole, refit(whole.design, model.acted(records), "derivative")
 
 
-def begun_with(
-    model: Model, candidate: Candidate, drift: Drift, records: Sequence[Record]
-) -> Trial:
+def begun_with(model: Model, candidate: Candidate, drift: Drift) -> Trial:
     """Return a trial of a model with an effect, begun where the derivative says."""
-    whole, coef = fitted_with(model, candidate, records)
-    return whole.trial(coef, drift.trial.scale, records, drift.part)
+    whole, coef = fitted_with(model, candidate, drift.records)
+    return whole.trial(coef, drift.trial.scale, drift.part)
 
 
 def _squares(trial: Trial) -> np.ndarray:

@@ -88,7 +88,7 @@ def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
     if isinstance(finding, MemoryFinding) or not declared.columns:
         return removed
     coef = refit(declared, drift.records, "derivative")
-    trial = Model(declared).trial(coef, drift.trial.scale, drift.records, drift.part)
+    trial = Model(declared).trial(coef, drift.trial.scale, drift.part)
     (first,) = settled([trial])
     if not np.isfinite(first.error):  # nothing to be compared with
         return removed
@@ -184,7 +184,7 @@ def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
     acted = drift.model.acted(wide)
     part = off_limits(segments(acted, design.velocities), drift.model.limits)
     if variant.memory is not None:
-        gain = exchanged([variant.memory], design, acted, part)[0].gain
+        gain = exchanged([variant.memory], design, part)[0].gain
     elif variant.columns:
         scores = score(design, part, [replace(variant.candidate, parents=())], pairs=False)
         gain = scores[0].value if scores else 0.0

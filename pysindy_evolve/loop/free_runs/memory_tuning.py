@@ -91,7 +91,7 @@ def _steps(
 
 
 def _like(trial: Trial, drift: Drift, model: Model, coef: np.ndarray, starts: np.ndarray) -> Trial:
-    return replace(model.trial(coef, trial.scale, drift.records, drift.part), starts=starts)
+    return replace(model.trial(coef, trial.scale, drift.part), starts=starts)
 
 
 def fit_by_runs(

@@ -56,10 +56,10 @@ def _unrefuted(
     if drift is None or over_noise(drift) > EXCESS:
         return finding
     rivals = [rival.candidate for rival in finding.rivals]
-    begun = [begun_with(without, rival, drift, records) for rival in rivals]
+    begun = [begun_with(without, rival, drift) for rival in rivals]
     own, *trials = settled([drift.trial, *begun])
     fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
-    tuned = tuned_by_runs(fitted, without, drift, records)
+    tuned = tuned_by_runs(fitted, without, drift)
     pairs = zip(finding.rivals, tuned, strict=True)
     kept = [rival for rival, one in pairs if one.error <= FARTHER * own.error]
     return replace(finding, rivals=tuple(kept))

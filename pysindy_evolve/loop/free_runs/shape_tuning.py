@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...signals import Record
 from ...terms import Sum, add, constant, mul, sub
 from ..effects.candidate import Candidate, Shape
 from ..effects.shaping import shape_of
@@ -46,9 +45,7 @@ class Contender:
         return self.trial.error
 
 
-def tuned_by_runs(
-    contenders: Sequence[Contender], model: Model, drift: Drift, records: Sequence[Record]
-) -> list[Contender]:
+def tuned_by_runs(contenders: Sequence[Contender], model: Model, drift: Drift) -> list[Contender]:
     """Tune the numbers inside effects, as long as their runs come closer to the record.
 
     Parameters
@@ -59,8 +56,6 @@ def tuned_by_runs(
         The model without them.
     drift : Drift
         Stretches and units of the errors.
-    records : sequence of Record
-        Training records, without memories.
 
     Returns
     -------
@@ -71,7 +66,7 @@ def tuned_by_runs(
     least = min(one.error for one in found)
     active = [k for k, one in enumerate(found) if one.error <= FAR * least and not one.tied]
     for _ in range(N_STEPS):
-        moved = {k: _moved(found[k], model, drift, records) for k in active}
+        moved = {k: _moved(found[k], model, drift) for k in active}
         begun = {k: one for k, one in moved.items() if one is not None}
         trials = settled([one.trial for one in begun.values()])
         active = []
@@ -82,9 +77,7 @@ def tuned_by_runs(
     return found
 
 
-def _moved(
-    one: Contender, model: Model, drift: Drift, records: Sequence[Record]
-) -> Contender | None:
+def _moved(one: Contender, model: Model, drift: Drift) -> Contender | None:
     """Return an effect with its numbers a step further, not run yet; None if it has none."""
     shape, trial = shape_of(one.candidate), one.trial
     change = None if shape is None else _with_slopes(one, shape, model).change()
@@ -95,7 +88,7 @@ def _moved(
     candidate = _at(one.candidate, shape, steps)
     whole = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
     coef = trial.coef + change[0][:n_own]
-    begun = whole.trial(coef, drift.trial.scale, records, drift.part)
+    begun = whole.trial(coef, drift.trial.scale, drift.part)
     return Contender(candidate, replace(begun, starts=trial.starts + change[1]))
 
 

@@ -101,10 +101,10 @@ def _shared(
         return None
     begun = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
     together = [apart.at(values) for values in begun]
-    trials = [begun_with(model, one, drift, records) for one in together]
+    trials = [begun_with(model, one, drift) for one in together]
     # The effects as they are were fitted in other units of the errors.
     own, *fitted = settled([drift.trial, *trials])
-    tuned = tuned_by_runs(list(map(Contender, together, fitted)), model, drift, records)
+    tuned = tuned_by_runs(list(map(Contender, together, fitted)), model, drift)
     best = min(tuned, key=lambda one: one.error)
     if best.candidate.shape is None or not best.error <= np.exp(MARGIN) * own.error:
         return None

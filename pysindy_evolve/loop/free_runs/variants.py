@@ -67,11 +67,9 @@ class Model:
             records = [preceded(r, past) for r, past in zip(records, self.pasts, strict=True)]
         return [remembered(record, self.memories) for record in records]
 
-    def trial(
-        self, coef: np.ndarray, scale: np.ndarray, records: Sequence[Record], part: Segments
-    ) -> Trial:
+    def trial(self, coef: np.ndarray, scale: np.ndarray, part: Segments) -> Trial:
         """Return a trial that begins with coefficients, on pieces of records without memories."""
-        acted = part.of([straightened(driven(record)) for record in self.acted(records)])
+        acted = part.of([straightened(driven(record)) for record in self.acted(part.records)])
         starts = acted.z[:, 0, : part.n_states]
         return Trial(self.whole, acted, scale, coef, starts, acted.z[:, :, : part.n_states])
 
@@ -118,17 +116,15 @@ class Variant:
         return replace(self, model=model, memory=memory)
 
 
-def memories_beside(model: Model, records: Sequence[Record], part: Segments) -> list[Variant]:
+def memories_beside(model: Model, part: Segments) -> list[Variant]:
     """Return the variants of a model that have one more memory.
 
     Parameters
     ----------
     model : Model
         The model so far.
-    records : sequence of Record
-        Training records without memories.
     part : Segments
-        Pieces of them.
+        Pieces of the training records without memories.
 
     Returns
     -------
@@ -136,13 +132,13 @@ def memories_beside(model: Model, records: Sequence[Record], part: Segments) -> 
         Memories on a grid from very short to very long ones, vessels with and without a brim.
     """
     found = []
-    for memory in grid_of(model.design, records, part, model.memories):
+    for memory in grid_of(model.design, part, model.memories):
         state = users_of(model.design, memory.column)[0]
         acts = variable(len(model.design.states) + memory.column)
         candidate = Candidate(memory.kind, state, (acts,))
         found += [
             Variant(candidate, replace(model, memories=(*model.memories, one)), memory=one)
-            for one in (memory, *_with_brims(memory, records))
+            for one in (memory, *_with_brims(memory, part.records))
         ]
     return found
 

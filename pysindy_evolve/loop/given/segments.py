@@ -17,16 +17,8 @@ from .input_errors import known_up_to
 from .sensor import limits_of_states, missed
 from .sticking import moving
 
-__all__ = [
-    "LARGEST",
-    "Segments",
-    "have_values",
-    "places_of",
-    "ranges",
-    "scale_of",
-    "segments",
-    "variables_of",
-]
+__all__ = ["LARGEST", "Segments", "have_values", "places_of", "ranges", "scale_of", "segments"]
+__all__ += ["variables_of"]
 
 LARGEST = 1e100  # value of a term: its square is finite, and so is the cube of a large state
 N_SEGMENTS = 16
@@ -53,7 +45,8 @@ class Segments:
     rate_scale: np.ndarray
     cutoff: float
     places: tuple[tuple[int, int], ...]
-    tracks: tuple[Record, ...] = ()  # the records, where their trajectories bear witness
+    records: tuple[Record, ...]  # all that was cut, also where only some of the pieces are left
+    by_trajectory: bool = False  # whether the trajectories of the records bear witness
     limits: np.ndarray | None = None  # of the sensors of the states, (2, n_states)
     seen: np.ndarray | None = None  # where the states are measurements, (n_segments, n, n_states)
     band: Band | None = None  # of the low-passes of the records
@@ -81,9 +74,9 @@ class Segments:
         n_units = int(unit[-1]) + 1
         return unit * min(N_FOLDS, n_units) // n_units
 
-    def tracked(self, records: Sequence[Record]) -> Segments:
-        """Return the pieces with the whole records that they were cut from."""
-        return replace(self, tracks=tuple(records))
+    def tracked(self) -> Segments:
+        """Return the pieces of records whose trajectories bear witness."""
+        return replace(self, by_trajectory=True)
 
     def after(self, rows: Sequence[int]) -> Segments:
         """Return the pieces with little weight on the first rows of each record.
@@ -128,10 +121,15 @@ class Segments:
         length = self.z.shape[1]
         z, x_dot, weight = _cut(records, self.velocities, self.places, length)
         weight = self._late(weight, self.settling) if self.settling else weight
-        tracks = tuple(records) if self.tracks else ()
-        seen = _seen(records, self.places, length)
-        band = Band(tuple(records), self.places, length)
-        return replace(self, z=z, x_dot=x_dot, weight=weight, tracks=tracks, seen=seen, band=band)
+        seen, own = _seen(records, self.places, length), tuple(records)
+        band = Band(own, self.places, length)
+        return replace(self, z=z, x_dot=x_dot, weight=weight, records=own, seen=seen, band=band)
+
+    def begun(self, records: Sequence[Record]) -> Segments:
+        """Return the same rows of records that differ in nothing but what came before them."""
+        own = tuple(records)
+        band = None if self.band is None else replace(self.band, records=own)
+        return replace(self, records=own, band=band)
 
     def missed(self, x: np.ndarray) -> np.ndarray:
         """Return by how much runs (n_segments, n, n_states) miss what the sensors show."""
@@ -165,6 +163,7 @@ def segments(
     -------
     Segments
     """
+    own = tuple(records)
     places, length = places_of(records, n_segments, max_rows)
     z, x_dot, weight = _cut(records, velocities, places, length)
     state_scale = scale_of([record.x for record in records])
@@ -186,9 +185,10 @@ def segments(
         rate_scale,
         cutoff,
         places,
+        own,
         limits=limits_of_states(records),
         seen=_seen(records, places, length),
-        band=Band(tuple(records), places, length),
+        band=Band(own, places, length),
     )
 
 

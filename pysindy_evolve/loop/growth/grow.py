@@ -16,7 +16,6 @@ from ...breeding.dictionary import Problem
 from ...breeding.generation import Settings
 from ...evolution import evolve
 from ...operators import Operator
-from ...signals import Record
 from ...terms import Product, variable
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates, fitted, standing, zeros_of
@@ -157,10 +156,8 @@ class TermGrower:
     ----------
     declared : Design
         The model at the start.
-    records : sequence of Record
-        Training records.
     part : Segments
-        Pieces of them: every other one is searched in, those between are tested on.
+        Pieces of the training records: every other one is searched in, those between are tested on.
     rules : Rules
         When a term counts.
     operators : sequence of Operator
@@ -172,13 +169,12 @@ class TermGrower:
     def __init__(
         self,
         declared: Design,
-        records: Sequence[Record],
         part: Segments,
         rules: Rules,
         operators: Sequence[Operator],
         rng: np.random.Generator,
     ) -> None:
-        self.declared, self.records, self.rules = declared, records, rules
+        self.declared, self.rules = declared, rules
         self.operators, self.rng = operators, rng
         self.look(part)
         self.pool: list[Candidate] | None = None
@@ -233,16 +229,16 @@ class TermGrower:
         return self._test(design, list(dict.fromkeys(grown)))
 
     def _grow(self, design: Design) -> list[Candidate]:
-        if not self.operators or self.seen.tracks or len(self.fresh.z) < MIN_FRESH:
+        if not self.operators or self.seen.by_trajectory or len(self.fresh.z) < MIN_FRESH:
             return []
         known = fitted(design)  # what is known may be wrong
         grown = grow(self.declared, design, self.seen, self.operators, self.rng)
         fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
-        rows = self.seen.rows
+        rows, records = self.seen.rows, self.seen.records
         new = [
             c
             for c in fresh
-            if have_values(c.terms, self.records) and not any(has_pole(t, rows) for t in c.terms)
+            if have_values(c.terms, records) and not any(has_pole(t, rows) for t in c.terms)
         ]
         self.grown += new
         return new
@@ -252,14 +248,14 @@ class TermGrower:
         scores = [s for s in score(design, self.fresh, grown, pairs=True) if net(s) > 0.0]
         useful = [s for s in scores if view_gain(design, s.group, self.fresh) > USEFUL]
         given = partial(_given, list(dict.fromkeys(c for s in useful for c in s.group)))
-        look = find(self.declared, design, self.records, self.fresh, self.rules, self.rng, given)
+        look = find(self.declared, design, self.fresh, self.rules, self.rng, given)
         found = list(look.found)
         return found if found and self._are_certain(design, found) else []
 
     def _are_certain(self, design: Design, found: Sequence[Finding]) -> bool:
         """Tell whether all records together know the sign of each coefficient."""
         richer = with_columns(design, found)
-        low, high = derivative_intervals(richer, self.records, self.rng).T
+        low, high = derivative_intervals(richer, self.fresh.records, self.rng).T
         own = slice(len(design.columns), None)
         return bool(np.all(low[own] * high[own] > 0.0))
 

@@ -16,7 +16,6 @@ import numpy as np
 
 from ...equations import Equations
 from ...operators import Operator
-from ...signals import Record
 from ...terms import Product, mul, variable
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, fitted
@@ -40,7 +39,6 @@ BETTER = 0.1  # log error for each node that a term has more than the names whos
 
 def find_small(
     declared: Design,
-    records: Sequence[Record],
     part: Segments,
     rules: Rules,
     operators: Sequence[Operator],
@@ -52,10 +50,8 @@ def find_small(
     ----------
     declared : Design
         The model at the start.
-    records : sequence of Record
-        Training records.
     part : Segments
-        Pieces of them, with their tracks.
+        Pieces of the training records, whose trajectories bear witness.
     rules : Rules
         Significance and twins.
     operators : sequence of Operator
@@ -69,7 +65,7 @@ def find_small(
         One, or none if none passes.
     """
     proposer = partial(_proposed, operators=operators)
-    look = find(declared, declared, records, part, rules.for_small_terms, rng, proposer)
+    look = find(declared, declared, part, rules.for_small_terms, rng, proposer)
     return list(map(_plain, look.found))
 
 
@@ -85,7 +81,7 @@ def is_better(
     found, names : sequence of Finding
         The term, and the effects with names.
     part : Segments
-        Pieces of the training records, with their tracks.
+        Pieces of the training records, whose trajectories bear witness.
 
     Returns
     -------
@@ -99,14 +95,14 @@ def is_better(
 
 def _error(design: Design, part: Segments) -> float:
     every = np.arange(len(design.columns))[None, :]
-    return float(Trajectories(part.tracks, design, design.columns).errors(every)[0, 0])
+    return float(Trajectories(part.records, design, design.columns).errors(every)[0, 0])
 
 
 def _proposed(
-    design: Design, _: Equations, records: Sequence[Record], *, operators: Sequence[Operator]
+    design: Design, _: Equations, part: Segments, *, operators: Sequence[Operator]
 ) -> list[Candidate]:
     """Return the small terms that are not in the vocabulary; each is scored by itself."""
-    rows = np.concatenate([variables_of(record) for record in records])
+    rows = np.concatenate([variables_of(record) for record in part.records])
     terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: term.size)
     terms = terms[: MOST // len(design.open_states)]
     largest, signed, *others = ranges(rows)

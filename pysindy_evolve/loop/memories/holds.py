@@ -8,13 +8,11 @@ more, or lags, it is held first and late after that, unless that does worse.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...hidden_states.memory import DELAY, Memory
-from ...signals import Record
 from ...signals.holds import HALF, raw_step
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once
@@ -36,7 +34,7 @@ class _BehindHold(Memory):
 
 
 def memory_beside_hold(
-    memory: Memory, design: Design, records: Sequence[Record], part: Segments
+    memory: Memory, design: Design, part: Segments
 ) -> tuple[float, Memory | None]:
     """Return by how much an input with a memory is late as it is held, and what it still remembers.
 
@@ -44,8 +42,10 @@ def memory_beside_hold(
     ----------
     memory : Memory
         Tuned for an input that is not held.
-    design, records, part
-        The model, training records without this memory, pieces of them.
+    design : Design
+        The model.
+    part : Segments
+        Pieces of the training records without this memory.
 
     Returns
     -------
@@ -55,16 +55,16 @@ def memory_beside_hold(
     memory : Memory or None
         None if the hold is all there is.
     """
-    column, kind = memory.column, memory.kind
+    column, kind, records = memory.column, memory.kind, part.records
     known = any(column in record.held for record in records)
     if known or not all(jumps_at_once(record, column) for record in records):
         return 0.0, memory
     share = memory.values[0] / raw_step(records[0])
     if kind == DELAY and share < LATEST:
         return share, None
-    behind = reach_of(_BehindHold(kind, column, memory.values), design, records, part)
+    behind = reach_of(_BehindHold(kind, column, memory.values), design, part)
     ways = [behind, memory]
-    gains = [exchange.gain for exchange in exchanged(ways, design, records, part)]
+    gains = [exchange.gain for exchange in exchanged(ways, design, part)]
     if plainest(ways, gains) is memory:
         return 0.0, memory
     return HALF, Memory(kind, column, behind.values)

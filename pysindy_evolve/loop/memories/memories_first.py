@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...hidden_states.memory import VESSEL, Memory
-from ...signals import Record
 from ..effects.candidate import Candidate, rewritten
 from ..evidence.findings import Finding
 from ..evidence.offers import leading
@@ -29,11 +28,7 @@ WORTH_IT = 0.5  # share of the gain that input and memory together must reach, t
 
 
 def outdoes_memories(
-    ways: Sequence[Candidate],
-    design: Design,
-    records: Sequence[Record],
-    part: Segments,
-    memories: Sequence[Memory],
+    ways: Sequence[Candidate], design: Design, part: Segments, memories: Sequence[Memory]
 ) -> bool:
     """Tell whether one of several ways leads all memories of inputs, each tuned.
 
@@ -43,10 +38,8 @@ def outdoes_memories(
         Relaxations.
     design : Design
         The model so far.
-    records : sequence of Record
-        Training records.
     part : Segments
-        Pieces of them.
+        Pieces of the training records.
     memories : sequence of Memory
         The grid.
 
@@ -55,16 +48,12 @@ def outdoes_memories(
     bool
     """
     top = score(design, part, ways, pairs=False)[0].group[0]
-    beside = _Beside.of([*ways, tuned(top, design, part)], design, records, part, memories)
+    beside = _Beside.of([*ways, tuned(top, design, part)], design, part, memories)
     return bool(leading(beside.own, beside.late, beside.design, beside.part))
 
 
 def memory_instead(
-    found: Sequence[Finding],
-    design: Design,
-    records: Sequence[Record],
-    part: Segments,
-    memories: Sequence[Memory],
+    found: Sequence[Finding], design: Design, part: Segments, memories: Sequence[Memory]
 ) -> Memory | None:
     """Return the delay or lag of an input that does better than what was found instead of it.
 
@@ -72,7 +61,7 @@ def memory_instead(
     ----------
     found : sequence of Finding
         An effect, or a pair of them; no memory.
-    design, records, part, memories
+    design, part, memories
         As in `outdoes_memories`.
 
     Returns
@@ -82,11 +71,11 @@ def memory_instead(
     """
     value = sum(finding.score for finding in found)
     linear = [memory for memory in memories if memory.kind != VESSEL]
-    both = exchanged(linear, design, records, part)
+    both = exchanged(linear, design, part)
     able = [m for m, e in zip(linear, both, strict=True) if e.gain_beside > WORTH_IT * value]
     if not able:
         return None
-    beside = _Beside.of([f.candidate for f in found], design, records, part, able)
+    beside = _Beside.of([f.candidate for f in found], design, part, able)
     offered = [*beside.own, *beside.late]
     scores = score(beside.design, beside.part, offered, pairs=len(found) > 1)
     totals = {frozenset(s.group): s.value * len(s.group) for s in scores}
@@ -109,14 +98,13 @@ class _Beside:
         cls,
         effects: Sequence[Candidate],
         design: Design,
-        records: Sequence[Record],
         part: Segments,
         memories: Sequence[Memory],
     ) -> _Beside:
-        first = best_of_kinds(memories, design, records, part)
-        rivals = tuple(reach_of(memory, design, records, part) for memory in first.values())
+        first = best_of_kinds(memories, design, part)
+        rivals = tuple(reach_of(memory, design, part) for memory in first.values())
         probes = Probes(design, rivals)
         wide = probes.widened(design)
         own = [rewritten(one, probes.widen) for one in effects]
         late = [probes.candidate(wide, k) for k in range(len(rivals))]
-        return cls(own, late, wide, part.of([probes.extended(record) for record in records]))
+        return cls(own, late, wide, probes.extended_pieces(part))

@@ -56,19 +56,15 @@ def users_of(design: Design, column: int) -> tuple[int, ...]:
     )
 
 
-def grid_of(
-    design: Design, records: Sequence[Record], part: Segments, present: Sequence[Memory] = ()
-) -> list[Memory]:
+def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> list[Memory]:
     """Return the memories to try: of each input that acts, from very short to very long ones.
 
     Parameters
     ----------
     design : Design
         The model so far.
-    records : sequence of Record
-        Training records.
     part : Segments
-        Pieces of them.
+        Pieces of the training records.
     present : sequence of Memory
         Memories that the inputs have already; none is tried twice.
 
@@ -78,15 +74,15 @@ def grid_of(
     """
     highest = min(part.cutoff, 0.5 / part.dt)
     segment = part.z.shape[1] * part.dt
-    record = min(len(r) for r in records) * part.dt
+    record = min(len(r) for r in part.records) * part.dt
     found = []
-    for column in range(0 if design.algebraic or part.tracks else len(design.inputs)):
+    for column in range(0 if design.algebraic or part.by_trajectory else len(design.inputs)):
         if not users_of(design, column):
             continue
         had = {memory.kind for memory in present if memory.column == column}
         reach = {DELAY: LONGEST * segment}
         reach[LAG] = max(reach[DELAY], LONGEST * record)
-        if all(raw_inputs(r)[:, column].min() >= 0.0 for r in records):
+        if all(raw_inputs(r)[:, column].min() >= 0.0 for r in part.records):
             reach[VESSEL] = reach[LAG]
         if {LAG, VESSEL} & had:
             reach.pop(LAG)
@@ -152,29 +148,24 @@ class Probes:
         again = replace(made, u=raw)
         return replace(record, u=again.lowpass(raw), inputs=None, preparation=again)
 
+    def extended_pieces(self, part: Segments) -> Segments:
+        """Return pieces with the probes as further inputs."""
+        return part.of([self.extended(record) for record in part.records])
+
     def _beside(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         probes = [memory.response(t, u[:, memory.column]) for memory in self.memories]
         return np.column_stack([u, *probes])
 
     def propose(
-        self,
-        design: Design,
-        equations: Equations,
-        records: Sequence[Record],
-        *,
-        part: Segments,
-        offer: Proposer,
+        self, design: Design, equations: Equations, part: Segments, *, offer: Proposer
     ) -> list[Candidate]:
-        """Return the effects that are on offer, and for each input the best memory of each kind.
-
-        Of the records, which may be twins, the same pieces are looked at as in `part`.
-        """
+        """Return the effects that are on offer, and for each input the best memory of each kind."""
         n_inputs = len(self.design.inputs)
-        plain = [replace(r, u=None if r.u is None else r.u[:, :n_inputs]) for r in records]
+        records = [replace(r, u=None if r.u is None else r.u[:, :n_inputs]) for r in part.records]
         terms = tuple(self.narrow(Sum(((1.0, term),))).parts[0][1] for term in equations.terms)
         own = replace(equations, terms=terms, inputs=self.design.inputs)
-        proposed = [rewritten(c, self.widen) for c in offer(self.design, own, plain)]
-        return [*proposed, *self._best(design, part.of(records))]
+        proposed = [rewritten(c, self.widen) for c in offer(self.design, own, part.of(records))]
+        return [*proposed, *self._best(design, part)]
 
     def _best(self, design: Design, part: Segments) -> list[Candidate]:
         """Return the best memory of each kind and input, if it does better than none."""

@@ -29,7 +29,6 @@ STEP = 0.02  # of a delay or time constant, to see what it changes
 def settled_memory(
     memory: Memory,
     design: Design,
-    records: Sequence[Record],
     part: Segments,
     level: float,
     rng: np.random.Generator,
@@ -41,8 +40,10 @@ def settled_memory(
     ----------
     memory : Memory
         From the grid.
-    design, records, part
-        The model, training records without this memory, pieces of them.
+    design : Design
+        The model.
+    part : Segments
+        Pieces of the training records without this memory.
     level : float
         A rival with a smaller p-value is refuted.
     rng : numpy.random.Generator
@@ -58,20 +59,20 @@ def settled_memory(
     rivals : tuple of (str, float)
         Kinds that could stand in its place, with their p-values.
     """
-    grid = [m for m in grid_of(design, records, part, present) if m.column == memory.column]
-    first = best_of_kinds(grid, design, records, part)
+    grid = [m for m in grid_of(design, part, present) if m.column == memory.column]
+    first = best_of_kinds(grid, design, part)
     places = [(kind, memory.column) for kind in (DELAY, LAG, VESSEL)]
-    best = [reach_of(first[place], design, records, part) for place in places if place in first]
-    gains = [exchange.gain for exchange in exchanged(best, design, records, part)]
+    best = [reach_of(first[place], design, part) for place in places if place in first]
+    gains = [exchange.gain for exchange in exchanged(best, design, part)]
     chosen = plainest(best, gains)
     linear = [pair for pair in zip(best, gains, strict=True) if pair[0].kind != VESSEL]
     if chosen.kind == VESSEL and linear:
         # Its outflow is a root of its level, which says more than a delay or a lag does.
         other = plainest(*zip(*linear, strict=True))
-        stands = _chance_of(chosen, other, design, records, part, level, rng) > level
+        stands = _chance_of(chosen, other, design, part, level, rng) > level
         chosen = chosen if stands else other
     others = [m for m in best if m is not chosen]
-    rivals = [(m.kind, _chance_of(m, chosen, design, records, part, level, rng)) for m in others]
+    rivals = [(m.kind, _chance_of(m, chosen, design, part, level, rng)) for m in others]
     return chosen, tuple((kind, p_value) for kind, p_value in rivals if p_value > level)
 
 
@@ -82,28 +83,25 @@ def plainest(memories: Sequence[Memory], gains: Sequence[float]) -> Memory:
 
 
 def best_of_kinds(
-    memories: Sequence[Memory], design: Design, records: Sequence[Record], part: Segments
+    memories: Sequence[Memory], design: Design, part: Segments
 ) -> dict[tuple[str, int], Memory]:
     """Return the best memory of each kind and input: the numbers of two kinds do not compare.
 
     By how long a vessel delays its input depends on how full it is.
     """
-    gains = [exchange.gain for exchange in exchanged(memories, design, records, part)]
+    gains = [exchange.gain for exchange in exchanged(memories, design, part)]
     ordered = sorted(zip(gains, memories, strict=True), key=lambda pair: pair[0])
     return {(memory.kind, memory.column): memory for _, memory in ordered}  # the last of each
 
 
-def exchanged(
-    memories: Sequence[Memory], design: Design, records: Sequence[Record], part: Segments
-) -> list[Exchange]:
+def exchanged(memories: Sequence[Memory], design: Design, part: Segments) -> list[Exchange]:
     """Return what each of several memories does to the held-out errors of a design."""
     probes = Probes(design, tuple(memories))
-    extended = [probes.extended(record) for record in records]
     swaps = [probes.swap(k) for k in range(len(memories))]
-    return exchanges(probes.widened(design), part.of(extended), swaps)
+    return exchanges(probes.widened(design), probes.extended_pieces(part), swaps)
 
 
-def reach_of(memory: Memory, design: Design, records: Sequence[Record], part: Segments) -> Memory:
+def reach_of(memory: Memory, design: Design, part: Segments) -> Memory:
     """Return a memory that reaches as far back as predicts held-out pieces best."""
     start = float(np.log(memory.values[0]))
 
@@ -112,7 +110,7 @@ def reach_of(memory: Memory, design: Design, records: Sequence[Record], part: Se
 
     reach = 1.5 * float(np.log(RATIO))
     found = minimize_scalar(
-        lambda place: -exchanged([at(place)], design, records, part)[0].gain,
+        lambda place: -exchanged([at(place)], design, part)[0].gain,
         bounds=(start - reach, start + reach),
         method="bounded",
         options={"maxiter": 20, "xatol": 0.01},
@@ -124,15 +122,13 @@ def _chance_of(
     rival: Memory,
     chosen: Memory,
     design: Design,
-    records: Sequence[Record],
     part: Segments,
     level: float,
     rng: np.random.Generator,
 ) -> float:
     """Return the chance that one memory gains as much beside another, if that were the cause."""
     probes = Probes(design, (rival, chosen))
-    pieces = part.of([probes.extended(record) for record in records])
-    wide = probes.widened(design)
+    pieces, wide = probes.extended_pieces(part), probes.widened(design)
     there, other = (_swapped(wide, probes.swap(k)) for k in (0, 1))
     # What is known of the input acts through a memory as well.
     known = Column("known", tuple(map(sub, other.fixed, there.fixed)))

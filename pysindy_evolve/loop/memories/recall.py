@@ -9,7 +9,6 @@ from functools import partial
 import numpy as np
 
 from ...hidden_states.memory import Memory, remembered
-from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate, rewritten
 from ..evidence.findings import Finding, MemoryFinding, memories_in
@@ -31,7 +30,6 @@ __all__ = ["find_or_recall", "resettled"]
 def find_or_recall(
     declared: Design,
     design: Design,
-    records: Sequence[Record],
     part: Segments,
     rules: Rules,
     rng: np.random.Generator,
@@ -44,7 +42,7 @@ def find_or_recall(
 
     Parameters
     ----------
-    declared, design, records, part, rules, rng
+    declared, design, part, rules, rng
         As in `find`.
     present : sequence of Memory
         Memories that the inputs of the records have already.
@@ -55,26 +53,24 @@ def find_or_recall(
     -------
     Look
     """
-    memories = grid_of(design, records, part, present)
-    offer = offer_for(design, part, records, relaxing=relaxing, springs=springs)
+    memories = grid_of(design, part, present)
+    offer = offer_for(design, part, relaxing=relaxing, springs=springs)
     if not memories:
-        return find(declared, design, records, offer.part, rules, rng, offer.propose)
-    if offer.relaxes and not outdoes_memories(offer.ways, design, records, offer.part, memories):
-        offer = offer_for(design, part, records, relaxing=False, springs=springs)
+        return find(declared, design, offer.part, rules, rng, offer.propose)
+    if offer.relaxes and not outdoes_memories(offer.ways, design, offer.part, memories):
+        offer = offer_for(design, part, relaxing=False, springs=springs)
     part = offer.part
     probes = Probes(design, tuple(memories))
-    extended = [probes.extended(record) for record in records]
-    wide = probes.widened(declared), probes.widened(design)
-    pieces = part.of(extended)
-    proposer = partial(probes.propose, part=part, offer=offer.propose)
-    look = find(*wide, extended, pieces, rules, rng, proposer)
-    seen = design, records, part
+    wide, pieces = probes.widened(design), probes.extended_pieces(part)
+    proposer = partial(probes.propose, offer=offer.propose)
+    look = find(probes.widened(declared), wide, pieces, rules, rng, proposer)
     plain = [_narrowed(finding, probes) for finding in look.found]
     if plain and not offer.ways and not any(isinstance(f, MemoryFinding) for f in plain):
-        late = memory_instead(plain, *seen, memories)
+        late = memory_instead(plain, design, part, memories)
         plain = plain if late is None else [_recalled(plain[0], late, design)]
+    level = rules.significance
     found = (
-        _settled(f, *seen, rules.significance, rng, present) if isinstance(f, MemoryFinding) else f
+        _settled(f, design, part, level, rng, present) if isinstance(f, MemoryFinding) else f
         for f in plain
     )
     return Look(tuple(found), look.rejected and _narrowed_failure(look.rejected, probes))
@@ -112,22 +108,19 @@ def _recalled(finding: Finding, memory: Memory, design: Design) -> MemoryFinding
 def _settled(
     finding: MemoryFinding,
     design: Design,
-    records: Sequence[Record],
     part: Segments,
     level: float,
     rng: np.random.Generator,
     present: Sequence[Memory],
 ) -> MemoryFinding:
     """Return a memory of the kind that does best, tuned, with the kinds that do as well."""
-    memory, rivals = settled_memory(finding.memory, design, records, part, level, rng, present)
+    memory, rivals = settled_memory(finding.memory, design, part, level, rng, present)
     named = replace(finding.candidate, name=memory.kind)
     others = tuple(Rival(replace(named, name=kind), p_value) for kind, p_value in rivals)
     return replace(finding, candidate=named, memory=memory, rivals=others, contested=True)
 
 
-def resettled(
-    findings: Sequence[Finding], design: Design, records: Sequence[Record], part: Segments
-) -> list[Finding]:
+def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> list[Finding]:
     """Tune memories again beside all that was found, and drop those that became superfluous.
 
     Parameters
@@ -136,10 +129,8 @@ def resettled(
         Everything found.
     design : Design
         The model with all their columns.
-    records : sequence of Record
-        Training records without memories.
     part : Segments
-        Pieces of them.
+        Pieces of the training records without memories.
 
     Returns
     -------
@@ -148,9 +139,9 @@ def resettled(
     kept = list(findings)
     for finding in (f for f in findings if isinstance(f, MemoryFinding)):
         others = memories_in([f for f in kept if f is not finding])
-        there = [remembered(record, others) for record in records]
-        tuned = reach_of(finding.memory, design, there, part.of(there))
-        (exchange,) = exchanged([tuned], design, there, part.of(there))
+        there = part.of([remembered(record, others) for record in part.records])
+        tuned = reach_of(finding.memory, design, there)
+        (exchange,) = exchanged([tuned], design, there)
         place = kept.index(finding)
         kept[place : place + 1] = (
             [replace(finding, memory=tuned)] if exchange.gain >= MARGIN else []

@@ -48,7 +48,6 @@ def settled_beginning(
     declared: Design,
     findings: Sequence[Finding],
     plain: Sequence[Record],
-    wide: Sequence[Record],
     part: Segments,
 ) -> Beginning:
     """Return findings with memories tuned again, from where the records began.
@@ -59,28 +58,27 @@ def settled_beginning(
         The model at the start.
     findings : sequence of Finding
         What was found, memories among it.
-    plain, wide : sequence of Record
-        Training records without memories, in two filters.
+    plain : sequence of Record
+        Training records without memories.
     part : Segments
-        Pieces of the wide ones.
+        Pieces of the same in a wider filter.
 
     Returns
     -------
     Beginning
     """
     design, found = with_findings(declared, findings), list(findings)
-    plain, wide = tuple(plain), tuple(wide)
-    first = wide
+    plain, wide = tuple(plain), part.records
     for _ in range(N_ROUNDS):
         memories = memories_in(found)
         equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
         model = with_memories(equations, memories)
-        elsewhere = [not _begins_alike(*both) for both in zip(first, wide, strict=True)]
+        elsewhere = [not _begins_alike(*both) for both in zip(part.records, wide, strict=True)]
         before, wide = wide, _begun(model, wide, elsewhere)
         if all(_begins_alike(*both) for both in zip(before, wide, strict=True)):
             break
         plain = _begun(model, plain, elsewhere)
-        found = resettled(found, design, wide, part)
+        found = resettled(found, design, part.begun(wide))
     return Beginning(tuple(found), plain, wide)
 
 

@@ -41,7 +41,7 @@ def contested(
         if finding.columns and not is_needed(finding, rest):
             found = rivals_of(finding.candidate, design, part, level, rng, grown)
             finding = replace(finding, rivals=found, contested=True)
-            if part.tracks:
+            if part.by_trajectory:
                 finding = plainer(finding, design, significance)
         judged.append(finding)
     return judged

@@ -33,7 +33,6 @@ def without_errors_in_inputs(
     declared: Design,
     findings: Sequence[Finding],
     raw: Sequence[Record],
-    records: Sequence[Record],
     part: Segments,
     rng: np.random.Generator,
 ) -> list[Finding]:
@@ -47,10 +46,9 @@ def without_errors_in_inputs(
         What was found.
     raw : sequence of Record
         Training records.
-    records : sequence of Record
-        The same with the memories among the findings, which would take noise off the inputs.
     part : Segments
-        Pieces of them.
+        Pieces of the same with the memories among the findings, which would take noise off the
+        inputs.
     rng : numpy.random.Generator
         Draws the noise.
 
@@ -65,8 +63,7 @@ def without_errors_in_inputs(
     if not suspects:
         return kept
     equations, drawn = quick_fit(rest, part), rng.spawn(N_DRAWS)
-    pairs = list(zip(raw, records, strict=True))
-    errors = {f: _power_of_errors(equations, f, pairs, part, drawn) for f in suspects}
+    errors = {f: _power_of_errors(equations, f, raw, part, drawn) for f in suspects}
     while suspects:
         worth = [_worth(f, declared, kept, part) / max(errors[f], TINY) for f in suspects]
         least = int(np.argmin(worth))
@@ -102,14 +99,14 @@ def _left(equations: Equations, part: Segments) -> np.ndarray:
 def _power_of_errors(
     equations: Equations,
     finding: Finding,
-    pairs: Sequence[tuple[Record, Record]],
+    raw: Sequence[Record],
     part: Segments,
     drawn: Sequence[np.random.Generator],
 ) -> float:
     """Return the power that errors of its inputs leave in the equation of a finding."""
     length, n_states = part.z.shape[1], part.n_states
     inputs = frozenset(v - n_states for v in finding.candidate.variables)
-    powers = []
+    pairs, powers = list(zip(raw, part.records, strict=True)), []
     for rng in drawn:
         left = [_of_record(equations, *pair, inputs, rng) for pair in pairs]
         powers.append(_power(np.stack([left[i][s : s + length] for i, s in part.places]), part))

@@ -75,5 +75,5 @@ def _loss_of_runs(many: Model, few: Model, records: Sequence[Record]) -> float:
     drift = drift_of(many, coef[0], records)
     if drift is None:
         return float("inf")
-    (trial,) = settled([few.trial(coef[1], drift.trial.scale, records, drift.part)])
+    (trial,) = settled([few.trial(coef[1], drift.trial.scale, drift.part)])
     return log_ratio(trial.error, drift.trial.error)

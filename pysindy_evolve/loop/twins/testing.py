@@ -8,7 +8,6 @@ import numpy as np
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
-from ...signals import Record
 from ...threads import one_thread
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -21,7 +20,7 @@ BATCH = 4  # twins between two looks at whether the rest can be spared
 CLEAR = 2.0  # times the best of all twins so far: more of them would not change the verdict
 
 Maker = TwinMaker | DriftingTwins
-Statistic = Callable[[Segments, list[Record]], float]
+Statistic = Callable[[Segments], float]
 
 
 def twin_values(
@@ -57,5 +56,4 @@ def twin_values(
 
 @one_thread()
 def _in_twin(maker: Maker, part: Segments, statistic: Statistic, rng: np.random.Generator) -> float:
-    twins = maker.make(rng)
-    return statistic(part.of(twins), twins)
+    return statistic(part.of(maker.make(rng)))

@@ -75,11 +75,10 @@ def test_noise_that_shifts_nothing_leaves_a_fit_as_it_is():
 def test_what_noise_makes_of_a_shaft_is_no_effect():
     design, equations, part, records = seen(shaft(2.0))
     statistic = partial(_best_score, design=design, proposer=propose)
-    observed, rules = statistic(part, records), Rules(0.05, 59, 0.05, 8)
+    observed, rules = statistic(part), Rules(0.05, 59, 0.05, 8)
     rng = np.random.default_rng
     maker = TwinMaker.of(equations, records)
     plain = twin_values(maker, part, statistic, observed, rules, rng(0))
     assert np.sum(plain >= observed) == 0
-    given = statistic, design, equations, part, records
-    p_value, _ = chance_of(observed, *given, rules, rng(0))
+    p_value, _ = chance_of(observed, statistic, design, equations, part, rules, rng(0))
     assert p_value > rules.level

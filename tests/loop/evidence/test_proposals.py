@@ -5,6 +5,7 @@ import pytest
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.evidence.scoring import propose
+from pysindy_evolve.loop.given.segments import segments
 
 
 def test_ripple_that_only_a_shorter_slower_record_shows_is_proposed():
@@ -18,6 +19,6 @@ def test_ripple_that_only_a_shorter_slower_record_shows_is_proposed():
         rate = np.column_stack([x[:, 1], force + ripple * np.sin(14.0 * q) + noise])
         records.append(pse.Record(t=t, x=x, x_dot=rate, u=force[:, None]))
     design = declared.design()
-    proposed = propose(design, design.equations([]), records)
+    proposed = propose(design, design.equations([]), segments(records))
     (found,) = [c for c in proposed if c.name == "position-periodic ripple"]
     assert found.shape.values[0] == pytest.approx(14.0, rel=0.02)

@@ -183,7 +183,7 @@ def test_what_the_model_holds_already_is_no_alternative_on_a_short_record(air, i
     record = pse.prepare(t, h + 0.03 * np.random.default_rng(0).standard_normal(h.shape))
     model = pse.DeclaredModel({"h": "v", "v": f"-9.81 - k*(h + v) {air}"})
     design = design_of(model, [record])
-    part = segments([record], design.velocities).tracked([record])
+    part = segments([record], design.velocities).tracked()
     drag = Candidate("quadratic drag", 1, (mul(variable(1), call(BUILTIN["abs"], variable(1))),))
     rivals = rivals_of(drag, design, part, 0.01, np.random.default_rng(0))
     assert rivals

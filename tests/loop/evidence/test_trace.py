@@ -16,7 +16,7 @@ from pysindy_evolve.terms import variable
 
 def ranking(model, record, *, pairs=True):
     design, part = model.design(), segments([record])
-    return score(design, part, propose(design, quick_fit(design, part), [record]), pairs=pairs)
+    return score(design, part, propose(design, quick_fit(design, part), part), pairs=pairs)
 
 
 @pytest.mark.parametrize("hidden", hidden_effects(), ids=lambda hidden: hidden.effect)

@@ -122,10 +122,10 @@ def test_a_model_with_its_own_noise_is_likelier_than_one_that_lacks_the_drag(des
 
 
 def test_few_numbers_are_left_to_the_trajectory_and_many_to_the_spectrum(design):
-    assert witnessed(design, [filmed(WHIFFLE)]).tracks
+    assert witnessed(design, [filmed(WHIFFLE)]).by_trajectory
     many = oscillator("quadratic drag", "- 0.5*v*abs(v)")
     record = many.record(noise=0.01)
-    assert not witnessed(design_of(many.model, [record]), [record]).tracks
+    assert not witnessed(design_of(many.model, [record]), [record]).by_trajectory
 
 
 def test_a_trajectory_needs_raw_readings_of_each_equation(design):

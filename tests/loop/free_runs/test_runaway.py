@@ -68,7 +68,7 @@ def test_only_what_drives_the_run_over_the_training_data_away_is_withdrawn(recor
     train, test = record[: len(record) // 2], record[len(record) // 2 :]
     design, part = design_of(YIELDING.model, [train]), segments([train], (1,))
     rules, rng = Rules(0.05, 59, 0.05, 8), np.random.default_rng(0)
-    search = Search(design, [train], [train], part, rules, (), rng)
+    search = Search(design, [train], part, rules, (), rng)
     search.findings = findings_of(design, Candidate("spring", 1, (term,)))
     search._look_through(search.findings)
     report = settled(search, [test], True)

@@ -28,7 +28,7 @@ def missed(record, model, coef, band=True):
     """RMS by which the runs of a true model, begun as well as possible, miss a record."""
     part = segments([record], (1,), 4)
     design = design_of(model, [record])
-    trial = Model(design).trial(coef, part.state_scale, [record], part)
+    trial = Model(design).trial(coef, part.state_scale, part)
     if not band:
         plain = part.of([record])
         trial = replace(trial, part=replace(plain, band=None))

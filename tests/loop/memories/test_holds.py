@@ -75,14 +75,13 @@ def test_a_smooth_input_is_not_held_by_its_look():
     record = pse.prepare(t, np.sin(t), multisine(1.0, 0)(t), order=1)
     design = pse.DeclaredModel({"q": "b*F"}, inputs=["F"]).design()
     late = Memory("input delay", 0, (0.5 * DT,))
-    assert memory_beside_hold(late, design, [record], segments([record])) == (0.0, late)
+    assert memory_beside_hold(late, design, segments([record])) == (0.0, late)
 
 
 def test_an_input_is_held_only_once():
     record = hold(oven(), {0: 0.1})
     late = Memory("input delay", 0, (0.3 * STEP,))
-    seen = OVEN.design(), [record], segments([record])
-    assert memory_beside_hold(late, *seen) == (0.0, late)
+    assert memory_beside_hold(late, OVEN.design(), segments([record])) == (0.0, late)
 
 
 def driven(delay, friction=0.0):

@@ -179,7 +179,7 @@ def test_a_delay_is_found_from_where_a_vessel_was_the_best_of_the_grid():
     model = pse.DeclaredModel({"T": "b*F - a*(T - 15)"}, inputs=["F"])
     design, part = model.design(), segments([record])
     short = Memory("hidden state", 0, (0.4,))  # far shorter than the delay is, in its own units
-    tuned, _ = settled_memory(short, design, [record], part, 0.01, rng)
+    tuned, _ = settled_memory(short, design, part, 0.01, rng)
     assert tuned.kind == "input delay"
     assert tuned.values == pytest.approx((7.0,), rel=0.02)
 

@@ -219,9 +219,9 @@ def test_relaxations_are_not_sought_over_gaps():
     design = design_of(DECLARED, [record])
     whole, few = (segments([record], (1,), max_rows=rows) for rows in (None, 500))
     assert not whole.has_gaps
-    assert offer_for(design, whole, [record]).relaxes
+    assert offer_for(design, whole).relaxes
     assert few.has_gaps
-    assert not offer_for(design, few, [record]).relaxes
+    assert not offer_for(design, few).relaxes
 
 
 def test_hidden_state_begins_where_it_should_in_any_unit(exact):
@@ -282,8 +282,8 @@ def test_what_is_remembered_must_lead_late_inputs():
     design = design_of(DECLARED, [record])
     for one, leads in ((record, True), (replace(other, u=np.roll(other.u, 9, axis=0)), False)):
         part = segments([one], (1,))
-        ways, memories = relaxations_for(design, [one]), grid_of(design, [one], part)
-        assert outdoes_memories(ways, design, [one], part, memories) is leads
+        ways, memories = relaxations_for(design, [one]), grid_of(design, part)
+        assert outdoes_memories(ways, design, part, memories) is leads
 
 
 def test_what_is_remembered_must_oppose_what_it_follows():
@@ -292,7 +292,7 @@ def test_what_is_remembered_must_oppose_what_it_follows():
     drives = record.x_dot + np.outer(2.0 * STIFFNESS * ahead, [0.0, 1.0])
     design = design_of(DECLARED, [record])
     for one, relaxes in ((record, True), (replace(record, x_dot=drives), False)):
-        assert offer_for(design, segments([one], (1,)), [one]).relaxes is relaxes
+        assert offer_for(design, segments([one], (1,))).relaxes is relaxes
 
 
 def test_free_runs_need_what_is_there_and_not_what_is_not():

@@ -34,7 +34,7 @@ def begun(record, time_constant=33.0):
     named = CandidateMaker(0)(LAG, variable(1))
     finding = MemoryFinding(named, (), 1.0, 0.01, np.zeros(99), memory=lag)
     part = segments([record], ())
-    return settled_beginning(design_of(DECLARED, [record]), [finding], [record], [record], part)
+    return settled_beginning(design_of(DECLARED, [record]), [finding], [record], part)
 
 
 def test_lag_of_a_heater_switched_on_with_the_first_sample_is_tuned_from_rest():
