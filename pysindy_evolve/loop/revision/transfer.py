@@ -41,7 +41,7 @@ def last_untransferred(
         None of a single record, and where no effect differs.
     """
     records = np.array([record for record, _ in part.places])
-    if part.tracks or len(np.unique(records)) < 2:
+    if part.by_trajectory or len(np.unique(records)) < 2:
         return None
     design = with_findings(declared, findings)
     grams = derivative_grams(part, design, design.columns)
