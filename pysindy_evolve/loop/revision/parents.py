@@ -1,9 +1,9 @@
 """Drop what an effect had to enter beside, where that gains nothing.
 
 An absolute value has a mean, so it is first seen as an offset, and may enter only beside one. Once
-it stands there, an offset that was never there shows. All parents of an effect go, or none:
+it stands there, an offset that was never there shows. All parents of an effect go, or none, for
 friction that differs with the direction is a straight line on either side, whose parts belong
-together.
+together; or all but an offset, for a load may pull on a damper that is stiffer one way.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ...terms import Sum
-from ..effects.candidate import Candidate
+from ...terms import Call, Sum
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.missing import standing
 from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, score
 from ..given.design import Design
@@ -42,18 +43,37 @@ def without_parents(declared: Design, findings: Sequence[Finding], part: Segment
     for child in findings:
         parents = _parents_of(child, findings, declared)
         rest = [f for f in findings if f is not child and f not in parents]
-        if not parents or any(is_needed(f, rest) for f in parents):
-            continue
-        design = with_columns(declared, (*rest, child))
-        if _gain(parents, design, part) < MARGIN * len(parents):
-            alone = replace(child, candidate=_alone(child.candidate))
-            kept = [alone if f is child else f for f in findings if f not in parents]
-            return without_parents(declared, kept, part)
-    return list(findings)
+        for gone in (parents, [f for f in parents if f.candidate.terms != (OFFSET,)]):
+            staying = [f for f in parents if f not in gone]
+            if not gone or any(is_needed(f, rest) for f in gone):
+                continue
+            design = with_columns(declared, (*rest, *staying, child))
+            if _gain(gone, design, part) < MARGIN * len(gone):
+                alone = replace(child, candidate=_beside(child.candidate, staying))
+                kept = [alone if f is child else f for f in findings if f not in gone]
+                return without_parents(declared, kept, part)
+    return [_renamed(finding, findings, declared) for finding in findings]
 
 
-def _alone(candidate: Candidate) -> Candidate:
-    return replace(candidate, name=ALONE.get(candidate.name, candidate.name), parents=())
+def _beside(candidate: Candidate, parents: Sequence[Finding]) -> Candidate:
+    kept = tuple(term for parent in parents for term in parent.candidate.terms)
+    return replace(candidate, parents=kept)
+
+
+def _renamed(finding: Finding, findings: Sequence[Finding], declared: Design) -> Finding:
+    """Return a finding under the name that it has where no friction stands beside it."""
+    candidate = finding.candidate
+    there = standing(with_columns(declared, findings))
+    if candidate.name not in ALONE or any(
+        _is_sign(term) for s, term in there if s == candidate.state
+    ):
+        return finding
+    return replace(finding, candidate=replace(candidate, name=ALONE[candidate.name]))
+
+
+def _is_sign(expression: Sum) -> bool:
+    atoms = [atom for _, term in expression.parts for atom, _ in term.factors]
+    return len(atoms) == 1 and isinstance(atoms[0], Call) and atoms[0].operator.name == "sgn"
 
 
 def _parents_of(child: Finding, findings: Sequence[Finding], declared: Design) -> list[Finding]:

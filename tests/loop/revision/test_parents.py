@@ -37,9 +37,18 @@ def test_an_absolute_value_does_without_an_offset_and_a_friction_that_are_not_th
     assert damping.step == 3
 
 
-@pytest.mark.parametrize("term", ["- 2*sgn(v) + 0.6*abs(v)", "+ 1.5 + 0.6*abs(v)"])
-def test_all_parents_stay_where_one_of_them_is_there(term):
-    assert [f.candidate.name for f in kept_of(ASYMMETRY, term)] == list(ASYMMETRY)
+def test_all_parents_stay_where_the_friction_is_there():
+    kept = kept_of(ASYMMETRY, "- 2*sgn(v) + 0.6*abs(v)")
+    assert [f.candidate.name for f in kept] == list(ASYMMETRY)
+
+
+def test_a_load_may_pull_on_a_damper_that_is_stiffer_one_way():
+    offset, damping = kept_of(ASYMMETRY, "+ 1.5 + 0.6*abs(v)")
+    assert (offset.candidate.name, damping.candidate.name) == (
+        "constant offset",
+        "nonlinear damping",
+    )
+    assert damping.candidate.parents == offset.candidate.terms
 
 
 def test_a_parent_that_another_effect_needs_stays():
