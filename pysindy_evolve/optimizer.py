@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import warnings
 from functools import partial
-from numbers import Real
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.linear_model import ElasticNet as ElasticNetAtOneWeight
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from .checks import positive_integer
+from . import checks
 from .sparse import parsimony
 from .sparse.elimination import default_penalty
 from .sparse.gram import Gram, least_squares, refined, residual, target_grams, total
@@ -217,18 +216,9 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     def _check_parameters(self) -> None:
         for name in ("lambda1", "lambda2"):
-            value = getattr(self, name)
-            if value is None:
-                continue
-            if not isinstance(value, Real):
-                raise TypeError(
-                    f"ElasticNet({name}=...) must be a number; got {value!r}. "
-                    "Leave it out to have the weights swept."
-                )
-            if not float(value) >= 0.0:
-                raise ValueError(
-                    f"ElasticNet({name}=...) must be at least 0; got {value!r}. "
-                    "Leave it out to have the weights swept."
-                )
+            value, advice = getattr(self, name), "Leave it out to have the weights swept."
+            if value is not None:
+                checks.real("ElasticNet", name, value, "at least 0", lambda v: v >= 0, advice)
         for name in ("max_terms", "max_iter"):
-            positive_integer(getattr(self, name), "ElasticNet", name)
+            advice = "Give a positive whole number."
+            checks.integer("ElasticNet", name, getattr(self, name), 1, advice)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from . import checks
+from .. import checks
 from .spectral import Array
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from scipy import fft
 from scipy.interpolate import CubicSpline
 from scipy.signal.windows import tukey
 
-from . import checks
+from .. import checks
 from .filters import differentiate
 from .noise import floor, spectrum
 from .sampling import uniform
