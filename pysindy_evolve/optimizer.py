@@ -17,14 +17,13 @@ from . import checks
 from .sparse import parsimony
 from .sparse.elimination import default_penalty
 from .sparse.gram import Gram, least_squares, refined, residual, target_grams, total
+from .sparse.parsimony import MIN_ROWS, N_BLOCKS
 from .sparse.proposals import LAMBDA2, supports
 from .sparse.selection import select
 from .threads import one_thread
 
 __all__ = ["ElasticNet"]
 
-N_BLOCKS = 12  # parts of the record that a coefficient must agree on
-MIN_ROWS = 20  # rows a block must have for that to be worth asking
 TOLERANCE = 1e-9  # of coordinate descent: duality gap, as a share of the target's power
 
 
