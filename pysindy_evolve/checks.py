@@ -1,52 +1,227 @@
-"""What must hold of data and parameters, and what to tell the user where it does not."""
+"""What functions ask of their arguments, and how they say no.
+
+Each check takes the name of the call and of the parameter, then the value, and returns the value as
+it is worked with; `refuse` says no in the form that all errors of the package have.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from numbers import Integral, Real
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
-from pysindy.feature_library.base import BaseFeatureLibrary
-from scipy.sparse import issparse
+from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "SIZES",
+    "choice",
+    "columns",
+    "count",
+    "cutoff",
     "feature_names",
     "finite",
+    "floats",
+    "increasing",
+    "integer",
+    "number",
     "numbers",
-    "positive_integer",
-    "rate",
-    "same_samples",
-    "training_data",
+    "real",
+    "refuse",
+    "refuse_type",
+    "same_length",
+    "step",
+    "times",
 ]
 
-HUGE = 1e30  # its tenth power can still be computed
-MIN_SAMPLES = 10  # fewer rows cannot tell two terms from one
+Array = NDArray[np.float64]
+
+# Beyond these sizes powers of values and frequencies leave the range of floating point.
+LARGEST = 1e50
+STEP_LIMITS = (1e-20, 1e20)
+SIZES = (1e-30, 1e30)  # the same for powers of ratios of powers, such as terms are made of
 
 
-def finite(array: Any, owner: str, name: str) -> None:
-    """Raise unless every value is a finite real number."""
-    values = np.asarray(array)
-    if np.iscomplexobj(values):
-        raise ValueError(
-            f"{owner}({name}=...) must hold real numbers; got type {values.dtype}: "
-            "Complex data not supported. Pass real and imaginary parts as two columns."
-        )
-    if values.dtype.kind not in "biuf":
-        raise TypeError(
-            f"{owner}({name}=...) must hold real numbers; got type {values.dtype}. "
-            "Convert it to float."
-        )
-    with np.errstate(all="ignore"):
-        if np.isfinite(values.sum(dtype=float)):
-            return  # one pass and no copy: a sum is finite only if its parts are
-    bad = ~np.isfinite(values)
+def refuse(call: str, parameter: str, constraint: str, got: str, advice: str) -> NoReturn:
+    """Raise the ValueError of the house form."""
+    raise ValueError(f"{call}({parameter}=...) must be {constraint}; got {got}. {advice}")
+
+
+def refuse_type(call: str, parameter: str, constraint: str, value: Any, advice: str) -> NoReturn:
+    """Raise the TypeError of the house form."""
+    got = type(value).__name__
+    raise TypeError(f"{call}({parameter}=...) must be {constraint}; got {got}. {advice}")
+
+
+def numbers(call: str, parameter: str, values: ArrayLike, most: float = LARGEST) -> Array:
+    """Return real, finite float64 values of any shape, without a copy where none is needed."""
+    advice = "Give real numbers, one row per sample."
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        refuse(call, parameter, "a rectangular array", "rows of different lengths", advice)
+    if array.dtype == object or array.dtype.kind not in "biuf":
+        got = f"{type(values).__name__} of dtype {array.dtype}"
+        raise TypeError(f"{call}({parameter}=...) must be real numbers; got {got}. {advice}")
+    array = np.asarray(array, dtype=np.float64)
+    finite(call, parameter, array)
+    largest = float(np.abs(array).max(initial=0.0))
+    if largest > most:
+        advice = "Rescale the units."
+        refuse(call, parameter, f"at most {most:g} in size", f"{largest:g}", advice)
+    return array
+
+
+def finite(call: str, parameter: str, array: NDArray[Any]) -> None:
+    """Raise unless every value is finite, with the place of the first one that is not."""
+    bad = ~np.isfinite(array)
     if bad.any():
-        row = int(np.argwhere(bad)[0][0])
-        raise ValueError(
-            f"{owner}({name}=...) must be finite, neither NaN nor inf; got {values[bad].flat[0]} "
-            f"at sample {row}. Drop or interpolate such samples."
-        )
+        where = tuple(int(i) for i in np.argwhere(bad)[0])
+        place = f"sample {where[0]}" if len(where) else "the only value"
+        place += f", column {where[1]}" if len(where) > 1 else ""
+        got = f"{array[where]} at {place} ({int(bad.sum())} in all)"
+        refuse(call, parameter, "finite", got, "Drop or fill these samples first.")
+
+
+def floats(call: str, parameter: str, values: Any) -> Array:
+    """Return finite float64 values of any shape, of whatever numpy can make floats of."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        refuse_type(call, parameter, "an array of numbers", values, "Convert it to floats.")
+    if not np.all(np.isfinite(array)):
+        at = np.unravel_index(int(np.argmin(np.isfinite(array))), array.shape)
+        got = f"{array[at]} at {tuple(map(int, at))}"
+        refuse(call, parameter, "finite", got, "Drop or fill these samples.")
+    return array
+
+
+def columns(call: str, parameter: str, values: ArrayLike, most: float = LARGEST) -> Array:
+    """Return a finite float64 array of shape (n_samples, n_columns); 1-D becomes one column."""
+    array = numbers(call, parameter, values, most)
+    if array.ndim == 1:
+        array = array[:, None]
+    if array.ndim != 2 or array.shape[1] == 0:
+        advice = "Give one row per sample and one column per signal."
+        refuse(call, parameter, "1-D or 2-D with columns", f"shape {array.shape}", advice)
+    return array
+
+
+def times(call: str, values: ArrayLike) -> Array:
+    """Return finite, strictly increasing sampling times of shape (n_samples,)."""
+    t = numbers(call, "t", values)
+    if t.ndim == 2 and t.shape[1] == 1:
+        t = t[:, 0]
+    if t.ndim != 1:
+        advice = "Give the time of each sample."
+        refuse(call, "t", "1-D", f"shape {t.shape}", advice)
+    increasing(call, t)
+    steps = np.diff(t)
+    low, high = STEP_LIMITS
+    if steps.size and not low <= float(steps.mean()) <= high:
+        got = f"a mean step of {steps.mean():g}"
+        refuse(call, "t", f"in steps of {low:g} to {high:g}", got, "Rescale the time.")
+    return t
+
+
+def increasing(call: str, t: Array) -> None:
+    """Raise unless each time is later than the one before."""
+    steps = np.diff(t)
+    if np.any(steps <= 0):
+        at = int(np.argmax(steps <= 0))
+        advice = "Sort the record or drop the repeated samples."
+        got = f"a step of {steps[at]:g} at sample {at + 1}"
+        refuse(call, "t", "strictly increasing", got, advice)
+
+
+def same_length(call: str, **arrays: Array | None) -> None:
+    """Raise unless all arrays given have the same number of samples."""
+    lengths = {name: a.shape[0] for name, a in arrays.items() if a is not None}
+    if len(set(lengths.values())) > 1:
+        first, *rest = lengths
+        wrong = next(name for name in rest if lengths[name] != lengths[first])
+        got = f"{lengths[wrong]} samples, {first} has {lengths[first]}"
+        refuse(call, wrong, f"as long as {first}", got, "Cut both to the same samples.")
+
+
+def number(call: str, parameter: str, value: Any, constraint: str, ok: Any) -> float:
+    """Return a real number for which `ok` holds."""
+    advice = f"Choose a value that is {constraint}."
+    if isinstance(value, bool) or not isinstance(value, Real):
+        refuse_type(call, parameter, f"a number {constraint}", value, advice)
+    try:
+        converted = float(value)
+    except OverflowError:
+        converted = np.inf
+    if not (np.isfinite(converted) and ok(converted)):
+        refuse(call, parameter, constraint, repr(value), advice)
+    return converted
+
+
+def count(
+    call: str,
+    parameter: str,
+    value: Any,
+    most: float = np.inf,
+    advice: str = "Choose a whole number in this range.",
+) -> int:
+    """Return an integer of at least 1 and at most `most`."""
+    limited = np.isfinite(most)
+    constraint = f"an integer from 1 to {most:g}" if limited else "an integer of at least 1"
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        refuse_type(call, parameter, constraint, value, advice)
+    whole = int(value)
+    if not 1 <= whole <= most:
+        refuse(call, parameter, constraint, repr(value), advice)
+    return whole
+
+
+def integer(call: str, parameter: str, value: Any, least: int, advice: str) -> int:
+    """Return an option that is an integer, and not too small."""
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise TypeError(f"{call}({parameter}=...) must be an integer; got {value!r}. {advice}")
+    if value < least:
+        refuse(call, parameter, f"at least {least}", repr(value), advice)
+    return int(value)
+
+
+def real(
+    call: str,
+    parameter: str,
+    value: Any,
+    constraint: str,
+    ok: Callable[[float], bool],
+    advice: str,
+) -> float:
+    """Return an option that is a number for which `ok` holds."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{call}({parameter}=...) must be a number; got {value!r}. {advice}")
+    if not ok(float(value)):
+        refuse(call, parameter, constraint, repr(value), advice)
+    return float(value)
+
+
+def choice(call: str, parameter: str, value: Any, allowed: tuple[str, ...]) -> str:
+    """Return one of the allowed words."""
+    constraint = "one of " + ", ".join(f'"{word}"' for word in allowed)
+    if not isinstance(value, str):
+        refuse_type(call, parameter, constraint, value, "Choose one of these words.")
+    if value not in allowed:
+        refuse(call, parameter, constraint, repr(value), "Choose one of these words.")
+    return value
+
+
+def cutoff(call: str, value: Any, dt: float, parameter: str = "cutoff") -> float:
+    """Return a cutoff in (0, fs / 2), cycles per unit of t."""
+    nyquist = 0.5 / dt
+    constraint = f"in (0, {nyquist:g}), below half the sampling rate"
+    return number(call, parameter, value, constraint, lambda v: 0 < v < nyquist)
+
+
+def step(call: str, value: Any) -> float:
+    """Return a sampling time."""
+    low, high = STEP_LIMITS
+    return number(call, "dt", value, f"in [{low:g}, {high:g}]", lambda v: low <= v <= high)
 
 
 def feature_names(names: Sequence[str], n_columns: int) -> None:
@@ -56,152 +231,4 @@ def feature_names(names: Sequence[str], n_columns: int) -> None:
             "SINDy.fit(feature_names=...) must name each state and each input; got "
             f"{len(names)} for {n_columns} columns. Fit with the names of all states, then of all "
             "inputs."
-        )
-
-
-def numbers(array: Any, owner: str, name: str) -> np.ndarray:
-    """Return an array-like as a dense array of finite floats: itself, if it is one."""
-    if issparse(array):
-        raise TypeError(
-            f"{owner}({name}=...) must be dense; got a sparse matrix. Call its .toarray()."
-        )
-    values = np.asarray(array)
-    if values.dtype.kind == "O":
-        try:
-            values = values.astype(float)
-        except (TypeError, ValueError) as error:
-            raise TypeError(
-                f"{owner}({name}=...) must hold real numbers; got {error}. Convert it to float."
-            ) from error
-    finite(values, owner, name)
-    return values.astype(float, copy=False)
-
-
-def same_samples(repeated: np.ndarray | None) -> None:
-    """Raise where PySINDy made constant inputs of a u that is shorter or longer than x."""
-    if repeated is not None:
-        n_samples, n_values = repeated.shape
-        raise ValueError(
-            f"SINDy.fit(u=...) must be as long as x; got {n_values} samples, x has {n_samples}. "
-            "Cut both to the same samples."
-        )
-
-
-def base_library(library: Any, owner: str) -> None:
-    """Raise unless it is a library of PySINDy, or None."""
-    if library is not None and not isinstance(library, BaseFeatureLibrary):
-        raise TypeError(
-            f"{owner}(base_library=...) must be a PySINDy feature library; got {library!r}. "
-            "Write base_library=ps.PolynomialLibrary(degree=2), or leave it out."
-        )
-
-
-def positive_integer(value: Any, owner: str, name: str) -> None:
-    """Raise unless value is an integer of at least one."""
-    if not isinstance(value, Integral) or isinstance(value, bool):
-        raise TypeError(
-            f"{owner}({name}=...) must be an integer; got {value!r}. Give a whole number."
-        )
-    if value < 1:
-        raise ValueError(
-            f"{owner}({name}=...) must be at least 1; got {value!r}. Give a positive number."
-        )
-
-
-def rate(value: Any, owner: str, name: str) -> None:
-    """Raise unless value is a probability."""
-    if not isinstance(value, Real) or isinstance(value, bool):
-        raise TypeError(f"{owner}({name}=...) must be a number; got {value!r}. Give a probability.")
-    if not 0.0 <= float(value) <= 1.0:
-        raise ValueError(
-            f"{owner}({name}=...) must be in [0, 1]; got {value!r}. It is a probability."
-        )
-
-
-def training_data(x: Sequence[Any], y: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Join trajectories and check that terms can be grown on them.
-
-    Parameters
-    ----------
-    x : sequence of ndarray of shape (n_samples, n_features)
-        States and inputs of each trajectory.
-    y : ndarray, or sequence of ndarray, of shape (n_samples,) or (n_samples, n_targets)
-        Target of each trajectory; None if it did not reach the library.
-
-    Returns
-    -------
-    x : ndarray of shape (n, n_features)
-    y : ndarray of shape (n, n_targets)
-    """
-    if y is None:
-        raise ValueError(
-            "EvolvingLibrary.fit(y=...) must be x_dot, which ps.SINDy lets the library see; got "
-            "None. Use the library by itself in ps.SINDy: inside a ConcatLibrary, TensoredLibrary "
-            "or GeneralizedLibrary x_dot cannot reach it, so pass the other library as "
-            "EvolvingLibrary(base_library=...) instead; outside of ps.SINDy, pass y. "
-            "ps.DiscreteSINDy does not hand on what it fits to: library.fit(x[:-1], x[1:]) does."
-        )
-    trajectories = [numbers(xi, "EvolvingLibrary.fit", "x") for xi in x]
-    given = list(y) if isinstance(y, list | tuple) and y and np.ndim(y[0]) > 0 else [y]
-    targets = [numbers(yi, "EvolvingLibrary.fit", "y") for yi in given]
-    for trajectory in trajectories:
-        _two_dimensional(trajectory)
-    lengths, other = [len(xi) for xi in trajectories], [len(yi) for yi in targets]
-    if lengths != other:
-        raise ValueError(
-            f"EvolvingLibrary.fit(y=...) must have as many samples as x; got {other} for "
-            f"{lengths}. Pass x_dot at the samples of x, for each trajectory."
-        )
-    columns = _joined(trajectories)
-    joined = _joined([yi[:, None] if yi.ndim == 1 else yi for yi in targets])
-    _informative(columns, joined)
-    _computable(columns, "x")
-    _computable(joined, "y")
-    return columns, joined
-
-
-def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """Join trajectories; one alone is not copied, as it may be larger than the memory."""
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-
-def _two_dimensional(x: np.ndarray) -> None:
-    if x.ndim != 2:
-        raise ValueError(
-            f"EvolvingLibrary.fit(x=...) must be 2-D, (n_samples, n_features); got shape {x.shape}."
-            " Reshape your data with x.reshape(-1, 1) if it has one column."
-        )
-    if x.shape[1] == 0:
-        raise ValueError(
-            f"EvolvingLibrary.fit(x=...) must have columns; got 0 feature(s) (shape={x.shape}) "
-            "while a minimum of 1 is required. Pass the states."
-        )
-
-
-def _computable(values: np.ndarray, name: str) -> None:
-    """Raise where powers of the values would leave the range of floating-point numbers."""
-    size = max(values.max(initial=0.0), -values.min(initial=0.0))
-    if size > 0.0 and not 1.0 / HUGE <= size <= HUGE:
-        raise ValueError(
-            f"EvolvingLibrary.fit({name}=...) must have sizes between {1 / HUGE:.0e} and "
-            f"{HUGE:.0e}; got {size:.3g}. Change its unit."
-        )
-
-
-def _informative(x: np.ndarray, y: np.ndarray) -> None:
-    if len(x) < max(MIN_SAMPLES, 2 * x.shape[1]):
-        raise ValueError(
-            "EvolvingLibrary.fit(x=...) must have more samples than terms, at least "
-            f"{max(MIN_SAMPLES, 2 * x.shape[1])}; got n_samples = {len(x)}. Record longer."
-        )
-    still = np.flatnonzero(np.ptp(x, axis=0) == 0.0)
-    if len(still):
-        raise ValueError(
-            f"EvolvingLibrary.fit(x=...) must have columns that vary; got a constant column "
-            f"{still[0]}. Drop it: the library has a constant term of its own."
-        )
-    if not y.any():
-        raise ValueError(
-            "EvolvingLibrary.fit(y=...) must not be zero; got zeros in all columns. "
-            "Record a motion: at rest there is nothing to grow terms from."
         )

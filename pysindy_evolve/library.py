@@ -20,6 +20,7 @@ from .operators import Operator, resolve
 from .term_library import TermColumns
 from .terms import ONE, Product
 from .threads import one_thread
+from .training import finite, same_samples, training_data
 
 __all__ = ["EvolvingLibrary"]
 
@@ -110,7 +111,7 @@ class EvolvingLibrary(TermColumns):
     def correct_shape(self, x: Any) -> Any:
         """Note an array that ``SINDy`` is about to use, see `handover`, and return it as 2-D."""
         x = super().correct_shape(x)
-        checks.finite(x, "SINDy", "x, x_dot or u")
+        finite("SINDy", "x, x_dot or u", x)
         handover.note_shape(self, x)
         return x
 
@@ -174,17 +175,15 @@ class EvolvingLibrary(TermColumns):
     @one_thread()
     def _grow(self, x_full: list[Any], y: Any) -> Rows:
         """Grow the terms; return the rows that they were grown on."""
-        checks.same_samples(None if y is not None else handover.repeated(self))
+        same_samples(None if y is not None else handover.repeated(self))
         seen = None if y is not None else handover.target(self, x_full)
         handover.forget(self)
-        x, targets = checks.training_data(x_full, seen if y is None else y)
+        x, targets = training_data(x_full, seen if y is None else y)
         domain = _edges(x, [len(xi) for xi in x_full])
         operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
         rows = denoise(x, targets, [len(xi) for xi in x_full], operators)
         x, targets = rows.of(rows.x), rows.of(targets)
-        checks.base_library(self.base_library, "EvolvingLibrary")
-        # A copy, as scikit-learn's clone refuses a CustomLibrary.
-        base = None if self.base_library is None else deepcopy(self.base_library).fit(x_full)
+        base = self._fitted_base(x_full)
         fixed = np.empty((len(x), 0)) if base is None else np.asarray(base.transform(x))
         streams = np.random.SeedSequence(_entropy(self.random_state)).spawn(targets.shape[1])
         found: list[Evolution] = Parallel(n_jobs=self.n_jobs)(
@@ -209,14 +208,29 @@ class EvolvingLibrary(TermColumns):
         self.n_output_features_ = fixed.shape[1] + len(self.terms_)
         return rows
 
+    def _fitted_base(self, x_full: list[Any]) -> BaseFeatureLibrary | None:
+        """Return the base library after its fit; a copy, as `clone` refuses a CustomLibrary."""
+        base = self.base_library
+        if base is not None and not isinstance(base, BaseFeatureLibrary):
+            raise TypeError(
+                "EvolvingLibrary(base_library=...) must be a PySINDy feature library; got "
+                f"{base!r}. Write base_library=ps.PolynomialLibrary(degree=2), or leave it out."
+            )
+        return None if base is None else deepcopy(base).fit(x_full)
+
     def _settings(self) -> Settings:
         counts = ("population_size", "n_generations", "max_depth", "max_terms")
         rates = ("crossover_rate", "mutation_rate")
+        given = {name: getattr(self, name) for name in (*counts, *rates)}
         for name in counts:
-            checks.positive_integer(getattr(self, name), "EvolvingLibrary", name)
+            advice = "Give a positive whole number."
+            checks.integer("EvolvingLibrary", name, given[name], 1, advice)
         for name in rates:
-            checks.rate(getattr(self, name), "EvolvingLibrary", name)
-        return Settings(**{name: getattr(self, name) for name in (*counts, *rates)})
+            advice = "Give a probability."
+            checks.real(
+                "EvolvingLibrary", name, given[name], "in [0, 1]", lambda v: 0 <= v <= 1, advice
+            )
+        return Settings(**given)
 
 
 def _edges(x: np.ndarray, lengths: Sequence[int]) -> np.ndarray:

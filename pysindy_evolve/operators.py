@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 import sympy
 
+from . import checks
+
 __all__ = ["BUILTIN", "Operator", "resolve"]
 
 
@@ -73,11 +75,8 @@ class Operator:
                     f"Operator({field}=...) must be callable; got {type(value).__name__}. "
                     "Give a function of arrays, such as np.sign."
                 )
-        if not isinstance(self.arity, int | np.integer) or self.arity < 1:
-            raise ValueError(
-                f"Operator(arity=...) must be an integer of at least 1; got {self.arity!r}. "
-                "Give the number of arguments of the function."
-            )
+        advice = "Give the number of arguments of the function."
+        checks.count("Operator", "arity", self.arity, advice=advice)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle a built-in operator by its name, as its functions may be lambdas."""

@@ -7,25 +7,23 @@ from __future__ import annotations
 
 import warnings
 from functools import partial
-from numbers import Real
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.linear_model import ElasticNet as ElasticNetAtOneWeight
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from .checks import positive_integer
+from . import checks
 from .sparse import parsimony
 from .sparse.elimination import default_penalty
 from .sparse.gram import Gram, least_squares, refined, residual, target_grams, total
+from .sparse.parsimony import MIN_ROWS, N_BLOCKS
 from .sparse.proposals import LAMBDA2, supports
 from .sparse.selection import select
 from .threads import one_thread
 
 __all__ = ["ElasticNet"]
 
-N_BLOCKS = 12  # parts of the record that a coefficient must agree on
-MIN_ROWS = 20  # rows a block must have for that to be worth asking
 TOLERANCE = 1e-9  # of coordinate descent: duality gap, as a share of the target's power
 
 
@@ -217,18 +215,9 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     def _check_parameters(self) -> None:
         for name in ("lambda1", "lambda2"):
-            value = getattr(self, name)
-            if value is None:
-                continue
-            if not isinstance(value, Real):
-                raise TypeError(
-                    f"ElasticNet({name}=...) must be a number; got {value!r}. "
-                    "Leave it out to have the weights swept."
-                )
-            if not float(value) >= 0.0:
-                raise ValueError(
-                    f"ElasticNet({name}=...) must be at least 0; got {value!r}. "
-                    "Leave it out to have the weights swept."
-                )
+            value, advice = getattr(self, name), "Leave it out to have the weights swept."
+            if value is not None:
+                checks.real("ElasticNet", name, value, "at least 0", lambda v: v >= 0, advice)
         for name in ("max_terms", "max_iter"):
-            positive_integer(getattr(self, name), "ElasticNet", name)
+            advice = "Give a positive whole number."
+            checks.integer("ElasticNet", name, getattr(self, name), 1, advice)

@@ -13,6 +13,7 @@ from sklearn.utils.validation import check_is_fitted
 from . import checks, handover
 from .sparse.gram import chunks
 from .terms import Cache, Product
+from .training import numbers
 
 __all__ = ["TermColumns", "TermLibrary"]
 
@@ -69,7 +70,7 @@ class TermColumns(BaseFeatureLibrary):
                 "as input. Pass the same states and inputs. Reshape your data with "
                 "x.reshape(-1, 1) if it has one column."
             )
-        flat = checks.numbers(x, f"{type(self).__name__}.transform", "x").reshape(-1, x.shape[-1])
+        flat = numbers(f"{type(self).__name__}.transform", "x", x).reshape(-1, x.shape[-1])
         n_base = self.n_output_features_ - len(self.terms_)
         theta = np.empty((len(flat), self.n_output_features_))
         if self.base_library_ is not None:

@@ -17,7 +17,7 @@ LAYERS = (
     {"signals", "simulation", "hidden_states"},
     {"breeding"},
     {"evolution"},
-    {"handover", "term_library", "library", "optimizer"},
+    {"handover", "training", "term_library", "library", "optimizer"},
     {"export"},
     {"loop"},
     {"datasets", "paper", "cli"},

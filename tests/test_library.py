@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from joblib import parallel_config
 
-from pysindy_evolve import checks
 from pysindy_evolve.library import EvolvingLibrary
 from pysindy_evolve.operators import Operator
 from pysindy_evolve.optimizer import ElasticNet
 from pysindy_evolve.term_library import TermLibrary
 from pysindy_evolve.terms import ONE, call, mul, variable
+from pysindy_evolve.training import training_data
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")
 
@@ -286,7 +286,7 @@ def test_random_input_ends_in_a_result_or_an_error_that_says_what_to_do(shape, d
 
 def test_a_single_record_of_floats_is_not_copied(data):
     x, y = data
-    columns, targets = checks.training_data([x], [y])
+    columns, targets = training_data([x], [y])
     assert np.shares_memory(columns, x)
     assert np.shares_memory(targets, y)
 

@@ -34,7 +34,6 @@ def tune(
     others: np.ndarray,
     *,
     project: Callable[[np.ndarray], np.ndarray] | None = None,
-    scan: bool = True,
 ) -> tuple[Product, ...]:
     """Choose the inner constants of terms so that least squares on all columns fits best.
 
@@ -50,8 +49,6 @@ def tune(
         The other columns of the equation, projected if `project` is given.
     project : callable, optional
         Linear map on the rows of columns, (n, p) to (m, p).
-    scan : bool
-        Look at multiples of each constant first.
 
     Returns
     -------
@@ -82,7 +79,7 @@ def tune(
         value = residual(constants)
         return float(value @ value)
 
-    first = min(_around(start) if scan else [start], key=error)
+    first = min(_around(start), key=error)
     found = least_squares(residual, first, x_scale=np.maximum(np.abs(first), 1e-12), max_nfev=12).x
     # A constant that is tuned away leaves another term, one that the search knows as its own.
     kept = [c for c in (first, found) if np.all(np.abs(c) > 1e-6 * np.abs(start))]

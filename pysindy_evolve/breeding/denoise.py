@@ -1,10 +1,10 @@
 """Rows to grow terms on: what was measured, freed from noise where it does harm.
 
 Noise in the regressors biases least squares and makes up terms. Three things cure it. The states
-are smoothed by what their derivatives say (`signals.states`), so what is left of the noise is small
-and no longer goes with the regressors. Terms are evaluated on those states and compared with the
-measured target, so nothing is smoothed that was not measured smooth. And rows where a variable is
-so close to zero that its sign is a coin toss are left out, if an operator has a kink there.
+are smoothed by what their derivatives say (`signals.smoothing`), so what is left of the noise is
+small and no longer goes with the regressors. Terms are evaluated on those states and compared with
+the measured target, so nothing is smoothed that was not measured smooth. And rows where a variable
+is so close to zero that its sign is a coin toss are left out, if an operator has a kink there.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..operators import Operator
-from ..signals.states import Smoothed, smooth_states
+from ..signals.smoothing import Smoothed, smooth_states
 
 __all__ = ["Rows", "denoise"]
 

@@ -19,7 +19,7 @@ from deap import gp
 from ..operators import BUILTIN, Operator
 from ..terms import Atom, Call, Product, Sum, Variable, call, constant, simplified, variable
 
-__all__ = ["Genetics"]
+__all__ = ["Genetics", "is_mask"]
 
 MAX_SPLIT = 6  # a tree that falls into more terms than this is taken for noise
 NODES_PER_LEVEL = 4  # a term of full depth may have four times as many nodes: thin, not bushy
@@ -181,7 +181,7 @@ class Genetics:
         small = term.size <= NODES_PER_LEVEL * self.max_depth and term.depth <= self.max_depth
         if not small or not term.variables or (self._curves and _is_nested(term)):
             return False
-        return not any(map(_is_mask, term.factors))
+        return not any(map(is_mask, term.factors))
 
     def _expression(self, tree: gp.PrimitiveTree) -> Sum:
         stack: list[Sum] = []
@@ -227,7 +227,7 @@ def _is_sign(atom: Atom) -> bool:
     return isinstance(atom, Call) and atom.operator == BUILTIN["sgn"]
 
 
-def _is_mask(factor: tuple[Atom, int]) -> bool:
+def is_mask(factor: tuple[Atom, int]) -> bool:
     """Tell whether a factor is sgn(v)^2: one everywhere but at zero, it hides single samples."""
     atom, n = factor
     return _is_sign(atom) and n % 2 == 0

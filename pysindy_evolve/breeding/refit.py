@@ -12,6 +12,7 @@ import numpy as np
 
 from ..sparse import parsimony
 from ..sparse.gram import Gram, least_squares, residual, rss, total
+from ..sparse.parsimony import MIN_ROWS, N_BLOCKS
 from ..sparse.proposals import supports
 from ..sparse.selection import select
 from ..terms import Product
@@ -21,8 +22,6 @@ from .dictionary import Problem, price
 
 __all__ = ["refit"]
 
-N_BLOCKS = 12  # parts of the record that a coefficient must agree on
-ROWS_PER_BLOCK = 20  # at least
 TUNING_ROWS = 10_000  # for all inner constants together
 
 
@@ -101,7 +100,7 @@ def _grams(
     Columns have unit RMS on all rows, and the fixed columns are projected out.
     """
     n_fixed = problem.fixed.shape[1]
-    n_blocks = max(min(N_BLOCKS, len(problem.x) // ROWS_PER_BLOCK), 1)
+    n_blocks = max(min(N_BLOCKS, len(problem.x) // MIN_ROWS), 1)
     blocks = problem.blocks(terms, n_blocks)
     whole = total(blocks)
     finite = np.flatnonzero(np.isfinite(np.diag(whole.xx)[n_fixed:]))

@@ -12,6 +12,7 @@ from itertools import combinations_with_replacement
 
 from ..operators import Operator
 from ..terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul
+from .genetics import is_mask
 
 __all__ = ["relatives"]
 
@@ -46,7 +47,7 @@ def relatives(equation: Sequence[Product], operators: Sequence[Operator]) -> lis
             product = constant(1.0)
             for atom in chosen:
                 product = mul(product, as_sum(atom))
-            found.update((term, None) for _, term in product.parts if not _is_mask(term))
+            found.update((term, None) for _, term in product.parts if not _says_nothing(term))
     return list(found)
 
 
@@ -82,9 +83,6 @@ def _is_variable(argument: Sum) -> bool:
     return len(factors) == 1 and factors[0][1] == 1 and isinstance(factors[0][0], Variable)
 
 
-def _is_mask(term: Product) -> bool:
-    """Tell whether it is one, or has a factor such as sgn(v)^2 that is one but at zero."""
-    return term == ONE or any(
-        isinstance(atom, Call) and atom.operator.name == "sgn" and n % 2 == 0
-        for atom, n in term.factors
-    )
+def _says_nothing(term: Product) -> bool:
+    """Tell whether it is one, or has a factor that is one but at zero."""
+    return term == ONE or any(map(is_mask, term.factors))

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ..signals import Record
 
 __all__ = ["DELAY", "LAG", "VESSEL", "Memory", "acting", "balance", "preceded", "rate"]
-__all__ += ["raw_inputs", "remembered"]
+__all__ += ["remembered"]
 
 DELAY, LAG, VESSEL = "input delay", "actuator lag", "hidden state"
 REFINEMENT = 4  # steps in each sample of a lag's input, straight within them
@@ -83,14 +83,7 @@ class Memory:
 
     def apply(self, record: Record) -> Record:
         """Return a record whose input is what acts, in its raw data as well."""
-        if record.u is None:
-            return record
-        made = record.preparation
-        if made is None or made.u is None:
-            return replace(record, u=self._on(record.t, record.u))
-        raw = self._on(made.t, made.u)
-        again = replace(made, u=raw)
-        return replace(record, u=again.lowpass(raw), preparation=again)
+        return record.with_inputs(self._on)
 
     def _on(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         changed = np.array(u)
@@ -138,18 +131,11 @@ def preceded(record: Record, past: Sequence[float]) -> Record:
 
     The first raw sample of an input stands for all that came before it.
     """
-    made, changed = record.preparation, raw_inputs(record).copy()
+    made, changed = record.preparation, record.raw_u.copy()
     changed[0] = past
-    if made is None or made.u is None:
+    if made is None or not record.has_raw_inputs:
         return replace(record, u=changed)
     return replace(record, preparation=replace(made, u=changed))
-
-
-def raw_inputs(record: Record) -> np.ndarray:
-    """Return the inputs as they were measured, shape (n_raw, n_inputs)."""
-    made = record.preparation
-    raw = record.u if made is None or made.u is None else made.u
-    return np.empty((len(record), 0)) if raw is None else np.asarray(raw, dtype=float)
 
 
 def rate(memory: Memory, state: Sum, source: Sum) -> Sum:

@@ -10,7 +10,7 @@ import numpy as np
 from ..hidden_states.memory import Memory, preceded, remembered
 from ..operators import Operator
 from ..signals import Record
-from ..signals.holds import hold, raw_step
+from ..signals.holds import hold
 from .effects.candidate import Candidate
 from .evidence.findings import (
     Finding,
@@ -134,7 +134,7 @@ class Search:
     def hold_instead(self) -> None:
         """Take inputs as held between samples instead of late, which was all that was found."""
         memories, self.findings = memories_in(self.findings), []
-        step = raw_step(self.plain[0])
+        step = self.plain[0].raw_dt
         self._take_as_held({one.column: one.values[0] / step for one in memories})
         self._judge_rest()
 

@@ -6,12 +6,12 @@ over smooth windows before they are compared.
 
 from .files import read_csv
 from .filters import Motion, differentiate, integrate, lowpass
+from .fuse import fuse
 from .noise import noise_level
 from .preparation import Preparation
 from .prepare import prepare
 from .record import Record
 from .sampling import resample
-from .slopes import fuse
 from .switches import is_decided
 from .target import as_target
 from .windows import Windows, choose_windows, project, project_derivative

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
-from . import checks
+from .. import checks
 from .noise import DWELL
 from .spectral import Array
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import fft, signal
 
-from . import checks
+from .. import checks
 from .spectral import Array, SpectralFilter, gain
 
 METHODS = ("fft", "savgol", "central")

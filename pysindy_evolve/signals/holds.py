@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from .record import Record
 from .spectral import Array
 
-__all__ = ["HALF", "hold", "raw_step"]
+__all__ = ["HALF", "hold"]
 
 HALF = 0.5  # sampling times by which a held input is late
 
@@ -39,19 +39,14 @@ def hold(record: Record, late: Mapping[int, float]) -> Record:
     new = {column: share for column, share in late.items() if column not in record.held}
     if record.u is None or not new:
         return record
-    made = record.preparation
-    raw = np.array(record.u if made is None or made.u is None else made.u)
-    for column, share in new.items():
-        raw[:, column] = _later(raw[:, column], share)
-    held = {**record.held, **new}
-    if made is None or made.u is None:
-        return replace(record, u=raw, held=held)
-    return replace(record, u=made.lowpass(raw), preparation=replace(made, u=raw), held=held)
 
+    def as_acting(_: Array, u: Array) -> Array:
+        acting = u.copy()
+        for column, share in new.items():
+            acting[:, column] = _later(u[:, column], share)
+        return acting
 
-def raw_step(record: Record) -> float:
-    """Return the sampling time at which the inputs were recorded, units of t."""
-    return record.dt if record.preparation is None else record.preparation.dt
+    return replace(record.with_inputs(as_acting), held={**record.held, **new})
 
 
 def _later(u: Array, share: float) -> Array:

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from scipy import fft
 from scipy.stats import norm
 
-from . import checks
+from .. import checks
 from .spectral import Array, Extension, gain
 
 # Highest automatic cutoff, as a share of the sampling rate: the edge of the low-pass, which is

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import checks
+from .. import checks
 from .clipping import beyond, bridged, widened
 from .filters import derivatives
 from .record import Record

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import checks
+from .. import checks
 from .clipping import as_limits, beyond, bridged
 from .filters import METHODS, MOST_ORDERS
 from .holds import HALF, hold

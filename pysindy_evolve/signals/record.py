@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import checks
+from .. import checks
 from .spectral import Array
 
 if TYPE_CHECKING:
@@ -114,6 +114,53 @@ class Record:
     def dt(self) -> float:
         """Mean sampling time, units of t."""
         return float((self.t[-1] - self.t[0]) / (self.n_samples - 1))
+
+    @property
+    def cutoff(self) -> float | None:
+        """Low-pass that the record went through, cycles per unit of t; None if none is known."""
+        return None if self.preparation is None else self.preparation.cutoff
+
+    @property
+    def raw_dt(self) -> float:
+        """Sampling time of the raw data, units of t; `dt` where there are none."""
+        return self.dt if self.preparation is None else self.preparation.dt
+
+    @property
+    def has_raw_inputs(self) -> bool:
+        """Whether the inputs are known as they were before the low-pass."""
+        return self.preparation is not None and self.preparation.u is not None
+
+    @property
+    def raw_u(self) -> Array:
+        """Inputs before the low-pass, (n_raw, n_inputs); u where no raw ones are known."""
+        raw = self.preparation.u if self.preparation is not None else None
+        raw = self.u if raw is None else raw
+        return np.empty((self.n_samples, 0)) if raw is None else raw
+
+    def lowpass(self, columns: Array) -> Array:
+        """Return raw columns, (n_raw, n_columns), as they would be in the record."""
+        return columns if self.preparation is None else self.preparation.lowpass(columns)
+
+    def with_inputs(self, change: Callable[[Array, Array], Array]) -> Record:
+        """Return a record with other inputs, which pass through the low-pass as the old ones did.
+
+        Parameters
+        ----------
+        change : callable
+            Takes the raw times of shape (n_raw,) and `raw_u`, and returns the new raw inputs.
+
+        Returns
+        -------
+        Record
+            The same one if there are no inputs.
+        """
+        if self.u is None:
+            return self
+        made = self.preparation
+        if made is None or made.u is None:
+            return replace(self, u=change(self.t, self.u))
+        raw = change(made.t, made.u)
+        return replace(self, u=made.lowpass(raw), preparation=replace(made, u=raw))
 
     def __repr__(self) -> str:
         sizes = f"n_samples={self.n_samples}, n_states={self.n_states}, n_inputs={self.n_inputs}"

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from . import checks
+from .. import checks
 from .spectral import Array
 
 # Shares of the sampling time. Below the first, time stamps are merely rounded.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from . import checks
+from .. import checks
 from .record import Record
 
 __all__ = ["is_decided"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import checks
+from .. import checks
 from .record import Record
 
 __all__ = ["as_target"]

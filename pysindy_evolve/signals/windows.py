@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import fft
 
-from . import checks
+from .. import checks
 from .noise import auto_cutoff
 from .record import Record
 from .spectral import Array

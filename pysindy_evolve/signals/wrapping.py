@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import checks
+from .. import checks
 from .spectral import Array
 
 TURNS = {"360": 360.0, "2*np.pi": 2.0 * np.pi}  # as they are written, and their size

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from tqdm.auto import tqdm
 
+from .. import checks
 from ..equations import Equations
 from ..hidden_states.hidden import MemoryEquations
 from ..reading.library_terms import from_model
@@ -106,13 +107,13 @@ def simulate(
     equations = from_model(model, "simulate(model=...)")
     _refuse_algebraic(equations)
     _check_options(substeps, tolerance, on_divergence)
-    times = check_time(t, "simulate")
+    times = check_time("simulate", t)
     fine, keep = _refined(times, u)
-    inputs = check_input(u, fine, equations, "simulate")
+    inputs = check_input("simulate", u, fine, equations)
     if isinstance(equations, MemoryEquations):
         inputs = equations.arriving(fine, inputs)
         x0 = equations.complete(np.asarray(x0, dtype=float), inputs[0], float(fine[0]))
-    start = check_start(x0, equations, "simulate")
+    start = check_start("simulate", x0, equations)
     structure, parameters = structure_of(equations)
     limits = Limits(tolerance, substeps, max_steps or 20_000 + 100 * len(times), bound)
     run = FreeRun(program_of(structure), parameters, limits)
@@ -177,17 +178,11 @@ def _refined(t: np.ndarray, u: Input) -> tuple[np.ndarray, int]:
 
 
 def _check_options(substeps: int | None, tolerance: float, on_divergence: str) -> None:
-    if substeps is not None and (not isinstance(substeps, int | np.integer) or substeps < 1):
-        raise ValueError(
-            f"simulate(substeps=...) must be an integer of at least 1; got {substeps!r}. "
-            "Leave it out to have the error controlled."
-        )
+    if substeps is not None:
+        advice = "Leave it out to have the error controlled."
+        checks.count("simulate", "substeps", substeps, advice=advice)
     if not (math.isfinite(tolerance) and tolerance > 0):
-        raise ValueError(
-            f"simulate(tolerance=...) must be above 0; got {tolerance!r}. Give, say, 1e-9."
-        )
+        checks.refuse("simulate", "tolerance", "above 0", repr(tolerance), "Give, say, 1e-9.")
     if on_divergence not in ("warn", "nan", "raise"):
-        raise ValueError(
-            f'simulate(on_divergence=...) must be "warn", "nan" or "raise"; '
-            f"got {on_divergence!r}. Choose one of them."
-        )
+        must = '"warn", "nan" or "raise"'
+        checks.refuse("simulate", "on_divergence", must, repr(on_divergence), "Choose one of them.")

@@ -13,8 +13,10 @@ import numpy as np
 from .elimination import gains
 from .gram import Gram, inverse, least_squares, rss
 
-__all__ = ["PERFECT", "frugal", "material", "plainer", "stable"]
+__all__ = ["MIN_ROWS", "N_BLOCKS", "PERFECT", "frugal", "material", "plainer", "stable"]
 
+N_BLOCKS = 12  # parts of the record that a coefficient must agree on
+MIN_ROWS = 20  # rows a block must have for that to be worth asking
 PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
 MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
 SURE = 6.0  # standard errors of a term that one block shows alone

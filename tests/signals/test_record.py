@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from pysindy_evolve.signals import (
-    Record,
-)
+from pysindy_evolve.signals import Record, prepare
 
 
 def test_record_promotes_one_dimension_to_a_column():
@@ -36,6 +34,27 @@ def test_split_holds_out_the_last_part(t):
     first, last = record.split(0.25)
     assert (first.n_samples, last.n_samples) == (3000, 1000)
     assert first.t[-1] < last.t[0]
+
+
+def test_other_inputs_pass_the_low_pass_as_the_old_ones_did(t, rng):
+    force = np.cos(t) + 0.1 * rng.standard_normal(t.size)
+    record = prepare(t, np.sin(t), force, cutoff=4.0)
+    doubled = record.with_inputs(lambda _, u: 2.0 * u)
+    np.testing.assert_array_equal(doubled.raw_u[:, 0], 2.0 * force)
+    np.testing.assert_allclose(doubled.u, 2.0 * record.u, atol=1e-12)
+    np.testing.assert_array_equal(record.lowpass(doubled.raw_u), doubled.u)
+    assert (record.cutoff, record.raw_dt) == (4.0, record.preparation.dt)
+    assert record.has_raw_inputs
+
+
+def test_a_record_without_raw_data_stands_for_them(t):
+    record = Record(t=t, x=t, x_dot=t, u=t)
+    later = record.with_inputs(lambda times, u: u + times[:, None])
+    np.testing.assert_array_equal(later.raw_u, 2.0 * record.u)
+    assert (later.cutoff, later.raw_dt, later.has_raw_inputs) == (None, record.dt, False)
+    alone = Record(t=t, x=t, x_dot=t)
+    assert alone.with_inputs(lambda _, u: u) is alone
+    assert alone.raw_u.shape == (len(t), 0)
 
 
 def test_record_cannot_be_changed(t):

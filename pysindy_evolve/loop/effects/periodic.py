@@ -154,9 +154,8 @@ def ripple_candidates(
     residual: np.ndarray,
     q: np.ndarray,
     noise: float = 0.0,
-    n_peaks: int = 1,
 ) -> list[Candidate]:
-    """Return sines and cosines of a position at the strongest wave numbers of a residual.
+    """Return sine and cosine of a position at the strongest wave number of a residual.
 
     Cogging of a motor, teeth of a gear and the pitch of a screw come again at the same places,
     whenever the machine passes there. So the residual is averaged over short pieces of the stroke
@@ -175,12 +174,11 @@ def ripple_candidates(
         Position.
     noise : float
         Standard deviation of the noise of the sensor of the position.
-    n_peaks : int
-        How many wave numbers to propose.
 
     Returns
     -------
     list of Candidate
+        One, or none.
     """
     n_bins = len(q) // SAMPLES_PER_BIN
     if n_bins < 2 * PERIODS_IN_SPACE or np.ptp(q) == 0.0:
@@ -190,7 +188,7 @@ def ripple_candidates(
     mean = np.interp(np.arange(n_bins), np.flatnonzero(seen), mean[seen])
     effect, width = CandidateMaker(state), float(edges[1] - edges[0])
     finest = width / (2 * np.pi * noise) if noise > 0.0 else np.inf
-    lines = _lines(mean, (), PERIODS_IN_SPACE, n_peaks, finest)
+    lines = _lines(mean, (), PERIODS_IN_SPACE, 1, finest)
     return [
         effect(
             "position-periodic ripple",

@@ -148,11 +148,11 @@ def _block_grams(design: Design, records: Sequence[Record]) -> np.ndarray:
     derivative.
     """
     windows = choose_windows(list(records))
-    scale = np.concatenate([record.x_dot for record in records]).std(axis=0)
+    scale = scale_of([record.x_dot for record in records])
     total = sum(record.n_samples for record in records)
     grams = []
     for record in records:
-        rows = _rows(design, record, windows, np.where(scale > 0.0, scale, 1.0))
+        rows = _rows(design, record, windows, scale)
         n_blocks = max(1, round(N_BLOCKS * record.n_samples / total))
         grams += [block.T @ block for block in np.array_split(rows, n_blocks) if len(block)]
     return np.array(grams)
@@ -235,10 +235,9 @@ def derivative_errors(
         squares.append(project(error * weight, wide) ** 2)
         samples.append(project(record.x_dot, wide))
         weights.append(project(weight, wide) ** 2)
-    spread = np.concatenate(samples).std(axis=0)
     rows = np.maximum(np.concatenate(weights).sum(axis=0), 1e-300)
     rms = np.sqrt(np.concatenate(squares).sum(axis=0) / rows)
-    return np.where(known, 100.0 * rms / np.where(spread > 0.0, spread, 1.0), np.inf)
+    return np.where(known, 100.0 * rms / scale_of(samples), np.inf)
 
 
 def derivative_fit_errors(

@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 
 from ...equations import Equations, stack
 from ...hidden_states.hidden import MemoryEquations, with_memories
-from ...hidden_states.memory import preceded, raw_inputs
+from ...hidden_states.memory import preceded
 from ...hidden_states.path_states import kind_of
 from ...signals import Record
 from ...terms import Call
@@ -60,7 +60,7 @@ def begun(equations: Equations, record: Record, *, doubted: bool = False) -> Rec
 def _begun_in(
     equations: MemoryEquations, record: Record, column: int, time_constant: float, clear: float
 ) -> Record:
-    raw = raw_inputs(record)
+    raw = record.raw_u
     longest = max(_SHORTEST, len(record) // LONGEST)
     n = int(np.clip(np.ceil(time_constant / record.dt), _SHORTEST, longest))
     noise = np.array([noise_of(record, state, 1) for state in range(record.n_states)])

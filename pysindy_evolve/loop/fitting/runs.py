@@ -12,6 +12,7 @@ from ...equations import AlgebraicEquations, Equations
 from ...hidden_states.hidden import MemoryEquations, with_memories
 from ...signals import Record
 from ...simulation import simulate
+from ..given.segments import scale_of
 from ..given.sensor import limits_of_states, missed, shown
 from .past import begun, first_state
 
@@ -75,8 +76,7 @@ def nrmse(errors: np.ndarray, values: np.ndarray) -> np.ndarray:
 
     A column of values that never change counts as if its standard deviation were one.
     """
-    rms, spread = np.sqrt(np.mean(errors**2, axis=0)), values.std(axis=0)
-    return 100.0 * rms / np.where(spread > 0.0, spread, 1.0)
+    return 100.0 * np.sqrt(np.mean(errors**2, axis=0)) / scale_of([values])
 
 
 def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches: int) -> float:
@@ -85,8 +85,7 @@ def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches:
     Each stretch starts on its record; states count in their standard deviations. Infinite if a
     run diverges.
     """
-    spread = np.concatenate([record.x for record in records]).std(axis=0)
-    scale = np.where(spread > 0.0, spread, 1.0)
+    scale = scale_of([record.x for record in records])
     equations, limits = with_memories(equations, ()), limits_of_states(records)
     squares = []
     for record in records:

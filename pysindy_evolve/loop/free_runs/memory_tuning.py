@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...hidden_states.memory import raw_inputs
 from ...signals import Record
 from ..fitting.fit import Fit
 from ..fitting.linear import solve_gram
@@ -195,7 +194,7 @@ class _Numbers:
         n_known = sum(len(memory.values) for memory in model.memories[: model.n_known])
         free = n_known + np.flatnonzero(flat[n_known:])
         logs = np.log(flat[free])
-        raw = [raw_inputs(record) for record in records]
+        raw = [record.raw_u for record in records]
         given = model.pasts or tuple(tuple(u[0].tolist()) for u in raw)
         columns = tuple(sorted({m.column for m in model.memories if m.has_state}))
         pasts = np.array([past[c] for past in given for c in columns])

@@ -50,7 +50,7 @@ class Band:
         found = np.array(x)
         for k, record in enumerate(self.records):
             own = np.flatnonzero([place[0] == k for place in self.places])
-            if len(own) and self.length >= SHORTEST and _cutoff(record) is not None:
+            if len(own) and self.length >= SHORTEST and record.cutoff is not None:
                 before, after = self._cut(k, record.x), self._cut(k, self._passed[k])
                 columns = np.moveaxis(x[own] - before, 0, 1)  # (n, n_pieces, n_states)
                 left = _low_passed(record, columns.reshape(self.length, -1))
@@ -67,17 +67,12 @@ class Band:
         return [_low_passed(record, record.x) for record in self.records]
 
 
-def _cutoff(record: Record) -> float | None:
-    return None if record.preparation is None else record.preparation.cutoff
-
-
 def _low_passed(record: Record, x: np.ndarray) -> np.ndarray:
     """Return columns (n, n_columns) after the low-pass of a record; NaN where a run diverges."""
-    cutoff = _cutoff(record)
-    if cutoff is None:
+    if record.cutoff is None:
         return x
     with np.errstate(over="ignore", invalid="ignore"):
-        return _low_pass(len(x), record.dt, cutoff)(x)[0]
+        return _low_pass(len(x), record.dt, record.cutoff)(x)[0]
 
 
 @lru_cache(maxsize=32)

@@ -9,8 +9,6 @@ signals/holds.py. An input that runs smoothly is known between its samples as we
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.ndimage import label
 
@@ -29,29 +27,25 @@ DOUBT = 0.05  # of a held input: more of it is not known at the frequencies that
 
 def as_held(record: Record) -> Record:
     """Return a record whose held inputs, recorded as means about the samples, act as they did."""
-    made = record.preparation
-    if made is None or made.u is None:
+    if not record.has_raw_inputs:
         return record
-    means = _samples_of_jumps(made.u) == 2
+    means = _samples_of_jumps(record.raw_u) == 2
     means[list(record.held)] = False  # which are given as what acts
     if not means.any():
         return record
-    held = made.u - np.where(means, QUICKER * _bend(made.u), 0.0)
-    return replace(record, u=made.lowpass(held), preparation=replace(made, u=held))
+    return record.with_inputs(lambda _, u: u - np.where(means, QUICKER * _bend(u), 0.0))
 
 
 def jumps_at_once(record: Record, column: int) -> bool:
     """Tell whether an input jumps in one step, somewhere between two samples."""
-    made = record.preparation
-    return made is not None and made.u is not None and _samples_of_jump(made.u[:, column]) == 1
+    return record.has_raw_inputs and _samples_of_jump(record.raw_u[:, column]) == 1
 
 
 def known_up_to(record: Record) -> float:
     """Return the frequency up to which inputs are known well, cycles per unit of t."""
-    made = record.preparation
-    if made is None or made.u is None or not _samples_of_jumps(made.u).any():
+    if not record.has_raw_inputs or not _samples_of_jumps(record.raw_u).any():
         return np.inf
-    return float(np.sqrt(DOUBT / QUICKER) / (2.0 * np.pi * made.dt))
+    return float(np.sqrt(DOUBT / QUICKER) / (2.0 * np.pi * record.raw_dt))
 
 
 def input_error(
@@ -73,13 +67,13 @@ def input_error(
     ndarray of shape (n_samples, n_inputs) or None
         Units of u, after the low-pass of the record. None if there are no inputs, or no raw data.
     """
-    made = record.preparation
-    if made is None or made.u is None:
+    if not record.has_raw_inputs:
         return None
-    noise = input_noise(made.u, made.dt, made.cutoff) * rng.standard_normal(made.u.shape)
-    asked = range(made.u.shape[1]) if columns is None else columns
-    at_work = np.isin(np.arange(made.u.shape[1]), list(asked))
-    return made.lowpass((noise + _between(made.u)) * at_work)
+    u = record.raw_u
+    noise = input_noise(u, record.raw_dt, record.cutoff) * rng.standard_normal(u.shape)
+    asked = range(u.shape[1]) if columns is None else columns
+    at_work = np.isin(np.arange(u.shape[1]), list(asked))
+    return record.lowpass((noise + _between(u)) * at_work)
 
 
 def untimely(record: Record, rng: np.random.Generator | None = None) -> np.ndarray | None:
@@ -97,17 +91,17 @@ def untimely(record: Record, rng: np.random.Generator | None = None) -> np.ndarr
     ndarray of shape (n_samples, n_inputs) or None
         Units of u, after the low-pass of the record. None where no input jumps in one step.
     """
-    made = record.preparation
-    if made is None or made.u is None:
+    if not record.has_raw_inputs:
         return None
-    jumping = _samples_of_jumps(made.u) == 1
+    u = record.raw_u
+    jumping = _samples_of_jumps(u) == 1
     if not jumping.any():
         return None
-    steps = np.diff(made.u, axis=0) * jumping
+    steps = np.diff(u, axis=0) * jumping
     shares = np.full(len(steps), TYPICAL) if rng is None else rng.uniform(-0.5, 0.5, len(steps))
     moved = shares[:, None] * steps  # samples times height: an area
-    nothing = np.zeros((1, made.u.shape[1]))
-    return made.lowpass(0.5 * (np.vstack([moved, nothing]) + np.vstack([nothing, moved])))
+    nothing = np.zeros((1, u.shape[1]))
+    return record.lowpass(0.5 * (np.vstack([moved, nothing]) + np.vstack([nothing, moved])))
 
 
 def _between(u: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...checks import SIZES
 from ...signals import Preparation, Record, as_target, prepare
 from .common_step import common_step
 from .design import Design
@@ -143,7 +144,6 @@ def _check_velocities(design: Design, records: Sequence[Record]) -> None:
             )
 
 
-SIZES = (1e-30, 1e30)  # beyond them squares of ratios of powers leave the range of a float
 ROUNDING = 1e-13  # of its size, that a filter makes a constant column vary by
 
 

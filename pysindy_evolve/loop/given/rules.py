@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from numbers import Integral, Real
+from numbers import Integral
 from typing import Any
 
 import numpy as np
+
+from ... import checks
 
 __all__ = ["REFINE", "Rules", "generator"]
 
@@ -29,10 +31,11 @@ class Rules:
     n_looks: float = N_LOOKS
 
     def __post_init__(self) -> None:
-        _check_share("significance", self.significance)
-        _check_share("min_share", self.min_share)
-        _check_count("n_twins", self.n_twins, 1)
-        _check_count("max_effects", self.max_effects, 0)
+        for name in ("significance", "min_share"):
+            value, advice = getattr(self, name), "Give a share such as 0.05."
+            checks.real("close_loop", name, value, "in (0, 1)", lambda v: 0 < v < 1, advice)
+        checks.integer("close_loop", "n_twins", self.n_twins, 1, "Give a count.")
+        checks.integer("close_loop", "max_effects", self.max_effects, 0, "Give a count.")
         _check_processes(self.n_jobs)
         if self.refine not in REFINE:
             raise ValueError(
@@ -76,26 +79,6 @@ class Rules:
     def level_of_runs(self) -> float:
         """The same for what free runs show: a third of a look for limits, names and other terms."""
         return self.level / 3.0
-
-
-def _check_share(name: str, value: Any) -> None:
-    if not isinstance(value, Real) or isinstance(value, bool):
-        raise TypeError(
-            f"close_loop({name}=...) must be a number; got {value!r}. Give a share such as 0.05."
-        )
-    if not 0.0 < float(value) < 1.0:
-        raise ValueError(
-            f"close_loop({name}=...) must be in (0, 1); got {value!r}. Give a share such as 0.05."
-        )
-
-
-def _check_count(name: str, value: Any, least: int) -> None:
-    if not isinstance(value, Integral) or isinstance(value, bool):
-        raise TypeError(f"close_loop({name}=...) must be an integer; got {value!r}. Give a count.")
-    if value < least:
-        raise ValueError(
-            f"close_loop({name}=...) must be at least {least}; got {value!r}. Give a count."
-        )
 
 
 def _check_processes(n_jobs: Any) -> None:

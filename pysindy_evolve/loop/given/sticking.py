@@ -64,10 +64,9 @@ def _away_from_rest(record: Record, speed: np.ndarray) -> np.ndarray:
     sticks again and again, not to one that comes to rest once, at the end of its record. The speed
     is relative to what counts as slow.
     """
-    made = record.preparation
-    if made is None or made.cutoff is None:
+    if record.cutoff is None:
         return np.ones(len(speed))
-    period = 1.0 / (made.cutoff * record.dt)
+    period = 1.0 / (record.cutoff * record.dt)
     stuck = _stuck(speed, max(round(STUCK * period), 2))
     if not stuck.any():
         return np.ones(len(speed))

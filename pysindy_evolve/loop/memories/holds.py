@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...hidden_states.memory import DELAY, Memory
-from ...signals.holds import HALF, raw_step
+from ...signals.holds import HALF
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once
 from ..given.segments import Segments
@@ -59,7 +59,7 @@ def memory_beside_hold(
     known = any(column in record.held for record in records)
     if known or not all(jumps_at_once(record, column) for record in records):
         return 0.0, memory
-    share = memory.values[0] / raw_step(records[0])
+    share = memory.values[0] / records[0].raw_dt
     if kind == DELAY and share < LATEST:
         return share, None
     behind = reach_of(_BehindHold(kind, column, memory.values), design, part)

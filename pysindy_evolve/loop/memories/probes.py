@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory, raw_inputs
+from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, sub, variable
@@ -82,7 +82,7 @@ def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> l
         had = {memory.kind for memory in present if memory.column == column}
         reach = {DELAY: LONGEST * segment}
         reach[LAG] = max(reach[DELAY], LONGEST * record)
-        if all(raw_inputs(r)[:, column].min() >= 0.0 for r in part.records):
+        if all(r.raw_u[:, column].min() >= 0.0 for r in part.records):
             reach[VESSEL] = reach[LAG]
         if {LAG, VESSEL} & had:
             reach.pop(LAG)
@@ -139,14 +139,7 @@ class Probes:
 
     def extended(self, record: Record) -> Record:
         """Return a record with the probes as further inputs."""
-        if record.u is None:
-            return record
-        made = record.preparation
-        if made is None or made.u is None:
-            return replace(record, u=self._beside(record.t, record.u), inputs=None)
-        raw = self._beside(made.t, made.u)
-        again = replace(made, u=raw)
-        return replace(record, u=again.lowpass(raw), inputs=None, preparation=again)
+        return replace(record, inputs=None).with_inputs(self._beside)
 
     def extended_pieces(self, part: Segments) -> Segments:
         """Return pieces with the probes as further inputs."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...export import format_expression, format_number
 from ...hidden_states.memory import DELAY
-from ...signals.holds import HALF, raw_step
+from ...signals.holds import HALF
 from ...terms import ONE
 from ..effects.relaxation import longest_relaxation
 from ..given.kinematics import disagreement
@@ -119,7 +119,7 @@ def is_hold_only(report: LoopReport) -> bool:
 
 def _held_delays(report: LoopReport) -> list[Effect]:
     """Return the delays that are half a sample, as exactly as the record knows them."""
-    step, held = raw_step(report.train[0]), report.train[0].held
+    step, held = report.train[0].raw_dt, report.train[0].held
     found = []
     for one in (e for e in report.effects if e.name == DELAY):
         if one.memory is None or one.memory.column in held:

@@ -190,9 +190,9 @@ def _facts(report: LoopReport) -> list[tuple[str, str]]:
     for name, records in (("training", report.train), ("held-out", report.test)):
         spans = [f"{r.n_samples} samples over {r.t[-1] - r.t[0]:.4g}" for r in records]
         facts.append((f"{name} records", "; ".join(spans)))
-    made = report.train[0].preparation
-    if made is not None and made.cutoff is not None:
-        facts.append(("cutoff of the preparation", f"{made.cutoff:.4g} cycles per unit of t"))
+    cutoff = report.train[0].cutoff
+    if cutoff is not None:
+        facts.append(("cutoff of the preparation", f"{cutoff:.4g} cycles per unit of t"))
     if report.rules is not None:
         rules = report.rules
         facts += [

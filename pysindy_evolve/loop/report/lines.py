@@ -77,6 +77,5 @@ def _lines_of(record: Record, left: np.ndarray) -> list[float]:
 
 def _knows_its_noise(record: Record) -> bool:
     """Tell whether the low-pass of a record left frequencies enough to know a line from noise."""
-    made = record.preparation
-    cutoff = 0.5 / record.dt if made is None or made.cutoff is None else made.cutoff
+    cutoff = 0.5 / record.dt if record.cutoff is None else record.cutoff
     return bool(cutoff * (record.t[-1] - record.t[0]) >= FEWEST_FREQUENCIES)

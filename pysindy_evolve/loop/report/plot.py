@@ -175,9 +175,8 @@ def _row(letters: str) -> str:
 
 
 def _highest(record: Record) -> float:
-    made = record.preparation
     nyquist = 0.5 / record.dt
-    return nyquist if made is None or made.cutoff is None else min(nyquist, made.cutoff)
+    return nyquist if record.cutoff is None else min(nyquist, record.cutoff)
 
 
 def _variables(report: LoopReport, index: int) -> list[int]:

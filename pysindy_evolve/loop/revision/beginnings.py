@@ -13,7 +13,7 @@ import numpy as np
 
 from ...equations import Equations
 from ...hidden_states.hidden import with_memories
-from ...hidden_states.memory import raw_inputs, remembered
+from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
 from ..evidence.scoring import quick_fit
@@ -91,4 +91,4 @@ def _begun(
 
 
 def _begins_alike(record: Record, other: Record) -> bool:
-    return np.array_equal(raw_inputs(record), raw_inputs(other))
+    return np.array_equal(record.raw_u, other.raw_u)

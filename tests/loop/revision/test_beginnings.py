@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lsim
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden_states.memory import LAG, Memory, raw_inputs
+from pysindy_evolve.hidden_states.memory import LAG, Memory
 from pysindy_evolve.loop.effects.candidate import CandidateMaker
 from pysindy_evolve.loop.evidence.findings import MemoryFinding, memories_in
 from pysindy_evolve.loop.given.declared import design_of
@@ -42,7 +42,7 @@ def test_lag_of_a_heater_switched_on_with_the_first_sample_is_tuned_from_rest():
     (memory,) = memories_in(found.findings)
     assert memory.values[0] == pytest.approx(TIME_CONSTANT, rel=0.03)
     for record in (*found.plain, *found.wide):
-        assert raw_inputs(record)[0] == pytest.approx([0.0], abs=0.05)
+        assert record.raw_u[0] == pytest.approx([0.0], abs=0.05)
 
 
 def test_record_in_balance_with_its_first_input_stays_as_it_is():

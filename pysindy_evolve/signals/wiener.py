@@ -21,22 +21,17 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.polynomial import hermite_e
-from numpy.typing import NDArray
 from scipy import fft
 
+from .bands import AGREE, Bins, averaged, lowest_quarter, widening_edges
 from .spectral import Array
 
-Bins = NDArray[np.intp]
-
-__all__ = ["QUIET", "estimate", "floor"]
+__all__ = ["QUIET", "estimate"]
 
 QUIET = 1e-4  # share of a column's RMS: less noise than this (80 dB) does no harm
-BINS, WIDER = 20, 0.07  # of a band: fewest bins, and least width as a share of its frequency
-PASSED = 0.03  # share of the median power below which a band was filtered away and is no floor
 NEAR = 4.0  # times the floor: below that a band holds mostly noise
 FEW, SHARED = 0.1, 0.2  # share of the bands in which two levels differ by less than that share of
 # their noise, if one was computed from the other
-AGREE = 10.0  # times the power of their noise by which two measurements of one signal may differ
 END = 0.02  # of the record is the widest bump at an end
 WIDTHS = 4.0  # of a bump, after which it is over
 SIGNS = (1.0, 1.0, -1.0, -1.0)  # of sin, its derivative and so on, in series of sines and cosines
@@ -48,7 +43,7 @@ def estimate(levels: Array) -> tuple[Array, Array, int]:
     omega = np.pi * np.arange(1, n) / n
     known, ends = _trend_and_ends(levels[:, 0], n_levels)
     spectra = np.stack([_spectrum(y, m) for m, y in enumerate((levels - known).T)])
-    edges = _edges(len(omega))
+    edges = widening_edges(len(omega))
     noise, carrier = _noise_powers(spectra, omega, edges)
     weights = omega ** (2 * np.arange(n_levels)[:, None]) / np.repeat(noise, np.diff(edges), axis=1)
     # Levels computed from each other count once, with the noise of the one that was measured.
@@ -113,18 +108,6 @@ def _series(coefficients: Array, m: int) -> Array:
     return np.asarray(fft.idst(np.r_[SIGNS[m % 4] * coefficients, 0.0], norm="ortho"))
 
 
-def _edges(n_bins: int) -> Bins:
-    """Return the edges of bands that widen with frequency."""
-    edges = [0]
-    while edges[-1] < n_bins:
-        edges.append(edges[-1] + max(BINS, int(WIDER * edges[-1])))
-    return np.array([*edges[:-2], n_bins])  # the last one takes what is left
-
-
-def _average(power: Array, edges: Bins) -> Array:
-    return np.asarray(np.add.reduceat(power, edges[:-1], axis=-1) / np.diff(edges))
-
-
 def _noise_powers(spectra: Array, omega: Array, edges: Bins) -> tuple[Array, Bins]:
     """Return the noise power of each level in each band, and the level whose noise it shares.
 
@@ -133,8 +116,8 @@ def _noise_powers(spectra: Array, omega: Array, edges: Bins) -> tuple[Array, Bin
     third; if it is larger, one is no measurement of that signal, and the lower level is believed.
     """
     steps = omega ** np.arange(len(spectra))[:, None]
-    power, size = _average((spectra * steps) ** 2, edges), np.diff(edges)
-    floors = np.array([floor(row, size) for row in power])
+    power, size = averaged((spectra * steps) ** 2, edges), np.diff(edges)
+    floors = np.array([lowest_quarter(row, size) for row in power])
     total = (power * size).sum(axis=1)
     share = size.sum() * floors / np.where(total > 0.0, total, 1.0)
     noise = np.repeat(floors[:, None], len(size), axis=1)
@@ -142,8 +125,8 @@ def _noise_powers(spectra: Array, omega: Array, edges: Bins) -> tuple[Array, Bin
     upper = len(spectra) - 1
     for lower in range(upper - 1, -1, -1):
         between = omega ** (2 * (upper - lower))
-        implied = _average(1.0 / between, edges) * noise[upper]
-        found = _average((spectra[lower] - spectra[upper]) ** 2 * steps[lower] ** 2, edges)
+        implied = averaged(1.0 / between, edges) * noise[upper]
+        found = averaged((spectra[lower] - spectra[upper]) ** 2 * steps[lower] ** 2, edges)
         ratio = found / np.maximum(noise[lower] + implied, np.finfo(float).tiny)
         if np.quantile(ratio, FEW) < SHARED:
             flat = [_flatness(power[m], floors[m], size, share[m]) for m in (lower, upper)]
@@ -152,7 +135,7 @@ def _noise_powers(spectra: Array, omega: Array, edges: Bins) -> tuple[Array, Bin
             upper = source
         else:
             apart = ratio > AGREE
-            noise[upper, apart] = (found / _average(1.0 / between, edges))[apart]
+            noise[upper, apart] = (found / averaged(1.0 / between, edges))[apart]
             upper = lower
     return noise, carrier
 
@@ -162,21 +145,8 @@ def _flatness(power: Array, floor: float, size: Bins, share: float) -> float:
     return float(size[power < NEAR * floor].sum()) if share > QUIET**2 else 0.0
 
 
-def floor(power: Array, size: Bins) -> float:
-    """Return the floor under the averaged powers of bands of so many bins.
-
-    The lowest quarter of the bins that were not filtered away, as a signal can only lift a band.
-    """
-    order = np.argsort(power)
-    count = np.cumsum(size[order])
-    median = power[order][int(np.searchsorted(count, 0.5 * count[-1]))]
-    order = order[power[order] > PASSED * median]
-    count = np.cumsum(size[order])
-    return float(power[order][int(np.searchsorted(count, 0.25 * count[-1]))])
-
-
 def _wiener(power: Array, noise: Array, edges: Bins) -> Array:
     """Return the share of the amplitude that is signal at each frequency."""
-    share = 1.0 - 1.0 / np.maximum(_average(power / noise, edges), 1e-300)
+    share = 1.0 - 1.0 / np.maximum(averaged(power / noise, edges), 1e-300)
     middle = 0.5 * (edges[1:] + edges[:-1])
     return np.asarray(np.interp(np.arange(len(noise)), middle, np.clip(share, 0.0, 1.0)))

@@ -1,7 +1,7 @@
 r"""States freed from their noise by what their derivatives say.
 
 A row of x and one of x_dot are two measurements of one signal: x_dot is its slope. So noisy states
-are estimated from both, see `fusion`. A regression on the estimate has no errors-in-variables bias,
+are estimated from both, see `wiener`. A regression on the estimate has no errors-in-variables bias,
 as what is left of the noise does not go with it.
 
 References
@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, optimize
 
-from .fusion import QUIET, estimate, floor
+from .bands import lowest_quarter
 from .spectral import Array
+from .wiener import QUIET, estimate
 
 __all__ = ["Smoothed", "is_noisy", "smooth_states", "time_step"]
 
@@ -132,7 +133,7 @@ def _without_mean(
 
 def _white(spectrum: NDArray[np.complex128]) -> float:
     power = np.abs(spectrum) ** 2
-    return floor(power, np.ones(len(power), dtype=int))
+    return lowest_quarter(power, np.ones(len(power), dtype=int))
 
 
 def _loud(spectrum: NDArray[np.complex128]) -> NDArray[np.intp]:

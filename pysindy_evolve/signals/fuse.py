@@ -13,12 +13,13 @@ share   (n_freq, k)      weight of the slope at each frequency, between 0 and 1
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import fft
 from scipy.interpolate import CubicSpline
 from scipy.signal.windows import tukey
 
-from . import checks
+from .. import checks
+from .bands import AGREE, geometric_edges
 from .filters import differentiate
 from .noise import floor, spectrum
 from .sampling import uniform
@@ -27,8 +28,6 @@ from .spectral import Array
 __all__ = ["fuse"]
 
 FADE = 0.02  # share of the record, half at each end, where the slope fades out
-AGREE = 10.0  # times the power of their noise by which two measurements of one signal may differ
-BANDS, BINS = 150, 20  # averaged spectra: at most so many bands, at least so many bins in each
 FEWEST = 256  # samples; fewer have no spectrum to speak of
 
 
@@ -104,14 +103,7 @@ def _share(states: Array, rates: Array, dt: float, gap_power: Array) -> Array:
     of_rate, of_state = (floor(spectrum(columns, dt)[1]) for columns in (rates, states))
     of_slope = omega**2 * of_state
     expected = np.maximum(of_rate + of_slope, np.finfo(float).tiny)
-    edges = _edges(len(omega))
+    edges = geometric_edges(len(omega))
     found = np.add.reduceat(gap_power, edges[:-1], axis=0)
     ratio = found / np.add.reduceat(np.broadcast_to(expected, gap_power.shape), edges[:-1], axis=0)
     return of_rate / expected * np.repeat(ratio <= AGREE, np.diff(edges), axis=0)
-
-
-def _edges(n: int) -> NDArray[np.intp]:
-    """Return the edges of bands that widen with frequency."""
-    edges = np.unique(np.geomspace(BINS, n, BANDS).astype(np.intp))
-    inner = edges[np.r_[True, np.diff(edges) >= BINS]][:-1]
-    return np.concatenate([[0], inner, [n]]).astype(np.intp)
