@@ -12,7 +12,7 @@ from ...terms import Sum, sub, variable
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, bare
 
-__all__ = ["declared_differences", "differences", "losses"]
+__all__ = ["acting_differences", "differences", "losses"]
 
 
 def differences(
@@ -44,8 +44,11 @@ def _difference(
         yield effect("coupling", sub(variable(other), variable(own)))
 
 
-def declared_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
-    """Go through what an equation declares relative to an input: a speed in the wind, a stretch.
+def acting_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
+    """Go through what may act relative to an input: a speed in the wind, a stretch.
+
+    That is a difference that the equation declares, or one to an input that acts nowhere: somebody
+    measured it for a reason.
 
     Parameters
     ----------
@@ -62,10 +65,11 @@ def declared_differences(design: Design, state: int) -> Iterator[tuple[int, int]
     position = design.position_of(state)
     able = [state] if position is None else [state, position]
     first = len(design.states)
-    inputs = range(first, first + len(design.inputs))
+    used = {v for k in range(first) for side in design.sides_of(k) for v in side.variables}
     for own in able:
-        for other in inputs:
-            if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
+        for other in range(first, first + len(design.inputs)):
+            sides = design.sides_of(state)
+            if other not in used or any(_holds_difference(side, own, other) for side in sides):
                 yield own, other
 
 

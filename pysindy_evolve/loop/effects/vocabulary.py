@@ -18,7 +18,7 @@ from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .angles import angles_of, between_angles, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
-from .differences import declared_differences, differences, losses
+from .differences import acting_differences, differences, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
@@ -265,7 +265,7 @@ def _relative(
     effect: CandidateMaker, design: Design, state: int, apart: np.ndarray
 ) -> Iterator[Candidate]:
     """Go through the forces of a motion relative to an input: to the wind, or to a shaken floor."""
-    for own, other in declared_differences(design, state):
+    for own, other in acting_differences(design, state):
         between = sub(variable(own), variable(other))
         if own == state:
             yield from _slips(effect, between)

@@ -1,7 +1,9 @@
 """Effects that are another one in each record: a forcing whose phase differs, a load, a zero.
 
 What depends on nothing but the time is fitted to all records with one number, and so it explains a
-part of each even where every record has its own. No fixed term can be that.
+part of each even where every record has its own. No fixed term can be that. Nor is a state that
+nobody measured and that relaxes slowly, where a load in each record explains as much: it begins
+where each record says, and so is another load in each.
 """
 
 from __future__ import annotations
@@ -10,21 +12,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..effects.candidate import OFFSET
 from ..evidence.findings import Finding, MemoryFinding, SensorFinding, is_needed, with_findings
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams
-from ..given.design import Design
+from ..given.design import Design, in_state
 from ..given.segments import Segments
 
 __all__ = ["last_untransferred"]
 
 MOST_LOST = 0.2  # of what it would gain with numbers of their own: phases 50 degrees apart
+AS_WELL = 1.05  # times the squares that are left
 
 
 def last_untransferred(
     declared: Design, findings: Sequence[Finding], part: Segments
 ) -> Finding | None:
-    """Return the last effect of the time alone that differs between records.
+    """Return the last effect that is a forcing, or a load, of each record by itself.
 
     Parameters
     ----------
@@ -40,20 +44,19 @@ def last_untransferred(
     Finding or None
         None of a single record, and where no effect differs.
     """
-    records = np.array([record for record, _ in part.places])
-    if part.by_trajectory or len(np.unique(records)) < 2:
+    records = np.unique([record for record, _ in part.places], return_inverse=True)[1]
+    if part.by_trajectory or records[-1] == 0:
         return None
     design = with_findings(declared, findings)
-    grams = derivative_grams(part, design, design.columns)
-    coef = solve_gram(grams.sum(axis=0))
-    by_record = [grams[records == record].mean(axis=0) for record in np.unique(records)]
     for finding in reversed(findings):
-        if _is_of_time(finding, design) and not is_needed(
-            finding, [other for other in findings if other is not finding]
-        ):
-            own = [design.columns.index(column) for column in finding.columns]
-            if _differs(own, coef, by_record):
-                return finding
+        rest = [other for other in findings if other is not finding]
+        if is_needed(finding, rest) or not set(finding.columns) <= set(design.columns):
+            continue
+        if _is_of_time(finding, design) and _differs(finding, design, part, records):
+            return finding
+        without = with_findings(declared, rest)
+        if len(without.paths) < len(design.paths) and _is_load(without, design, part, records):
+            return finding
     return None
 
 
@@ -61,17 +64,42 @@ def _is_of_time(finding: Finding, design: Design) -> bool:
     """Tell whether nothing that was measured acts in an effect."""
     if isinstance(finding, MemoryFinding | SensorFinding):
         return False
-    time = len(design.states) + len(design.inputs)
-    return finding.candidate.variables <= {time} and set(finding.columns) <= set(design.columns)
+    return finding.candidate.variables <= {len(design.states) + len(design.inputs)}
 
 
-def _differs(own: Sequence[int], coef: np.ndarray, grams: Sequence[np.ndarray]) -> bool:
-    """Tell whether columns explain much more in a record with coefficients of its own."""
+def _differs(finding: Finding, design: Design, part: Segments, records: np.ndarray) -> bool:
+    """Tell whether an effect explains much more in a record with coefficients of its own."""
+    grams = derivative_grams(part, design, design.columns)
+    coef = solve_gram(grams.sum(axis=0))
+    own = [design.columns.index(column) for column in finding.columns]
     lost, gained = [], []
-    for gram in grams:
+    for gram in _by_record(grams, records):
         inner = gram[np.ix_(own, own)]
         wrong = np.linalg.pinv(inner) @ (gram[own, -1] - gram[own, :-1] @ coef)
         right = coef[own] + wrong
         lost.append(float(wrong @ inner @ wrong))
         gained.append(float(right @ inner @ right))
     return max(lost) > MOST_LOST * float(np.mean(gained))
+
+
+def _is_load(few: Design, many: Design, part: Segments, records: np.ndarray) -> bool:
+    """Tell whether a design with a load in each record does as well as one that remembers more."""
+    own = derivative_grams(part, many, many.columns).sum(axis=0)
+    for state in few.open_states:
+        load = in_state("load", OFFSET, state, len(few.states))
+        grams = _by_record(derivative_grams(part, few, (load, *few.columns)), records)
+        freed = sum(gram - np.outer(gram[0], gram[0]) / gram[0, 0] for gram in grams)[1:, 1:]
+        if _left(freed) <= AS_WELL * _left(own):
+            return True
+    return False
+
+
+def _by_record(grams: np.ndarray, records: np.ndarray) -> list[np.ndarray]:
+    """Return the inner products over all pieces of each record."""
+    return [grams[records == record].sum(axis=0) for record in range(records[-1] + 1)]
+
+
+def _left(gram: np.ndarray) -> float:
+    """Return what the columns of a Gram matrix leave of its target."""
+    left = np.append(-solve_gram(gram), 1.0)
+    return float(left @ gram @ left)

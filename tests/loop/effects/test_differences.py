@@ -6,7 +6,7 @@ from loop_systems import equations_of, multisine
 from scipy.signal import butter, filtfilt
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.differences import declared_differences
+from pysindy_evolve.loop.effects.differences import acting_differences
 
 
 def smooth(t, seed, cutoff):
@@ -27,7 +27,7 @@ def smooth(t, seed, cutoff):
 )
 def test_only_a_declared_difference_is_one(side, expected):
     design = pse.DeclaredModel({"v": side}, inputs=["F", "w"]).design()
-    assert list(declared_differences(design, 0)) == expected
+    assert list(acting_differences(design, 0)) == expected
 
 
 def test_drag_of_a_hull_is_found_relative_to_the_current():
