@@ -49,7 +49,8 @@ def twin_chance(
     design : Design
         The model without it.
     options : sequence of Candidate
-        All that may be the cause, the rival among them.
+        All that may be the cause, the rival among them; the first is the effect itself. A rival
+        whose run goes to infinity, where that of the effect does not, is no cause.
     records : sequence of Record
         Training records.
     level : float
@@ -64,7 +65,9 @@ def twin_chance(
     observed, n_twins = _lead(rival, design, options, records), draws_for(level, N_TWINS)
     if observed > FAR:
         return 1.0 / (1 + n_twins)
-    maker = DriftingTwins.of(design.adding(columns_of(rival, design)), records)
+    maker = _twins_of(rival, design, records)
+    if not maker.is_finite and _twins_of(options[0], design, records).is_finite:
+        return 1.0 / (1 + n_twins)
     leads: list[float] = []
     for child in rng.spawn(n_twins):
         leads.append(_lead(rival, design, options, maker.make(child)))
@@ -74,6 +77,10 @@ def twin_chance(
         if len(leads) >= FEWEST and CLEAR * max(leads) < observed:
             return 1.0 / (1 + n_twins)
     return p_value_of(observed, leads)
+
+
+def _twins_of(cause: Candidate, design: Design, records: Sequence[Record]) -> DriftingTwins:
+    return DriftingTwins.of(design.adding(columns_of(cause, design)), records)
 
 
 def _lead(

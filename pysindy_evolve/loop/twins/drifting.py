@@ -44,6 +44,11 @@ class DriftingTwins:
         )
         return cls(tuple(records), runs, slopes, tuple(track.disturbances()))
 
+    @property
+    def is_finite(self) -> bool:
+        """Whether the model runs over all records."""
+        return all(bool(np.isfinite(run).all()) for run in self.runs)
+
     def make(self, rng: np.random.Generator) -> list[Record]:
         """Return one twin of each record.
 

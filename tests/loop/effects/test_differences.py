@@ -23,21 +23,23 @@ def smooth(t, seed, cutoff):
         ("b*F - c*v + d*w", []),
         ("b*F - 3*v + 3*w", [(0, 2)]),
         ("b*F - 3*v + 2*w", []),
+        ("b*F - c*v", [(0, 2)]),
     ],
 )
-def test_only_a_declared_difference_is_one(side, expected):
+def test_a_difference_is_declared_or_to_an_input_that_acts_nowhere(side, expected):
     design = pse.DeclaredModel({"v": side}, inputs=["F", "w"]).design()
     assert list(acting_differences(design, 0)) == expected
 
 
-def test_drag_of_a_hull_is_found_relative_to_the_current():
+@pytest.mark.parametrize("damping", ["c*(v - w)", "c*v"])
+def test_drag_of_a_hull_is_found_relative_to_the_current(damping):
     t = np.arange(0.0, 300.0, 0.1)
     u = np.column_stack([1.5 * smooth(t, 0, 0.3), 0.3 + 0.2 * np.sin(t / 17.0)])
-    sides = {"v": "F - 0.1*(v - w) - 1.1*(v - w)*abs(v - w)"}
+    sides = {"v": f"F - {damping.replace('c', '0.1')} - 1.1*(v - w)*abs(v - w)"}
     v = pse.simulate(equations_of(sides, ("F", "w")), [0.0], t, u)
     noise = 0.005 * np.random.default_rng(1).standard_normal(v.shape)
     record = pse.prepare(t, v + noise, u, order=1)
-    declared = pse.DeclaredModel({"v": "b*F - c*(v - w)"}, inputs=["F", "w"])
+    declared = pse.DeclaredModel({"v": f"b*F - {damping}"}, inputs=["F", "w"])
     report = pse.close_loop(declared, record, operators=(), n_twins=59, random_state=0)
     (effect,) = report.effects
     assert effect.name == "quadratic drag"

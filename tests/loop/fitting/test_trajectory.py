@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from loop_systems import oscillator
+from loop_systems import equations_of, oscillator
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.missing import candidates
@@ -204,3 +205,28 @@ def test_an_effect_of_the_states_is_named_where_a_drift_would_do_as_well():
     assert effect.name != "drift"
     assert "drift" in effect.alternatives
     assert report.after.simulation_error[0] < 0.5 * report.before.simulation_error[0]
+
+
+def fan_cooled(seed):
+    """A heated body that a fan cools, in a room that warms up and cools down: a short record."""
+    rng, t = np.random.default_rng(seed), np.arange(0.0, 600.0, 0.5)
+
+    def wandering(every, low, high):
+        knots = np.arange(-2.0 * every, t[-1] + 3.0 * every, every)
+        return CubicSpline(knots, rng.uniform(low, high, len(knots)))(t)
+
+    u = np.column_stack([wandering(25.0, 0, 6), wandering(18.0, 0, 4), wandering(90.0, 18, 26)])
+    truth = equations_of({"T": "0.9*P - (0.03 + 0.012*n)*(T - Ta)"}, ("P", "n", "Ta"))
+    x = pse.simulate(truth, [40.0], t, u)
+    y = x + 0.01 * x.std() * rng.standard_normal(x.shape)
+    return pse.prepare(t, y, u, order=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [751, 754])
+def test_a_rival_whose_run_bursts_does_not_take_the_place_of_the_cause(seed):
+    declared = pse.DeclaredModel({"T": "b*P - a*(T - Ta)"}, inputs=["P", "n", "Ta"])
+    report = pse.close_loop(declared, fan_cooled(seed), random_state=0)
+    (effect,) = report.effects
+    assert str(effect.term) in ("-T*n + Ta*n", "n*(-T + Ta)")
+    assert effect.coefficients == pytest.approx([0.012], rel=0.03)
