@@ -13,7 +13,7 @@ from itertools import permutations, product
 import numpy as np
 import sympy
 
-from ..operators import Operator
+from ..operators import BUILTIN, Operator
 from ..terms import ONE, Call, Product, Sum, add, as_sum, constant, mul, sub
 
 __all__ = ["as_hinges"]
@@ -52,11 +52,43 @@ def as_hinges(side: Sum) -> Sum:
     >>> as_hinges(sub(*both)).name(["u"])
     '2 min(max(u, -2), 2)'
     """
+    side = _rooted(Sum(tuple((weight, _inside(term)) for weight, term in side.parts)))
     kinks = _kinks(side)
     if not 0 < len(kinks) <= MOST:
         return side
     ways = [_folded(side, kinks, ways) for ways in product((0, 1, -1), repeat=len(kinks))]
     return _limited(min(ways, key=_weight))  # of equal ones the first, in which least is folded
+
+
+def _inside(term: Product) -> Product:
+    """Return a term with what is inside of its functions written with hinges."""
+    return Product(
+        tuple(
+            (Call(atom.operator, tuple(map(as_hinges, atom.args))), exponent)
+            if isinstance(atom, Call)
+            else (atom, exponent)
+            for atom, exponent in term.factors
+        )
+    )
+
+
+def _rooted(side: Sum) -> Sum:
+    """Write c sqrt(|a|) + c sqrt(|a|) sgn(a) as 2 c sqrt(max(a, 0))."""
+    weights = {term: weight for weight, term in side.parts}
+    for term, weight in weights.items():
+        for atom, _ in term.factors:
+            if not isinstance(atom, Call) or atom.operator.name != "sgn":
+                continue
+            plain = Product(tuple(factor for factor in term.factors if factor[0] != atom))
+            root = Call(BUILTIN["sqrt"], (as_sum(Call(BUILTIN["abs"], atom.args)),))
+            if abs(weights.get(plain, 0.0)) != abs(weight) or root not in dict(plain.factors):
+                continue
+            beyond = mul(constant(np.sign(weight * weights[plain])), atom.args[0])
+            hinge = Call(root.operator, (as_sum(Call(MAX, (beyond, Sum(())))),))
+            rest = Product(tuple(factor for factor in plain.factors if factor[0] != root))
+            left = tuple(part for part in side.parts if part[1] not in (term, plain))
+            return _rooted(Sum((*left, (2.0 * weights[plain], _times(rest, hinge)))))
+    return side
 
 
 def _kinks(side: Sum) -> list[_Kink]:

@@ -30,6 +30,9 @@ ROWS = np.random.default_rng(0).normal(size=(100, 3))
         ("3*max(0, min(1, 2*u - q))", "6 max(-0.5 q + u, 0) - 6 max(-0.5 q + u - 0.5, 0)"),
         ("2*max(u, 0) - v", "-v + 2 max(u, 0)"),
         ("-2*v - abs(v)", "-2 v - |v|"),
+        ("-v - 2*sqrt(max(q - 0.5, 0))", "-v - 2 sqrt(max(q - 0.5, 0))"),
+        ("-sqrt(abs(q - 0.5))*(1 + sgn(q - 0.5)) - v", "-v - 2 sqrt(max(q - 0.5, 0))"),
+        ("-v - u*sqrt(abs(q))*(1 - sgn(q))", "-v - 2 u sqrt(max(-q, 0))"),
     ],
 )
 def test_hinges_read_as_they_were_declared_and_have_the_same_values(side, expected):

@@ -69,7 +69,7 @@ def _is_idle(candidate: Candidate, design: Design, scales: np.ndarray, middle: n
         return not candidate.whole  # what begins at one end lies in the range
     if candidate.name in ("Coulomb friction", "asymmetric Coulomb friction"):
         return design.position_of(candidate.state) is None
-    if candidate.name != "saturation" or candidate.shape is None:
+    if candidate.name != "saturation" or candidate.shape is None or candidate.whole:
         return False
     (own,) = candidate.variables
     return candidate.shape.values[0] <= 2.0 * abs(middle[own]) - scales[own]  # the least magnitude

@@ -15,10 +15,18 @@ from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
 from .varying import parts_of
 
-__all__ = ["begun_at_same", "damped_contacts", "is_stop", "stops"]
+__all__ = [
+    "asymmetric_limits",
+    "begun_at_same",
+    "damped_contacts",
+    "ends_of",
+    "is_stop",
+    "stops",
+]
 
 PLACES = (-0.6, -0.2, 0.2, 0.6)  # of half the range, from its middle
 WIDTHS = (0.3, 0.7)  # of the range, between two stops
+SIGNS = {2: (-1, 1), 4: (1, 1), -4: (-1, -1)}  # of a lower and an upper end, by branch
 LEAST = 0.02  # of the largest magnitude: nearer to zero it is a magnitude, as |q|
 
 
@@ -46,9 +54,26 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
     for place in (middle + share * half for share in PLACES):
         if abs(place) >= least:
             yield from _on_both_sides(effect, q, place)
-    for low, high in ((middle - share * half, middle + share * half) for share in WIDTHS):
-        if min(abs(low), abs(high)) >= least:
-            yield effect("dead zone", shape=_two_ends(q, low, high), parents=(OFFSET,), whole=True)
+    yield from _between_ends(effect, "dead zone", q, largest, middle)
+
+
+def asymmetric_limits(
+    effect: CandidateMaker, u: Sum, largest: float, middle: float
+) -> Iterator[Candidate]:
+    """Go through limits, or dead zones, of an input with two ends and another slope beyond each."""
+    yield from _between_ends(effect, "saturation", u, largest, middle)
+
+
+def ends_of(shape: Shape) -> tuple[float, float]:
+    """Return where a limit or a dead zone of two sides begins below and above.
+
+    Its shape holds a half width, or two ends.
+    """
+    if len(shape.values) == 1:
+        (width,) = shape.values
+        return -width, width
+    (below, above), (low, high) = SIGNS[shape.branch], shape.values
+    return below * low, above * high
 
 
 def damped_contacts(effect: CandidateMaker, design: Design, q: Sum, v: Sum) -> Iterator[Candidate]:
@@ -86,10 +111,19 @@ def begun_at_same(candidate: Candidate) -> list[Candidate]:
     return list(_on_both_sides(CandidateMaker(candidate.state), *kink))
 
 
+def _between_ends(
+    effect: CandidateMaker, name: str, q: Sum, largest: float, middle: float
+) -> Iterator[Candidate]:
+    half = largest - abs(middle)
+    for low, high in ((middle - share * half, middle + share * half) for share in WIDTHS):
+        if min(abs(low), abs(high)) >= LEAST * largest:
+            yield effect(name, shape=_two_ends(q, low, high), parents=(OFFSET,), whole=True)
+
+
 def _two_ends(q: Sum, low: float, high: float) -> Shape:
     below, above = _toward(low), _toward(high)
     builds = (partial(_above, q, above), partial(_below, q, below))
-    branch = 3 * below + above  # none of those of one end
+    (branch,) = (one for one, signs in SIGNS.items() if signs == (below, above))
     meanings = (_said("lower end", below), _said("upper end", above))
     return Shape((abs(low), abs(high)), builds, meanings=meanings, branch=branch)
 

@@ -22,7 +22,7 @@ from .differences import acting_differences, differences, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
-from .stops import damped_contacts, stops
+from .stops import asymmetric_limits, damped_contacts, stops
 from .varying import drifts, varying
 
 __all__ = ["VOCABULARY", "of_equation"]
@@ -135,7 +135,8 @@ def _of_rate(
                 yield from between_angles(effect, variable(own), variable(other))
     for column in range(n_states, n_states + n_inputs):
         states = [v] if position is None else [v, variable(position)]
-        yield from _inputs(effect, variable(column), states, float(scales[column]))
+        u, reach = variable(column), float(scales[column])
+        yield from _inputs(effect, u, states, reach, float(middle[column]))
         if position is None:
             yield from losses(effect, design, column)
     yield from _relative(effect, design, state, apart)
@@ -170,7 +171,8 @@ def _of_target(
     for column in range(first, first + len(design.inputs)):
         if column not in moving:
             own = [variable(other) for other in sorted(moving)]
-            yield from _inputs(effect, variable(column), own, float(scales[column]))
+            u, reach = variable(column), float(scales[column])
+            yield from _inputs(effect, u, own, reach, float(middle[column]))
 
 
 def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
@@ -273,7 +275,9 @@ def _relative(
             yield from _stretches(effect, between, float(apart[own, other]))
 
 
-def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Iterator[Candidate]:
+def _inputs(
+    effect: CandidateMaker, u: Sum, own: list[Sum], reach: float, middle: float
+) -> Iterator[Candidate]:
     yield effect("input gain", u)
     for x in own:
         yield effect("input gain", mul(u, x), parents=(OFFSET,))
@@ -283,3 +287,4 @@ def _inputs(effect: CandidateMaker, u: Sum, own: list[Sum], reach: float) -> Ite
     for share in SATURATIONS:
         shape = Shape((share * reach,), (partial(_clipped, u),), meanings=("limit",))
         yield effect("saturation", shape=shape)
+    yield from asymmetric_limits(effect, u, reach, middle)

@@ -1,4 +1,4 @@
-"""What begins at a level of a first-order state: an overflow, a dose that starts to harm.
+"""What begins at a level of a first-order state: an overflow, a hole in a wall, a harmful dose.
 
 Such a kink bends as many other terms do, so it has no place among the names. It is held against
 what grows, with its level tuned on the same pieces.
@@ -6,12 +6,18 @@ what grows, with its level tuned on the same pieces.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
-from ...terms import variable
-from ..effects.candidate import Candidate, CandidateMaker
-from ..effects.stops import stops
+import numpy as np
+
+from ...operators import BUILTIN
+from ...terms import Sum, add, call, constant, mul, sub, variable
+from ..effects.candidate import OFFSET, Candidate, CandidateMaker, Shape
+from ..effects.stops import LEAST, PLACES, is_stop, stops
 from ..evidence.scoring import sharpened
+from ..evidence.trace import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments, ranges
 
@@ -19,7 +25,7 @@ __all__ = ["begun_at_levels"]
 
 
 def begun_at_levels(design: Design, state: int, part: Segments) -> list[Candidate]:
-    """Return the dead zones with one end that explain most of what an equation leaves.
+    """Return what begins at a level and explains most of what an equation leaves.
 
     Parameters
     ----------
@@ -33,12 +39,40 @@ def begun_at_levels(design: Design, state: int, part: Segments) -> list[Candidat
     Returns
     -------
     list of Candidate
-        None if the state is a velocity, or where no level explains anything.
+        Dead zones with one end, and flows through holes; none if the state is a velocity, or where
+        no level explains anything.
     """
     if design.position_of(state) is not None:
         return []
     largest, signed, _, middle = ranges(part.rows)
-    offered = stops(CandidateMaker(state), variable(state), largest[state], middle[state])
-    # A level is where it is, and needs no offset beside it where the state has a zero of its own.
-    grid = list(offered) if signed[state] else [replace(one, parents=()) for one in offered]
-    return sharpened(design, part, grid)[len(grid) :]
+    seen = CandidateMaker(state), variable(state), float(largest[state]), float(middle[state])
+    found: list[Candidate] = []
+    for family in (filter(is_stop, stops(*seen)), *_flows(*seen)):
+        # A level is where it is: no offset beside it where the state has a zero of its own.
+        grid = [one if signed[state] else replace(one, parents=()) for one in family]
+        found += sharpened(design, part, grid)[len(grid) :]
+    return found
+
+
+def _flows(
+    effect: CandidateMaker, h: Sum, largest: float, middle: float
+) -> Iterator[list[Candidate]]:
+    """Go through what flows through a hole or over a weir, as a root of the head or its cube."""
+    half = largest - abs(middle)
+    places = [middle + share * half for share in PLACES]
+    for power in (1, 3):
+        yield [
+            effect(EVOLVED, shape=Shape((abs(place),), (build,), branch=side), parents=(OFFSET,))
+            for place in places
+            if abs(place) >= LEAST * largest
+            for side in (-1, 1)
+            for build in [partial(_flow, h, power, side, np.sign(place))]
+        ]
+
+
+def _flow(h: Sum, power: int, side: int, toward: float, level: float) -> Sum:
+    """Return the root of how far h is above a level (side 1) or below it (side -1), or its cube."""
+    head = mul(constant(side), sub(h, constant(toward * level)))
+    root = call(BUILTIN["sqrt"], call(BUILTIN["abs"], head))
+    is_beyond = mul(constant(0.5), add(constant(1.0), call(BUILTIN["sgn"], head)))
+    return mul(is_beyond, root if power == 1 else mul(head, root))

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...equations import Equations
 from ..effects.candidate import Candidate
+from ..effects.stops import ends_of
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import quick_fit
 from ..given.design import Design
@@ -44,9 +45,11 @@ def told_by_slopes(declared: Design, findings: Sequence[Finding], part: Segments
         candidate = finding.candidate
         if candidate.name == "saturation" and candidate.shape is not None and finding.columns:
             equations = quick_fit(with_findings(declared, findings), part)
-            inside, outside = _slopes(candidate, candidate.shape.values[0], equations, part)
+            inside, outside = _slopes(candidate, ends_of(candidate.shape), equations, part)
             if abs(inside) < MOST_LEFT * abs(outside):
-                shape = replace(candidate.shape, meanings=("half width",))
+                alone = len(candidate.shape.values) == 1
+                meanings = ("half width",) if alone else candidate.shape.meanings
+                shape = replace(candidate.shape, meanings=meanings)
                 zone = replace(candidate, name="dead zone", shape=shape)
                 finding = replace(finding, candidate=zone)
         told.append(finding)
@@ -54,13 +57,14 @@ def told_by_slopes(declared: Design, findings: Sequence[Finding], part: Segments
 
 
 def _slopes(
-    candidate: Candidate, limit: float, equations: Equations, part: Segments
+    candidate: Candidate, ends: tuple[float, float], equations: Equations, part: Segments
 ) -> tuple[float, float]:
-    """Return the slopes of a rate over a clipped input, inside and outside of its limits."""
+    """Return the slopes of a rate over a clipped input, inside and above its ends."""
     (place,) = candidate.terms[0].variables
     n_states = part.n_states
     rows = np.tile(part.z[..., :-1].mean(axis=(0, 1)), (4, 1))
-    rows[:, place] = np.array([-0.5, 0.5, 1.1, 1.5]) * limit
+    middle, half = 0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0])
+    rows[:, place] = middle + np.array([-0.5, 0.5, 1.1, 1.5]) * half
     rates = equations.evaluate(rows[:, :n_states], rows[:, n_states:], np.zeros(4))
     rate = rates[:, candidate.state]
-    return float((rate[1] - rate[0]) / limit), float((rate[3] - rate[2]) / (0.4 * limit))
+    return float((rate[1] - rate[0]) / half), float((rate[3] - rate[2]) / (0.4 * half))

@@ -95,3 +95,21 @@ def test_two_stops_are_found_where_they_are_and_as_stiff_as_they_are():
     places = {"lower end, below zero": 0.15, "upper end": 0.3}
     assert effect.numbers == pytest.approx(places, rel=0.03)
     assert effect.coefficients == pytest.approx([-300.0, 150.0], rel=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("force", "name", "places"),
+    [
+        ("min(max(F, -25), 15)", "saturation", [25, 15]),
+        ("F - min(max(F, -12), 5)", "dead zone", [12, 5]),
+    ],
+)
+def test_an_input_may_end_or_begin_at_two_places(force, name, places):
+    valve = oscillator(name, f"- F + {force}", "-k*q - c*v + b*F")
+    report = pse.close_loop(valve.model, valve.record(), operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.name == name
+    assert list(effect.numbers.values()) == pytest.approx(places, rel=0.03)
+    slope = -1.0 if name == "saturation" else 1.0
+    assert effect.coefficients == pytest.approx([slope, -slope], rel=0.03)

@@ -13,11 +13,11 @@ TANK = pse.DeclaredModel({"h": "b*u - a*sqrt(h)"}, inputs=["u"])
 RIG = pse.DeclaredModel({"q": "v", "v": "b*u - k*q"}, inputs=["u"])
 
 
-def tank(seed: int) -> pse.Record:
-    """A tank that runs over at a level of 8."""
+def tank(seed: int, loss: str = "- 0.06*max(h - 8, 0)") -> pse.Record:
+    """A tank that runs over at a level of 8, or loses something else."""
     t = np.arange(0.0, 2000.0, 2.0)
     u = 0.8 + multisine(0.3, seed, (5e-4, 8e-3))(t)
-    truth = equations_of({"h": "0.35*u - 0.1*sqrt(h) - 0.06*max(h - 8, 0)"}, ("u",))
+    truth = equations_of({"h": f"0.35*u - 0.1*sqrt(h) {loss}"}, ("u",))
     h = pse.simulate(truth, [4.0], t, u)
     noise = 0.003 * np.random.default_rng(seed).standard_normal(h.shape)
     return pse.prepare(t, h + noise, u, order=1)
@@ -45,3 +45,12 @@ def test_an_overflow_is_named_where_it_begins():
     assert effect.numbers["end"] == pytest.approx(8.0, rel=0.01)
     assert effect.coefficients == pytest.approx([-0.06], rel=0.03)
     assert report.after.parameters == pytest.approx({"b": 0.35, "a": 0.1}, rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_hole_in_the_wall_is_a_root_of_the_head_above_it():
+    report = pse.close_loop(TANK, tank(3, "- 0.2*sqrt(max(h - 6, 0))"), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.numbers["inner constant"] == pytest.approx(6.0, rel=0.01)
+    assert effect.coefficients == pytest.approx([-0.2], rel=0.03)
+    assert "sqrt(max(h - " in str(report)
