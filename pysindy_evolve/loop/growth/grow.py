@@ -33,7 +33,7 @@ from ..given.rules import Rules
 from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
 from .levels import begun_at_levels
-from .naming import named, shifted
+from .naming import named, shifted, without_signs
 from .poles import has_pole
 from .seeds import screened, small_terms, varied
 
@@ -109,7 +109,8 @@ def grow(
         name = partial(
             named, state=state, known=known, variables=variables, signed=anywhere, declared=whole
         )
-        grown = [name(term) for term in dict.fromkeys(finalists)]
+        plain = (one for term in finalists for one in without_signs(term, variables))
+        grown = [name(term) for term in dict.fromkeys(plain)]
         grown += [name(term) for term in _above(grown, design, part, operators, whole)]
         found += dict.fromkeys([*grown, *begun_at_levels(design, state, part)])
     return found

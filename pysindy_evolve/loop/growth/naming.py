@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...operators import Operator
-from ...terms import Call, Product, Sum, div
+from ...operators import BUILTIN, Operator
+from ...substitution import substituted
+from ...terms import Call, Product, Sum, div, variable
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates
 from ..evidence.trace import EVOLVED
@@ -15,7 +16,7 @@ from ..given.design import Design
 from ..given.segments import Segments, ranges
 from .seeds import small_terms
 
-__all__ = ["named", "shifted", "small_candidates", "sparing"]
+__all__ = ["named", "shifted", "small_candidates", "sparing", "without_signs"]
 
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
 
@@ -116,6 +117,29 @@ def named(
     poses = _poses_as_offset(term, variables, signed)
     parents, spared = (OFFSET,) if poses else (), sparing(term, declared)
     return Candidate(EVOLVED, state, (expression,), parents, spared=spared)
+
+
+def without_signs(term: Product, variables: np.ndarray) -> list[Product]:
+    """Return a term without magnitudes and signs of what is positive on all rows.
+
+    Parameters
+    ----------
+    term : Product
+        The term.
+    variables : ndarray of shape (n, n_variables)
+        States and inputs.
+
+    Returns
+    -------
+    list of Product
+        One, as a rule; its parts if it is a sum without them.
+    """
+    plain: dict[int | Call, Sum] = {}
+    for i in np.flatnonzero(variables.min(axis=0) > 0.0):
+        x = variable(int(i))
+        plain[Call(BUILTIN["abs"], (x,))] = x
+        plain[Call(BUILTIN["sgn"], (x,))] = OFFSET
+    return [part for _, part in substituted(Sum(((1.0, term),)), plain).parts]
 
 
 def sparing(term: Product, declared: Sequence[Product]) -> int:

@@ -24,11 +24,13 @@ from ...terms import (
     Product,
     Sum,
     Variable,
+    add,
     as_product,
     call,
     constant,
     mul,
     power,
+    sub,
     variable,
 )
 from .poles import is_away
@@ -36,6 +38,7 @@ from .poles import is_away
 __all__ = ["functions", "screened", "small_terms", "varied"]
 
 SCALES = (0.5, 1.0, 3.0)  # numbers in a curved function, over the size of the variable
+GAPS = (0.3, 1.0, 3.0)  # distances of a pole to the range of a variable, over that range
 CHUNK = 200  # terms that are evaluated at a time, so that memory does not grow with them
 
 
@@ -65,10 +68,11 @@ def small_terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
 def varied(
     declared: Sequence[Product], operators: Sequence[Operator], x: np.ndarray
 ) -> list[Product]:
-    """Return declared terms times a function of one variable, or the square of one.
+    """Return declared terms times a function of one variable, or the square of one; and rationals.
 
     A model that somebody wrote down is mostly right: what it lacks is often that a force, such as
-    the thrust T cos(theta) near the ground, depends on one thing more.
+    the thrust T cos(theta) near the ground, depends on one thing more. What pulls across a gap, or
+    is inhibited by what there is too much of, has that below the line.
 
     Parameters
     ----------
@@ -90,7 +94,9 @@ def varied(
     wholes = [Sum(((1.0, term),)) for term in able]
     straight, _ = _of_one_variable(operators, x)
     squares = [power(f, 2) for f in straight if _is_power(f)]  # of a sign or a root: nothing new
-    products = (mul(whole, factor) for whole in wholes for factor in (*straight, *squares))
+    below = list(_below_the_line(x)) if any(o.name == "div" for o in operators) else []
+    products = [mul(whole, factor) for whole in wholes for factor in (*straight, *squares, *below)]
+    products += below
     found = dict.fromkeys(term for product in products for _, term in product.parts)
     return [term for term in found if term.variables and term not in declared]
 
@@ -169,6 +175,23 @@ def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iter
         yield power(x, -1)
     if {"abs", "sqrt"} <= known.keys():
         yield call(known["sqrt"], call(known["abs"], x))
+
+
+def _below_the_line(x: np.ndarray) -> Iterator[Sum]:
+    """Go through reciprocals of a distance to a place out of range, and of what saturates."""
+    for i, column in enumerate(x.T):
+        one, low, high = variable(i), float(column.min()), float(column.max())
+        for share in GAPS:
+            for place in (low - share * (high - low), high + share * (high - low)):
+                if is_away(column - place):
+                    away = sub(one, constant(place))
+                    yield from (power(away, -1), power(away, -2))
+        square = power(one, 2)
+        for scale in SCALES:
+            size = scale**2 * float(np.mean(column**2))
+            if size > 0.0:
+                reciprocal = power(add(constant(size), square), -1)
+                yield from (reciprocal, mul(square, reciprocal))
 
 
 def _curved(operators: Sequence[Operator], x: Sum, size: float) -> Iterator[Sum]:

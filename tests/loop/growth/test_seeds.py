@@ -1,9 +1,12 @@
 """Small terms that a search begins with."""
 
+import re
+
 import numpy as np
 import pytest
 
 from pysindy_evolve.breeding.dictionary import Problem
+from pysindy_evolve.loop.growth.naming import without_signs
 from pysindy_evolve.loop.growth.seeds import screened, small_terms, varied
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.terms import ONE, call, mul, variable
@@ -89,9 +92,30 @@ def test_declared_terms_are_varied_by_one_variable():
     assert {"T cos(a)/z", "T cos(a)/z^2", "z T cos(a)", "z^2 T cos(a)", "T abs(a) cos(a)"} <= set(
         found
     )
-    assert all("cos(a)" in name and "tanh" not in name for name in found)
+    assert all("tanh" not in name for name in found)
     assert not any("/a" in name or "/T" in name for name in found)  # these cross zero
-    assert len(found) == 15
+    plain = [name for name in found if " + " not in name]  # none of a sum below the line
+    assert all("cos(a)" in name for name in plain)
+    assert len(plain) == 15
+
+
+def test_what_is_below_the_line_keeps_away_from_zero_and_may_stand_alone():
+    found = varied_names(("mul", "div"), [only(THRUST)])
+    gaps = [name for name in found if name.startswith("T/(-") and name.endswith("a)^2")]
+    places = [float(re.findall(r"-(\d\.\d+)", name)[0]) for name in gaps]
+    assert places
+    assert min(places) > 0.6  # the tilt goes to 0.4, by 0.8 in all
+    hills = [name for name in found if name.startswith("z^2/(")]
+    assert len(hills) == 3
+    assert not any("/(" in name for name in varied_names(("mul",), [only(THRUST)]))
+
+
+def test_magnitudes_of_what_is_positive_are_nothing_but_itself():
+    rows = np.random.default_rng(0).uniform([1.0, -1.0], [2.0, 1.0], (50, 2))
+    size, speed = call(BUILTIN["abs"], variable(0)), call(BUILTIN["abs"], variable(1))
+    term = only(call(BUILTIN["tanh"], mul(mul(size, variable(0)), speed)))
+    (plain,) = without_signs(term, rows)
+    assert plain.name(NAMES) == "tanh(q^2 abs(v))"
 
 
 def test_constants_and_terms_of_time_are_not_varied():
