@@ -130,6 +130,15 @@ def _held_delays(report: LoopReport) -> list[Effect]:
     return found
 
 
+def _short_delays(report: LoopReport) -> list[tuple[Effect, float]]:
+    """Return the delays of less than a sampling time, which a hold may share in, in such times."""
+    step, held = report.train[0].raw_dt, report.train[0].held
+    delays = (e for e in report.effects if e.name == DELAY)
+    free = (e for e in delays if e.memory is not None and e.memory.column not in held)
+    shares = ((effect, effect.coefficients[0] / step) for effect in free)
+    return [(effect, float(share)) for effect, share in shares if 0.0 < share < 1.0]
+
+
 def _held(report: LoopReport) -> list[str]:
     """Name the inputs that are held from one sample to the next, and delays that may be that."""
     names = [report.equations.inputs[column] for column in sorted(report.train[0].held)]
@@ -138,11 +147,13 @@ def _held(report: LoopReport) -> list[str]:
         "it was recorded and no effect of the machine."
         for name in names
     ]
+    exact = _held_delays(report)
     late = [
-        f"The input delay of {format_expression(one.term).partition('(')[0]} is half a sampling "
-        "time. An input that is held from one sample to the next (zero-order hold) acts late by "
-        "just that, so no part of the machine need be slow."
-        for one in _held_delays(report)
+        f"The input delay of {format_expression(one.term).partition('(')[0]} is "
+        f"{'half a sampling time' if one in exact else f'{share:.2g} sampling times'}. An input "
+        "that is held from one sample to the next (zero-order hold) acts late by half of one, and "
+        "no part of the machine need be slow for that: prepare(..., held=True) says so."
+        for one, share in _short_delays(report)
     ]
     return [*taken, *late]
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["Line", "shared_lines"]
 
 MOST = 0.5  # share of what is left of a derivative: rigs hum without lacking anything
-
+LEAST = 0.01  # the same: harmonics of a motion are lines as well, of next to nothing
 LOBE = 3.0  # resolutions of a record, about a line, that are the same line
 
 
@@ -58,7 +58,8 @@ def shared_lines(report: LoopReport) -> list[Line]:
         for line in kept:
             pairs = zip(records, left, strict=True)
             shares = [_share(line, record.t, one[:, k]) for record, one in pairs]
-            shared.append(Line(state, line, min(shares)))
+            if min(shares) > LEAST:
+                shared.append(Line(state, line, min(shares)))
     return shared
 
 

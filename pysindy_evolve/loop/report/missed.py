@@ -13,7 +13,7 @@ from .units import percent
 if TYPE_CHECKING:
     from .report import LoopReport
 
-__all__ = ["missed"]
+__all__ = ["NOTABLE", "missed"]
 
 NOTABLE = 20.0  # percent of the standard deviation: more than a small error of a parameter leaves
 RUNAWAY = 100.0  # the same

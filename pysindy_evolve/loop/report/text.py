@@ -15,6 +15,7 @@ from ...export.hinges import as_hinges
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
 from .advice import paragraphs
+from .missed import NOTABLE
 from .remains import remains
 from .unexplained import unexplained
 from .units import percent_cell
@@ -38,10 +39,19 @@ MUCH_LEFT = (
 )
 
 
+IN_PART = (
+    "traced in part: the model lacked the effects below, which have been added, but it still "
+    "misses the record by more than the noise of the sensors explains; see what remains."
+)
+
+
 def verdict_of(report: LoopReport) -> str:
     """Return the verdict in a sentence."""
     if report.verdict == "complete" and unexplained(report):
         return MUCH_LEFT
+    missed = float(np.max(report.after.simulation_error)) >= NOTABLE
+    if report.verdict == "traced" and missed and unexplained(report):
+        return IN_PART
     return VERDICTS[report.verdict]
 
 

@@ -8,7 +8,7 @@ from loop_systems import equations_of, multisine, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.report.left import percent_left
-from pysindy_evolve.loop.report.text import MUCH_LEFT, VERDICTS
+from pysindy_evolve.loop.report.text import IN_PART, MUCH_LEFT, VERDICTS
 from pysindy_evolve.loop.report.units import percent, percent_cell
 
 DRAG = equations_of({"h": "v", "v": "-9.81 - 0.05*v*Abs(v)"})
@@ -30,18 +30,26 @@ def test_who_is_told_to_judge_by_the_derivative_is_told_what_is_left_of_it():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("strength", "sentence"), [(0.0, VERDICTS["complete"]), (20.0, MUCH_LEFT)])
-def test_a_complete_model_that_a_random_force_drives_off_is_not_said_to_lack_nothing(
-    strength, sentence
+@pytest.mark.parametrize(
+    ("friction", "strength", "sentence"),
+    [
+        (0.0, 0.0, VERDICTS["complete"]),
+        (0.0, 20.0, MUCH_LEFT),
+        (4.0, 0.0, VERDICTS["traced"]),
+        (10.0, 20.0, IN_PART),
+    ],
+)
+def test_a_model_that_a_random_force_drives_off_is_not_said_to_lack_nothing(
+    friction, strength, sentence
 ):
     t, rng = np.arange(0.0, 20.0, 0.01), np.random.default_rng(0)
     force, push = multisine(20.0, 0)(t), strength * rng.standard_normal(2000)
-    truth = equations_of(oscillator("nothing", "").truth, ("F",))
+    truth = equations_of(oscillator("friction", f"- {friction}*sgn(v)").truth, ("F",))
     q = pse.simulate(truth, [0.0, 0.0], t, force + push)[:, :1]
     record = pse.prepare(t, q + 1e-3 * q.std() * rng.standard_normal(q.shape), force)
     declared = oscillator("nothing", "").model
     report = pse.close_loop(declared, record, operators=(), random_state=0)
-    assert report.verdict == "complete"
+    assert report.verdict == ("traced" if friction else "complete")
     said = " ".join(str(report).split())
     assert said.startswith(f"Verdict: {sentence} Declared")
     assert ("something is missing that is not among these effects" in said) == (strength > 0.0)
