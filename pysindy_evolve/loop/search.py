@@ -44,9 +44,9 @@ from .memories.holds import memory_beside_hold
 from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
 from .revision.errors_in_inputs import without_errors_in_inputs
-from .revision.outlived import without_outlived
 from .revision.revise import exchange, merged, prune
 from .revision.sharing import with_shared_numbers
+from .revision.superseded import without_outlived
 from .revision.thinning import thinned
 from .revision.yielding import needed_by_runs, smooth_in, with_numbers, with_numbers_of_runs
 

@@ -18,13 +18,13 @@ from .free_runs.refuted import unrefuted
 from .free_runs.runaway import last_runaway
 from .given.limits import off_limits
 from .given.records import widened
+from .report.assembly import make_report
 from .report.cautions import is_hold_only
 from .report.doubtful import most_doubtful
-from .report.lines import shared_lines
-from .report.making import make_report
-from .report.numbers import with_numbers_known
+from .report.record_offsets import offsets_by_record
 from .report.report import LoopReport
-from .report.sessions import offsets_by_record
+from .report.shape_intervals import with_numbers_known
+from .report.shared_lines import shared_lines
 from .revision.asymmetry import with_asymmetry
 from .revision.contest import contested
 from .revision.dead_zones import told_by_slopes

@@ -12,11 +12,11 @@ from ...signals.holds import HALF
 from ...terms import ONE
 from ..effects.relaxation import longest_relaxation
 from ..given.kinematics import disagreement
-from .lines import shared_lines
+from .extrapolation import beyond
 from .missed import missed
-from .ranges import beyond
-from .sessions import offsets_by_record
-from .starts import moved_by_starts
+from .record_offsets import offsets_by_record
+from .shared_lines import shared_lines
+from .start_noise import moved_by_starts
 from .units import percent
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .starts import moved_by_starts
+from .start_noise import moved_by_starts
 from .unexplained import unexplained
 from .units import percent
 

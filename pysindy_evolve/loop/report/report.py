@@ -22,9 +22,9 @@ from ..given.design import Design
 from ..given.rules import Rules
 from .effect import Effect, Errors, Step
 from .experiment import Plan, plan
-from .left import residual_of
-from .model import as_sindy
 from .quantities import as_read
+from .residuals import residual_of
+from .sindy import as_sindy
 from .text import as_markdown, as_text
 
 __all__ = ["Effect", "Errors", "LoopReport", "Step"]

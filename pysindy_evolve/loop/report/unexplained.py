@@ -9,7 +9,7 @@ import numpy as np
 from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
 from ..evidence.noise_floor import noise_alone
-from .left import in_percent, percent_left
+from .residuals import in_percent, percent_left
 from .units import percent
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments, ranges
-from .parents import without_parents
+from .marginality import without_parents
 
 __all__ = ["exchange", "merged", "prune"]
 

@@ -11,7 +11,7 @@ from pysindy_evolve.loop.evidence.findings import Finding, MemoryFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.revision.outlived import without_outlived
+from pysindy_evolve.loop.revision.superseded import without_outlived
 from pysindy_evolve.loop.revision.thinning import thinned
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable

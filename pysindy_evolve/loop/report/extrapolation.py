@@ -9,7 +9,7 @@ import numpy as np
 
 from ...export import format_number
 from ..given.segments import variables_of
-from .left import percent_left
+from .residuals import percent_left
 from .units import percent
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .left import residual_of
+from .residuals import residual_of
 
 if TYPE_CHECKING:
     from .report import LoopReport

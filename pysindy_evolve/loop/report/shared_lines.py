@@ -13,7 +13,7 @@ import numpy as np
 
 from ...signals import Record
 from ..effects.periodic import FEWEST_FREQUENCIES, lines_of
-from .left import residual_of
+from .residuals import residual_of
 
 if TYPE_CHECKING:
     from .report import LoopReport

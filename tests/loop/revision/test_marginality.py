@@ -10,7 +10,7 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
-from pysindy_evolve.loop.revision.parents import without_parents
+from pysindy_evolve.loop.revision.marginality import without_parents
 
 ASYMMETRY = ("constant offset", "Coulomb friction", "asymmetric Coulomb friction")
 
