@@ -249,8 +249,26 @@ class _Exact:
         return repr(float(expression))
 
 
-class _PythonPrinter(_Exact, SciPyPrinter):
-    pass
+class _Extremes:
+    """Prints the larger or smaller of more than two as calls of two: max(max(a, b), c)."""
+
+    larger, smaller = "max", "min"
+
+    def _print_Max(self, expression: Any) -> str:
+        return self._of_two(self.larger, expression.args)
+
+    def _print_Min(self, expression: Any) -> str:
+        return self._of_two(self.smaller, expression.args)
+
+    def _of_two(self, name: str, arguments: Sequence[Any]) -> str:
+        first, *rest = (str(self._print(one)) for one in arguments)  # type: ignore[attr-defined]
+        for other in rest:
+            first = f"{name}({first}, {other})"
+        return first
+
+
+class _PythonPrinter(_Extremes, _Exact, SciPyPrinter):
+    larger, smaller = "numpy.maximum", "numpy.minimum"
 
 
 class _CPrinter(_Exact, C99CodePrinter):
@@ -262,7 +280,7 @@ class _MatlabPrinter(_Exact, OctaveCodePrinter):
     pass
 
 
-class _JuliaPrinter(_Exact, JuliaCodePrinter):
+class _JuliaPrinter(_Extremes, _Exact, JuliaCodePrinter):
     pass
 
 
@@ -270,25 +288,12 @@ _MODELICA_KNOWS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh",
 _MODELICA_KNOWS |= {"exp", "log", "sqrt", "sign", "floor"}
 
 
-class _ModelicaPrinter(_Exact, StrPrinter):
+class _ModelicaPrinter(_Extremes, _Exact, StrPrinter):
     def __init__(self, settings: dict[str, Any]) -> None:
         super().__init__()
 
     def _print_Abs(self, expression: Any) -> str:
         return f"abs({self._print(expression.args[0])})"
-
-    def _print_Max(self, expression: Any) -> str:
-        return self._of_two("max", expression.args)
-
-    def _print_Min(self, expression: Any) -> str:
-        return self._of_two("min", expression.args)
-
-    def _of_two(self, name: str, arguments: Sequence[Any]) -> str:
-        """Write a function of two arguments with more of them: max(a, max(b, c))."""
-        first, *rest = (str(self._print(one)) for one in arguments)
-        for other in rest:
-            first = f"{name}({first}, {other})"
-        return first
 
     def _print_Function(self, expression: Any) -> str:
         name = expression.func.__name__

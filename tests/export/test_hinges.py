@@ -44,3 +44,21 @@ def test_hinges_read_as_they_were_declared_and_have_the_same_values(side, expect
     _, shown = pse.to_sympy(equations)
     by_sympy = sympy.lambdify(sympy.symbols("q v u", real=True), shown)(*ROWS.T)
     np.testing.assert_allclose(by_sympy, values, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("language", "limit", "hinge"),
+    [
+        ("python", "numpy.minimum(1, numpy.maximum(-1, u))", "2*numpy.maximum(0, q - 0.5)"),
+        ("julia", "min(1, max(-1, u))", "2 * max(0, q - 0.5)"),
+        ("matlab", "min(1, max(-1, u))", "2*max(0, q - 0.5)"),
+        ("c", "fmin(1.0, fmax(-1.0, u))", "2.0*fmax(0.0, q - 0.5)"),
+        ("modelica", "min(1, max(-1, u))", "2*max(0, q - 0.5)"),
+    ],
+)
+def test_exported_code_has_hinges_and_limits(language, limit, hinge):
+    side = "min(max(u, -1), 1) - 2*max(q - 0.5, 0)"
+    equations = pse.DeclaredModel({"q": side}, inputs=["u"]).design().equations([])
+    code = pse.to_code(equations, language)
+    assert limit in code
+    assert hinge in code
