@@ -233,6 +233,8 @@ def _lines(
     Lines stand out of noise that may be much stronger elsewhere. Each is subtracted before the next
     is looked for, so that its skirts are no lines.
     """
+    if not np.isfinite(signal).all():  # the root of a level, in a twin that runs dry
+        return
     n_fine = FINENESS * fft.next_fast_len(len(signal), real=True)
     places = np.arange(n_fine // 2 + 1)
     free = (places > FINENESS * n_periods) & (places < highest * n_fine)

@@ -20,6 +20,7 @@ __all__ = [
     "begun_at_same",
     "damped_contacts",
     "ends_of",
+    "has_two_ends",
     "is_stop",
     "stops",
 ]
@@ -95,6 +96,11 @@ def is_stop(candidate: Candidate) -> bool:
     """Tell whether an effect is a dead zone with one end."""
     is_whole = candidate.name == "dead zone" and candidate.whole and candidate.shape is not None
     return is_whole and len(candidate.terms) == 1
+
+
+def has_two_ends(candidate: Candidate) -> bool:
+    """Tell whether an effect begins at two places, with a slope beyond each."""
+    return candidate.whole and candidate.shape is not None and len(candidate.terms) == 2
 
 
 def begun_at_same(candidate: Candidate) -> list[Candidate]:

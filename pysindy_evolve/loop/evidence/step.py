@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from ...terms import Sum
-from ..effects.candidate import Candidate
+from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import standing, zeros_of
 from ..given.design import Design
 from ..given.rules import Rules
@@ -127,16 +127,21 @@ def _without_numbers(best: Score, worthy: Sequence[Score], shares: Shares) -> Sc
     (one, *more) = best.group
     if more or one.shape is None:
         return best
-    plainer = (
-        s
-        for s in worthy
-        if len(s.group) == 1
-        and (s.group[0].shape, s.group[0].state) == (None, one.state)
-        and s.group[0].variables == one.variables
-        and s.group[0].size < one.size
-        and shares.of(s) >= NEARLY * shares.of(best)
-    )
-    return next(plainer, best)
+    enough = NEARLY * shares.of(best)
+    return next((s for s in worthy if _is_plainer(s, one) and shares.of(s) >= enough), best)
+
+
+def _is_plainer(score: Score, one: Candidate) -> bool:
+    """Tell whether a group is an effect of the same variables, smaller and without a number.
+
+    It may have an offset beside it, or be one, where the one with a number holds an offset itself.
+    """
+    if any(c.state != one.state or c.shape is not None for c in score.group):
+        return False
+    group = [c for c in score.group if not (one.whole and c.terms == (OFFSET,))]
+    if len(group) > 1:
+        return False
+    return all(c.variables == one.variables and c.size < one.size for c in group)
 
 
 def _is_one_of(zeros: set[tuple[int, Sum]], score: Score) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...signals import Record
 from ..effects.missing import candidates
+from ..effects.stops import has_two_ends
 from ..fitting.trajectory import followable
 from ..given.design import Design
 from ..given.segments import Segments, ranges, segments, variables_of
@@ -43,9 +44,13 @@ def witnessed(design: Design, records: Sequence[Record]) -> Segments:
 
 
 def _says_enough(design: Design, part: Segments) -> bool:
-    """Tell whether the spectra of the pieces hold twice as many numbers as there are columns."""
+    """Tell whether the spectra of the pieces hold twice as many numbers as there are columns.
+
+    What has two ends is hardly another column than what has one, or ends at the same distance.
+    """
     variables = np.concatenate([variables_of(record) for record in part.records])
-    offered = [c.state for c in candidates(design, *ranges(variables)) for _ in c.terms]
+    single = [c for c in candidates(design, *ranges(variables)) if not has_two_ends(c)]
+    offered = [c.state for c in single for _ in c.terms]
     n_columns = len(design.columns) + max(offered.count(state) for state in design.open_states)
     n_numbers = len(part.places) * (2 * n_frequencies(part) - 1)
     return n_numbers >= 2 * n_columns

@@ -82,8 +82,9 @@ def _in_place_of(
         return None
     design = with_columns(declared, rest)
     own = [c for c in pair if not c.whole]
-    # What refines an effect has to pass a test of its own.
-    others = [c for c in candidates(design, *ranges(part.rows)) if not c.refines]
+    # What refines an effect has to pass a test of its own, and a stop has a place besides.
+    offered = candidates(design, *ranges(part.rows))
+    others = [c for c in offered if not (c.refines or (c.whole and c.shape is not None))]
     mirrors = [tuned(there, design, part) for c in pair for there in begun_at_same(c)]
     options = [*mirrors, *(c for c in others if c not in own)]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))

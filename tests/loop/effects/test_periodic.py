@@ -5,7 +5,7 @@ import pytest
 from loop_systems import equations_of, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.periodic import periodic_candidates, ripple_candidates
+from pysindy_evolve.loop.effects.periodic import lines_of, periodic_candidates, ripple_candidates
 
 STILL = np.empty((1000, 0))  # no inputs
 
@@ -150,3 +150,11 @@ def test_a_stiffness_that_is_pumped_is_found_with_its_frequency():
     }
     assert sorted(frequencies) == pytest.approx([9.1], rel=1e-3)
     assert np.abs(effect.coefficients).max() == pytest.approx(30.0, rel=0.02)
+
+
+def test_a_signal_without_a_value_somewhere_has_no_lines():
+    t = np.arange(1000)
+    signal, driver = np.sin(0.3 * t), np.cos(0.05 * t)[:, None]
+    assert lines_of(signal, driver, 1.0)
+    signal[500] = np.nan
+    assert lines_of(signal, driver, 1.0) == []
