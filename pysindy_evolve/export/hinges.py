@@ -56,8 +56,8 @@ def as_hinges(side: Sum) -> Sum:
     kinks = _kinks(side)
     if not 0 < len(kinks) <= MOST:
         return side
-    ways = [_folded(side, kinks, ways) for ways in product((0, 1, -1), repeat=len(kinks))]
-    return _limited(min(ways, key=_weight))  # of equal ones the first, in which least is folded
+    forms = [_folded(side, kinks, ways) for ways in product((0, 1, -1), repeat=len(kinks))]
+    return _limited(min(forms, key=_weight))  # of equal ones the first, in which least is folded
 
 
 def _inside(term: Product) -> Product:
@@ -76,16 +76,16 @@ def _rooted(side: Sum) -> Sum:
     """Write c sqrt(|a|) + c sqrt(|a|) sgn(a) as 2 c sqrt(max(a, 0))."""
     weights = {term: weight for weight, term in side.parts}
     for term, weight in weights.items():
-        for atom, _ in term.factors:
-            if not isinstance(atom, Call) or atom.operator.name != "sgn":
+        for atom, n in term.factors:
+            if not isinstance(atom, Call) or (atom.operator.name, n) != ("sgn", 1):
                 continue
             plain = Product(tuple(factor for factor in term.factors if factor[0] != atom))
             root = Call(BUILTIN["sqrt"], (as_sum(Call(BUILTIN["abs"], atom.args)),))
-            if abs(weights.get(plain, 0.0)) != abs(weight) or root not in dict(plain.factors):
+            if abs(weights.get(plain, 0.0)) != abs(weight) or (root, 1) not in plain.factors:
                 continue
             beyond = mul(constant(np.sign(weight * weights[plain])), atom.args[0])
             hinge = Call(root.operator, (as_sum(Call(MAX, (beyond, Sum(())))),))
-            rest = Product(tuple(factor for factor in plain.factors if factor[0] != root))
+            rest = Product(tuple(factor for factor in plain.factors if factor != (root, 1)))
             left = tuple(part for part in side.parts if part[1] not in (term, plain))
             return _rooted(Sum((*left, (2.0 * weights[plain], _times(rest, hinge)))))
     return side
@@ -98,10 +98,10 @@ def _kinks(side: Sum) -> list[_Kink]:
 
 def _kink_of(term: Product) -> Sum | None:
     """Return what a term has the magnitude of as a factor: variables, and maybe a number."""
-    magnitudes = [atom for atom, n in term.factors if n == 1 and isinstance(atom, Call)]
-    if [atom.operator.name for atom in magnitudes] != ["abs"]:
+    calls = [(atom, n) for atom, n in term.factors if isinstance(atom, Call)]
+    if [(atom.operator.name, n) for atom, n in calls] != [("abs", 1)]:
         return None
-    (away,) = magnitudes[0].args
+    (away,) = calls[0][0].args
     return away if all(inner.size == 1 for _, inner in away.parts) else None
 
 

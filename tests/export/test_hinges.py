@@ -33,6 +33,10 @@ ROWS = np.random.default_rng(0).normal(size=(100, 3))
         ("-v - 2*sqrt(max(q - 0.5, 0))", "-v - 2 sqrt(max(q - 0.5, 0))"),
         ("-sqrt(abs(q - 0.5))*(1 + sgn(q - 0.5)) - v", "-v - 2 sqrt(max(q - 0.5, 0))"),
         ("-v - u*sqrt(abs(q))*(1 - sgn(q))", "-v - 2 u sqrt(max(-q, 0))"),
+        (
+            "-v*(abs(q - 0.5) + q - 0.5)*sin(u)**2",
+            "0.5 v sin(u)^2 - q v sin(u)^2 - v sin(u)^2 |q - 0.5|",
+        ),
     ],
 )
 def test_hinges_read_as_they_were_declared_and_have_the_same_values(side, expected):
