@@ -62,12 +62,17 @@ def _flows(
     places = [middle + share * half for share in PLACES]
     for power in (1, 3):
         yield [
-            effect(EVOLVED, shape=Shape((abs(place),), (build,), branch=side), parents=(OFFSET,))
+            _at_level(effect, h, place, power, side)
             for place in places
             if abs(place) >= LEAST * largest
             for side in (-1, 1)
-            for build in [partial(_flow, h, power, side, np.sign(place))]
         ]
+
+
+def _at_level(effect: CandidateMaker, h: Sum, place: float, power: int, side: int) -> Candidate:
+    build = partial(_flow, h, power, side, np.sign(place))
+    shape = Shape((abs(place),), (build,), branch=side)
+    return effect(EVOLVED, shape=shape, parents=(OFFSET,))
 
 
 def _flow(h: Sum, power: int, side: int, toward: float, level: float) -> Sum:
