@@ -121,11 +121,12 @@ def _with_rivals(
     effect: Effect, finding: Finding, design: Design, acted: Sequence[Record], fitted: Fit
 ) -> Effect:
     """Return an effect whose alternatives have the coefficients that they would have."""
-    rivals = tuple(
-        replace(shown, coefficients=_in_its_place(design, finding, rival, acted, fitted))
-        for shown, rival in zip(effect.rivals, finding.rivals, strict=True)
-    )
-    return replace(effect, rivals=rivals)
+    symbols, rivals = _symbols(design), []
+    for shown, rival in zip(effect.rivals, finding.rivals, strict=True):
+        coef = _in_its_place(design, finding, rival, acted, fitted)
+        force = _total(shown.expressions, symbols, coef)
+        rivals.append(replace(shown, coefficients=coef, force=force))
+    return replace(effect, rivals=tuple(rivals))
 
 
 def _with_parameters(
@@ -148,7 +149,6 @@ def _effect(
     """Return an effect with its evidence; its coefficients are those of the final model."""
     others = [memory for memory in memories if memory not in memories_in([finding])]
     state, terms = finding.candidate.state, finding.candidate.terms
-    symbols = design.equations(np.zeros(len(design.columns))).symbols
     poorer = design.dropping(finding.columns)
     without, with_it = (
         derivative_fit_errors(d, *([remembered(r, m) for r in rs] for rs in (train, test)))[state]
@@ -158,7 +158,7 @@ def _effect(
     return Effect(
         name=finding.candidate.name,
         state=design.states[state],
-        term=_total(terms, symbols),
+        term=_total(terms, _symbols(design)),
         coefficients=unknown,
         confidence_intervals=np.column_stack([unknown, unknown]),
         explained=float(1.0 - (with_it / max(without, 1e-300)) ** 2),
@@ -181,18 +181,28 @@ def _entry(design: Design, finding: Finding) -> str:
     if place is None:
         return ""
     entry, force = place
-    symbols = design.equations(np.zeros(len(design.columns))).symbols
     name = (*design.states, *design.inputs)[entry.beside]
     if entry.beside < len(design.states):
         return f"where the damping of {name} does"
     if mul(entry.factor, force) != terms[0] or not entry.is_known:
         return f"where {name} does"
-    larger = "" if force == OFFSET else f" times {format_expression(force.to_sympy(symbols))}"
-    return f"as if {name} were larger by this number{larger}"
+    larger = f"as if {name} were larger by this number"
+    if force == OFFSET:
+        return larger
+    return f"{larger} times {format_expression(force.to_sympy(_symbols(design)))}"
 
 
-def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:
-    return sum(as_written(term, symbols) for term in terms)
+def _symbols(design: Design) -> tuple[Any, ...]:
+    return design.equations(np.zeros(len(design.columns))).symbols
+
+
+def _total(
+    terms: Sequence[Sum], symbols: Sequence[Any], coef: Sequence[float] | np.ndarray = ()
+) -> Any:
+    """Return the sum of terms in sympy, each times its coefficient where these are known."""
+    factors = coef if len(coef) else [1] * len(terms)
+    pairs = zip(factors, terms, strict=True)
+    return sum(factor * as_written(term, symbols) for factor, term in pairs)
 
 
 def _other_names(finding: Finding) -> tuple[str, ...]:
@@ -200,11 +210,9 @@ def _other_names(finding: Finding) -> tuple[str, ...]:
 
 
 def _alternative(rival: Rival, design: Design) -> Alternative:
-    symbols = design.equations(np.zeros(len(design.columns))).symbols
-    candidate = rival.candidate
-    term = _total(candidate.terms, symbols)
-    state = design.states[candidate.state]
-    return Alternative(candidate.name, state, term, rival.p_value, candidate.terms)
+    candidate, state = rival.candidate, design.states[rival.candidate.state]
+    term = _total(candidate.terms, _symbols(design))
+    return Alternative(candidate.name, state, term, rival.p_value, candidate.terms, force=term)
 
 
 def _in_its_place(

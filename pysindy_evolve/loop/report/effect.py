@@ -69,6 +69,8 @@ class Alternative:
         The terms.
     coefficients : ndarray of shape (n_terms,)
         Of the terms, if they stand in its place; empty for a memory.
+    force : sympy.Expr
+        The terms with these coefficients; for a memory, the term.
     """
 
     name: str
@@ -77,6 +79,7 @@ class Alternative:
     p_value: float
     expressions: tuple[Sum, ...]
     coefficients: np.ndarray = field(default_factory=lambda: np.empty(0))
+    force: Any = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -106,7 +106,7 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "rivals": [
             (
                 "the same in another form" if rival.name == effect.name else rival.name,
-                expression_mathml(rival.term),
+                expression_mathml(rival.term if rival.name == effect.name else rival.force),
                 "" if rival.state == effect.state else rival.state,
                 f"{rival.p_value:.2g}",
             )

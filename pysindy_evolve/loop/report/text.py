@@ -67,7 +67,7 @@ def as_text(report: LoopReport) -> str:
     parts.append(_table(report))
     symbols = report.equations.inner_symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
-    parts += [fill(line, 96) for line in remains(report)]
+    parts += [fill(line, 96) for line in (*p_of_rivals(report), *remains(report))]
     return "\n\n".join(parts)
 
 
@@ -203,7 +203,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines.append(f"by itself removes nothing of the held-out {of_what}; {chance}")
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
-        said = f"this record cannot tell it from: {rivals}{p_of_rivals(effect)}"
+        said = f"this record cannot tell it from: {rivals}"
         lines += _laid_out([said], wide)
     else:
         lines.append(without_rivals(effect))
@@ -242,22 +242,22 @@ def without_rivals(effect: Effect) -> str:
     return "no other effect was tried in its place"
 
 
-def p_of_rivals(effect: Effect) -> str:
-    """Say what the p of the alternatives is; another form of the effect itself is shown without."""
-    if all(rival.name == effect.name for rival in effect.rivals):
-        return ""
-    return "; p is how often chance speaks as much against an alternative that is the cause"
+def p_of_rivals(report: LoopReport) -> list[str]:
+    """Say what the p of alternatives is; another form of an effect itself is shown without."""
+    named = any(rival.name != effect.name for effect in report.effects for rival in effect.rivals)
+    said = (
+        "The p beside what cannot be told from an effect is how often chance speaks as much "
+        "against an alternative that is the cause."
+    )
+    return [said] if named else []
 
 
 def alternative(rival: Alternative, effect: Effect) -> str:
     """Return name, equation if it is another one, and term of an alternative."""
-    term = format_expression(rival.term)
     if rival.name == effect.name:
-        return f"the same in the form {term}"
-    if len(rival.coefficients) == 1:
-        term = f"{rival.coefficients[0]:.4g} times {_factor(rival.term)}"
+        return f"the same in the form {format_expression(rival.term)}"
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
-    return f"{rival.name} {term}{where} (p = {rival.p_value:.2g})"
+    return f"{rival.name} {format_expression(rival.force)}{where} (p = {rival.p_value:.2g})"
 
 
 def _factor(term: Any) -> str:
@@ -283,6 +283,7 @@ def as_markdown(report: LoopReport) -> str:
         facts = [*evidence(effect, report.equations.inner_symbols, wide=True), _twins(effect)]
         name = f"### {effect.name} in {effect.place}"
         parts.append("\n".join([name, "", *(f"- {_shielded(fact)}" for fact in facts)]))
+    parts += map(_shielded, p_of_rivals(report))
     parts.append("\n\n".join(["### What remains", *map(_shielded, remains(report))]))
     if plan := paragraphs(report.suggest_experiment()):
         advice = [f"- **{question}** {answer}" for question, answer in plan]

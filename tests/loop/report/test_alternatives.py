@@ -10,9 +10,9 @@ from pysindy_evolve.loop.report.effect import Alternative
 def test_the_p_of_an_alternative_is_explained_where_one_is_shown(report):
     (effect, *_) = report.effects
     term = effect.term
-    other = Alternative("cubic stiffness", effect.state, term, 0.012, (), np.array([2.0]))
+    other = Alternative("cubic stiffness", effect.state, term, 0.012, (), np.array([2.0]), 2 * term)
     form = replace(other, name=effect.name)
-    explained = "p is how often chance speaks as much against an alternative that is the cause"
+    explained = "how often chance speaks as much against an alternative that is the cause"
     for rivals, is_explained in (((other, form), True), ((form,), False), ((), False)):
         said = " ".join(str(replace(report, effects=(replace(effect, rivals=rivals),))).split())
         assert ("(p = 0.012)" in said) == is_explained
