@@ -29,6 +29,7 @@ from .evidence.trace import EVOLVED
 from .fitting.unfolding import paths_of
 from .free_runs.by_runs import find_by_runs
 from .free_runs.duels import held_against
+from .free_runs.one_for_several import one_for_several
 from .free_runs.sensor_limits import clipped_sensors
 from .free_runs.shared_tuning import numbers_by_runs, shared_by_runs
 from .free_runs.unnamed import find_unnamed
@@ -307,7 +308,8 @@ class Search:
         grown = [c for c in self.grower.grown if c.name == EVOLVED]
         small = self._small_terms()
         found = shared_by_runs(model, self.findings, self.plain)
-        kept = held_against(model, found, grown, small, self.plain, self.part, self.rules)
+        rivals = grown, small, self.plain, self.part, self.rules
+        kept = held_against(model, one_for_several(model, found, *rivals), *rivals)
         kept = shared_by_runs(model, kept, self.plain)  # a duel may have made partners of them
         self.findings = prune(self.declared, kept, self.part)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
-from ...terms import ONE, Sum
+from ...terms import ONE, Product, Sum
 
 __all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
 
@@ -90,6 +90,11 @@ class Candidate:
     def size(self) -> int:
         """Number of nodes of its terms that have a price."""
         return sum(term.size for term in self.terms) - self.spared
+
+    @property
+    def form(self) -> tuple[Product, ...]:
+        """Its products, whatever the numbers in them."""
+        return tuple(product.skeleton for term in self.terms for _, product in term.parts)
 
     @property
     def n_columns(self) -> int:

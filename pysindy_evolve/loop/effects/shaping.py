@@ -10,7 +10,7 @@ import numpy as np
 from ...breeding.genetics import CURVED
 from ...terms import Call, Product, Sum, constant, mul, simplified
 from .angles import UNITS
-from .candidate import Candidate, Shape
+from .candidate import OFFSET, Candidate, Shape
 
 __all__ = ["shape_of", "told_shape", "with_units"]
 
@@ -34,15 +34,16 @@ def shape_of(candidate: Candidate) -> Shape | None:
     """
     if candidate.shape is not None:
         return candidate.shape
-    parts = [part for term in candidate.terms for part in term.parts]
-    term, numbers = parts[0][1], np.array(parts[0][1].constants)
+    first, *rest = candidate.terms
+    term, numbers = first.parts[0][1], np.array(first.parts[0][1].constants)
     if not len(numbers):  # exp(v) is exp(1 v)
         term = _with_numbers(term)
         numbers = np.ones(len(term.constants))
-    if len(parts) != 1 or not 0 < len(numbers) <= MOST_NUMBERS or not numbers.all():
+    is_product = len(first.parts) == 1 and all(one == OFFSET for one in rest)
+    if not is_product or not 0 < len(numbers) <= MOST_NUMBERS or not numbers.all():
         return None
     build = partial(_built, term, np.sign(numbers))
-    return Shape(tuple(np.abs(numbers).tolist()), (build,))
+    return Shape(tuple(np.abs(numbers).tolist()), (build, *(_offset for _ in rest)))
 
 
 def told_shape(candidate: Candidate) -> Shape | None:
@@ -109,6 +110,10 @@ def _with_numbers(term: Product) -> Product:
             for atom, n in term.factors
         )
     )
+
+
+def _offset(*_: float) -> Sum:
+    return OFFSET
 
 
 def _built(term: Product, signs: np.ndarray, *values: float) -> Sum:

@@ -9,7 +9,7 @@ from itertools import accumulate, pairwise
 
 import numpy as np
 
-from ...terms import Call, Product, Sum, add, as_sum, constant, mul, power
+from ...terms import Call, Sum, add, as_sum, constant, mul, power
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
 from ..effects.missing import candidates, standing, with_parents
@@ -185,13 +185,8 @@ def _grown_forms(candidate: Candidate, grown: Sequence[Candidate]) -> list[Candi
         for one in grown
         if (one.name, one.state) == (EVOLVED, candidate.state)
         and one.size <= candidate.size + MORE
-        and _form(one) != _form(candidate)
+        and one.form != candidate.form
     ]
-
-
-def _form(candidate: Candidate) -> tuple[Product, ...]:
-    """Return the products of a candidate whatever the numbers in them."""
-    return tuple(term.skeleton for one in candidate.terms for _, term in one.parts)
 
 
 def _rounded(candidate: Candidate, part: Segments) -> list[Candidate]:

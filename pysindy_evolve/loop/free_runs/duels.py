@@ -15,7 +15,7 @@ Wilcoxon, Biometrics Bull. 1 (1945), DOI 10.2307/3001968: the test of the signed
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import wilcoxon
@@ -35,10 +35,11 @@ from ..given.rules import Rules
 from ..given.segments import Segments, have_values, ranges
 from .drift import Drift, drift_of
 from .leading_terms import stand_ins
+from .other_forms import other_forms
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
-__all__ = ["STEADY", "STRETCHES", "begun_with", "fitted_with", "held_against"]
+__all__ = ["STEADY", "STRETCHES", "Pool", "begun_with", "fitted_with", "held_against"]
 
 N_RIVALS = 5  # that come closest in the spectral view
 STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
@@ -105,23 +106,56 @@ def _winner(
     drift = drift_of(*fitted_with(model, own, records), records, STRETCHES, STEADY)
     if drift is None:
         return finding
-    acted = model.acted(records)
     matter = -np.log1p(-rules.min_share)
-    able = [one for one in grown if have_values(one.terms, acted)]
-    shown = [c for c in stand_ins(drift, own, small, matter) if have_values(c.terms, acted)]
-    rivals = list(dict.fromkeys([*_closest(model, own, able, part), *shown]))
-    begun = [begun_with(model, rival, drift) for rival in rivals]
-    # The effect itself was fitted in other units of the errors.
-    first, *others = settled([drift.trial, *begun])
-    fitted = [Contender(own, first, tied), *map(Contender, rivals, others)]
-    tuned = tuned_by_runs(fitted, model, drift)
-    best = _best(tuned, matter, rules.significance / max(len(rivals), 1))
+    pool = Pool(grown, small, part, matter)
+    tuned = pool.contenders(model, Contender(own, drift.trial, tied), drift)
+    best = _best(tuned, matter, rules.significance / max(len(tuned) - 1, 1))
     plain = with_units(best.candidate)
     if plain is not None:  # sin(q), unless another number than one in it does clearly better
         (trial,) = settled([begun_with(model, plain, drift)])
         best = Contender(plain, trial) if trial.error <= np.exp(matter) * best.error else best
     columns = columns_of(best.candidate, model.design)
     return replace(finding, candidate=best.candidate, columns=columns)
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """What may take the place of an effect, and how much closer a run must come to matter."""
+
+    grown: Sequence[Candidate]
+    small: Sequence[Candidate]
+    part: Segments
+    matter: float
+
+    def contenders(self, model: Model, own: Contender, drift: Drift) -> list[Contender]:
+        """Return an effect and the few that come closest to it, all tuned by their runs.
+
+        Parameters
+        ----------
+        model : Model
+            The model without the effect.
+        own : Contender
+            The effect, which comes first.
+        drift : Drift
+            Stretches of the records, and units of the errors.
+        """
+        acted = model.acted(drift.records)
+        able = [one for one in self.grown if have_values(one.terms, acted)]
+        shown = stand_ins(drift, own.candidate, self.small, self.matter)
+        shown = [one for one in shown if have_values(one.terms, acted)]
+        closest = _closest(model, own.candidate, able, self.part)
+        forms = [
+            form
+            for candidate in (own.candidate, *closest)
+            for form in other_forms(candidate, model.design, self.part)
+        ]
+        forms = [one for one in forms if have_values(one.terms, acted)]
+        rivals = [c for c in dict.fromkeys([*closest, *shown, *forms]) if c != own.candidate]
+        begun = [begun_with(model, rival, drift) for rival in rivals]
+        # The effect itself was fitted in other units of the errors.
+        first, *others = settled([own.trial, *begun])
+        fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, others)]
+        return tuned_by_runs(fitted, model, drift)
 
 
 def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
@@ -137,7 +171,9 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
         known = min(names, key=lambda one: one.error, default=best)
         if not _is_closer(best.trial, known.trial, matter, level):
             best = known  # what engineers know by name, unless it does worse
-    as_good = (one for one in tuned if one.error <= np.exp(MARGIN) * best.error)
+    as_good = [one for one in tuned if one.error <= np.exp(MARGIN) * best.error]
+    if best.candidate.name == EVOLVED:
+        best = min([best, *as_good], key=lambda one: one.candidate.size)
     named = [one for one in as_good if one.candidate.name != EVOLVED]
     return min([best, *named], key=lambda one: _burden(one.candidate))
 
@@ -170,14 +206,14 @@ def _closest(
     """Return the effects of the same equation that do best in the spectral view.
 
     A narrow dead zone between two places of the grid would lose to a grown step, so its width is
-    tuned before. Of those of a name that differ in their numbers, one is enough.
+    tuned before. Of those that differ in their numbers alone, one is enough.
     """
     options = [*candidates(model.design, *ranges(part.rows)), *grown]
     alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
     scores = score(model.design, part, sharpened(model.design, part, list(alike)), pairs=False)
-    best: dict[Candidate | str, Candidate] = {}
+    best: dict[object, Candidate] = {}
     for candidate in (s.group[0] for s in scores):
-        best.setdefault(candidate if candidate.shape is None else candidate.name, candidate)
+        best.setdefault(candidate.form if candidate.shape is None else candidate.name, candidate)
     return list(best.values())[:N_RIVALS]
 
 

@@ -23,7 +23,7 @@ from .variants import Model
 __all__ = ["Contender", "slopes_of", "tuned_by_runs"]
 
 N_STEPS = 2
-FAR = 4.0  # times the least error: an effect that misses by more will not catch up
+FAR = 100.0  # times the least error: an effect that misses by more will not catch up
 MOST = 0.7  # change of a logarithm in one step: a factor of two
 SLOPE = 1e-3  # of a logarithm, to see what it changes
 

@@ -1,0 +1,117 @@
+"""One effect in the place of several, of which the later ones only mend the form of the first.
+
+Where noise hides the form of an effect, another one that is like it is found first, and what the
+two differ in is found after it, as terms that mean nothing. By itself neither can be told from what
+would be right, for the others are in the way. So the right form is held against all of them
+together: if the runs with it come as close to the record, it takes their place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..evidence.findings import Finding, is_needed, with_columns
+from ..evidence.scoring import MARGIN, columns_of
+from ..evidence.trace import EVOLVED
+from ..fitting.fit import refit
+from ..fitting.trial import settled
+from ..given.rules import Rules
+from ..given.segments import Segments
+from .drift import Drift, drift_of
+from .duels import STEADY, STRETCHES, Pool, begun_with
+from .shape_tuning import Contender
+from .variants import Model
+
+__all__ = ["one_for_several"]
+
+
+def one_for_several(
+    model: Model,
+    findings: Sequence[Finding],
+    grown: Sequence[Candidate],
+    small: Sequence[Candidate],
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+) -> list[Finding]:
+    """Return findings in which an effect has taken the place of one and of what mended it.
+
+    Parameters
+    ----------
+    model : Model
+        The declared model, with the memories and limits among the findings.
+    findings : sequence of Finding
+        What was found, in order.
+    grown, small : sequence of Candidate
+        What may take a place, besides the effects of the vocabulary.
+    records : sequence of Record
+        Training records, without memories.
+    part : Segments
+        Pieces of them as they were searched.
+    rules : Rules
+        The least share that matters.
+
+    Returns
+    -------
+    list of Finding
+    """
+    groups = _groups(findings)
+    if not groups:
+        return list(findings)
+    whole = replace(model, design=with_columns(model.design, findings))
+    coef = refit(whole.design, model.acted(records), "derivative")
+    drift = drift_of(whole, coef, records, STRETCHES, STEADY)
+    if drift is None:
+        return list(findings)
+    (trial,) = settled([drift.trial])
+    pool = Pool(grown, small, part, -np.log1p(-rules.min_share))
+    for group in groups:
+        rest = [finding for finding in findings if finding not in group]
+        without = replace(model, design=with_columns(model.design, rest))
+        found = _single(without, group, pool, drift, trial.error)
+        if found is not None:
+            left = [found if f is group[0] else f for f in findings if f not in group[1:]]
+            return one_for_several(model, left, grown, small, records, part, rules)
+    return list(findings)
+
+
+def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
+    """Return each effect with all that came after it in its equation, and with each one of them.
+
+    Of names alone each is known to engineers by itself; so one at least is a grown term.
+    """
+    groups = []
+    for place, first in enumerate(findings):
+        later = [f for f in findings[place + 1 :] if f.candidate.state == first.candidate.state]
+        groups += [[first, *later], *([first, one] for one in later)]
+    several = {tuple(map(id, group)): group for group in groups if len(group) > 1}
+    return [group for group in several.values() if _may_go(group, findings)]
+
+
+def _may_go(group: Sequence[Finding], findings: Sequence[Finding]) -> bool:
+    rest = [finding for finding in findings if finding not in group]
+    is_grown = any(finding.candidate.name == EVOLVED for finding in group)
+    return is_grown and all(f.columns and not is_needed(f, rest) for f in group)
+
+
+def _single(
+    without: Model, group: Sequence[Finding], pool: Pool, drift: Drift, error: float
+) -> Finding | None:
+    """Return the one effect whose runs come as close to the record as those of a group do."""
+    first = group[0]
+    own = Contender(first.candidate, begun_with(without, first.candidate, drift))
+    size = sum(finding.candidate.size for finding in group)
+    able = [
+        one
+        for one in pool.contenders(without, own, drift)
+        if one.candidate.size < size and one.error <= np.exp(MARGIN) * error
+    ]
+    if not able:
+        return None
+    best = min(able, key=lambda one: one.error).candidate
+    return replace(first, candidate=best, columns=columns_of(best, without.design))

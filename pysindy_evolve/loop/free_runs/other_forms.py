@@ -1,0 +1,75 @@
+"""Other forms of a grown term: without a factor, straight where it bends, and beside an offset.
+
+A search may end at T^4 / (800 + sqrt(T)), of which only the upper part is meant: the lower one is
+where a function hardly bends. And a diode passes exp(k v) - 1: without the one, no number k makes
+the exponential alone as close as a worse form is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...terms import Call, Product, Sum, mul, power
+from ..effects.candidate import OFFSET, Candidate, bare
+from ..effects.missing import standing
+from ..evidence.trace import EVOLVED
+from ..given.design import Design
+from ..given.segments import Segments, ranges
+
+__all__ = ["other_forms"]
+
+BENT = ("sin", "tanh", "softsign")  # straight lines near zero
+
+
+def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
+    """Return a grown term without each of its factors, with each straight, and beside an offset.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Grown, or of the vocabulary, which knows its forms.
+    design : Design
+        The model without it; what stands there is not offered again.
+    part : Segments
+        Pieces of the training records: what is zero at a place in them needs no offset to be so.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
+        return []
+    ((_, product),) = candidate.terms[0].parts
+    terms = [*candidate.terms, *_shorter(product), *_straight(product)]
+    forms: list[tuple[Sum, ...]] = [(term,) for term in terms[1:]]
+    forms += [(term, OFFSET) for term in terms if not _vanishes_at_rest(term, part.rows)]
+    known, state = standing(design), candidate.state
+    new = (terms for terms in forms if not any((state, term) in known for term in terms))
+    return [Candidate(EVOLVED, state, terms) for terms in new]
+
+
+def _shorter(product: Product) -> Iterator[Sum]:
+    for place in range(len(product.factors)):
+        left = Product(product.factors[:place] + product.factors[place + 1 :])
+        if left.variables:
+            yield Sum(((1.0, left),))
+
+
+def _straight(product: Product) -> Iterator[Sum]:
+    """Go through the product with each function that bends from zero replaced by its argument."""
+    for place, (atom, exponent) in enumerate(product.factors):
+        if isinstance(atom, Call) and atom.operator.name in BENT:
+            left = Product(product.factors[:place] + product.factors[place + 1 :])
+            straight = mul(Sum(((1.0, left),)), power(atom.args[0], exponent))
+            if len(straight.parts) == 1:
+                yield bare(straight)
+
+
+def _vanishes_at_rest(term: Sum, rows: np.ndarray) -> bool:
+    """Tell whether a term is zero where all variables are, and some of its variables come there."""
+    signed = ranges(rows)[1]
+    with np.errstate(all="ignore"):  # 1 / q has no value there
+        at_rest = float(term.evaluate(np.zeros((1, rows.shape[1])))[0])
+    return at_rest == 0.0 and any(signed[variable] for variable in term.variables)
