@@ -16,6 +16,7 @@ from .candidate import Candidate, CandidateMaker, Shape
 
 __all__ = [
     "FEWEST_FREQUENCIES",
+    "N_LINES",
     "frequency_of",
     "is_same_ripple",
     "lines_of",
@@ -25,7 +26,9 @@ __all__ = [
 ]
 
 FORCING = "periodic forcing"
+FREQUENCY = "angular frequency"
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
+N_LINES = 2  # that are looked at in an equation
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
 HALF = FINENESS // 2  # of these make half of what the record resolves
 AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
@@ -70,8 +73,8 @@ def periodic_candidates(
     """
     effect = CandidateMaker(state)
     return [
-        effect(FORCING, *(wave(2 * np.pi * frequency) for wave in _waves(time)))
-        for frequency in lines_of(residual, drivers, dt, highest)
+        effect(FORCING, shape=_of_line(frequency, len(residual) * dt, _waves(time), branch))
+        for branch, frequency in enumerate(lines_of(residual, drivers, dt, highest))
     ]
 
 
@@ -84,6 +87,8 @@ def pumped_candidates(
     drivers: np.ndarray,
     dt: float,
     highest: float = np.inf,
+    *,
+    branch: int = 0,
 ) -> list[Candidate]:
     """Return a declared term times sines and cosines of time: a stiffness that is pumped.
 
@@ -97,6 +102,8 @@ def pumped_candidates(
         The term, without its coefficient.
     values : ndarray of shape (n_samples,)
         Its values.
+    branch : int
+        Tells the term from the others of its equation.
 
     Returns
     -------
@@ -104,22 +111,31 @@ def pumped_candidates(
         One or none.
     """
     effect, others = CandidateMaker(state), np.column_stack([drivers, values, values**2])
+    waves = tuple(partial(_times, part, wave) for wave in _waves(time))
+    length = len(residual) * dt
     return [
-        effect(
-            "varying coefficient",
-            *(mul(part, wave(2 * np.pi * frequency)) for wave in _waves(time)),
-            parents=(part,),
-            alone=True,
-        )
-        for frequency in lines_of(residual * values, others, dt, highest, n_peaks=1)
+        effect(FORCING, shape=_of_line(line, length, waves, branch), parents=(part,), alone=True)
+        for line in lines_of(residual * values, others, dt, highest, n_peaks=1)
     ]
+
+
+def _of_line(
+    frequency: float, length: float, waves: tuple[Callable[[float], Sum], ...], branch: int
+) -> Shape:
+    """Return waves at a frequency, to be tuned by half of what a record of a length resolves."""
+    reach = 0.5 / (frequency * length)
+    return Shape((2 * np.pi * frequency,), waves, reach, (FREQUENCY,), branch)
+
+
+def _times(part: Sum, wave: Callable[[float], Sum], frequency: float) -> Sum:
+    return mul(part, wave(frequency))
 
 
 def frequency_of(candidate: Candidate) -> float:
     """Return the frequency of a periodic forcing, cycles per unit of t; zero of another effect."""
-    if candidate.name != FORCING:
+    if candidate.shape is None or FREQUENCY not in candidate.shape.meanings:
         return 0.0
-    return max(term.constants[0] for one in candidate.terms for _, term in one.parts) / (2 * np.pi)
+    return candidate.shape.named[FREQUENCY] / (2 * np.pi)
 
 
 def lines_of(
@@ -128,7 +144,7 @@ def lines_of(
     dt: float,
     highest: float = np.inf,
     *,
-    n_peaks: int = 2,
+    n_peaks: int = N_LINES,
 ) -> list[float]:
     """Return the frequencies, cycles per unit of t, of lines of a residual that no input has.
 

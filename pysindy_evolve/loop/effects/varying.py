@@ -24,9 +24,18 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
     acting = set(range(len(design.states) + len(design.inputs))) - angles_of(design)
     for part in parts_of(design, effect.state):
         for other in map(variable, sorted(acting)):
-            if other != part:
-                parents = (OFFSET, part)
-                yield effect("varying coefficient", mul(other, part), parents=parents, alone=True)
+            name = _name_of(part.variables | other.variables, design, effect.state)
+            if other != part and name:
+                yield effect(name, mul(other, part), parents=(OFFSET, part), alone=True)
+
+
+def _name_of(acting: frozenset[int], design: Design, state: int) -> str:
+    """Return what a product of these variables is called; nothing if powers of a spring say it."""
+    if any(one >= len(design.states) for one in acting):
+        return "input gain"
+    if acting == {design.position_of(state)}:
+        return ""
+    return "nonlinear damping" if acting == {state} else "coupling"
 
 
 def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:

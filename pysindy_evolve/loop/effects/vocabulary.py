@@ -46,7 +46,6 @@ VOCABULARY = (
     "coupling",
     "input nonlinearity",
     "input gain",
-    "varying coefficient",
     "drift",
     "periodic forcing",
     "position-periodic ripple",

@@ -13,6 +13,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, standing
 from ..effects.periodic import (
+    N_LINES,
     is_same_ripple,
     periodic_candidates,
     pumped_candidates,
@@ -75,9 +76,11 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     for state in design.open_states:
         line = state, time, left[first][:, state]
         proposed += periodic_candidates(*line, drivers, longest.dt, cutoff)
-        for side in (one for one in parts_of(design, state) if time not in one.variables):
-            pumped = side, side.evaluate(variables_of(longest))
-            proposed += pumped_candidates(*line, *pumped, drivers, longest.dt, cutoff)
+        sides = (one for one in parts_of(design, state) if time not in one.variables)
+        for branch, side in enumerate(sides, N_LINES):
+            values = side.evaluate(variables_of(longest))
+            given = drivers, longest.dt, cutoff
+            proposed += pumped_candidates(*line, side, values, *given, branch=branch)
         position = design.position_of(state)
         if position is not None:
             residuals = [own[:, state] for own in left]

@@ -144,7 +144,7 @@ def test_a_stiffness_that_is_pumped_is_found_with_its_frequency():
         declared, pse.prepare(t, q, force), operators=(), n_twins=59, random_state=0
     )
     (effect,) = report.effects
-    assert effect.name == "varying coefficient"
+    assert effect.name == "periodic forcing"
     frequencies = {
         number for product in effect.expressions for number in product.parts[0][1].constants
     }

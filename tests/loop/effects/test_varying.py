@@ -15,9 +15,7 @@ def varying_in(sides, inputs):
     design = pse.DeclaredModel(sides, inputs=inputs).design()
     names = (*design.states, *design.inputs, "t")
     offered = candidates(design, np.full(len(names), 3.0))
-    return {
-        (c.state, c.terms[0].name(names)): c for c in offered if c.name == "varying coefficient"
-    }
+    return {(c.state, c.terms[0].name(names)): c for c in offered if c.alone and c.parents}
 
 
 def test_each_term_may_change_with_each_state_and_input_and_needs_the_term_beside_it():

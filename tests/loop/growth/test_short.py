@@ -32,7 +32,7 @@ def test_a_product_of_three_states_is_found_on_slow_records(replication):
     assert report.rules.by_trajectory
     (effect,) = report.effects
     named = (effect.name, effect.state, str(effect.term))
-    assert named == ("varying coefficient", "a", "a**2*b")
+    assert named == ("coupling", "a", "a**2*b")
     assert effect.coefficients == pytest.approx([-1.61], rel=0.01)
     assert np.all(report.after.simulation_error < 0.2)
 
