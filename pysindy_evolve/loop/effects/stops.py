@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial, reduce
 
+import numpy as np
+
 from ...operators import BUILTIN
 from ...reading.extremes import EXTREMES
 from ...terms import Call, Product, Sum, add, call, constant, mul, sub
@@ -17,6 +19,7 @@ from .varying import parts_of
 
 __all__ = [
     "asymmetric_limits",
+    "begins_within",
     "begun_at_same",
     "damped_contacts",
     "ends_of",
@@ -101,6 +104,16 @@ def is_stop(candidate: Candidate) -> bool:
 def has_two_ends(candidate: Candidate) -> bool:
     """Tell whether an effect begins at two places, with a slope beyond each."""
     return candidate.whole and candidate.shape is not None and len(candidate.terms) == 2
+
+
+def begins_within(candidate: Candidate, variables: np.ndarray) -> bool:
+    """Tell whether a stop comes in somewhere in the records, and leaves free a part of them.
+
+    One that begins beyond all that was measured, or at a lower end above the upper one, is a
+    straight line there.
+    """
+    beyond = np.column_stack([term.evaluate(variables) for term in candidate.terms]) != 0.0
+    return bool(beyond.any(axis=0).all() and not beyond.any(axis=1).all())
 
 
 def begun_at_same(candidate: Candidate) -> list[Candidate]:

@@ -19,6 +19,7 @@ from ..effects.periodic import (
     pumped_candidates,
     ripple_candidates,
 )
+from ..effects.stops import begins_within
 from ..effects.varying import parts_of
 from ..effects.vocabulary import VOCABULARY
 from ..fitting.linear import solve_gram
@@ -170,7 +171,10 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
         return candidate.at(np.exp(logs).tolist())
 
     def loss(logs: np.ndarray) -> float:
-        scores = score(design, part, [at(np.atleast_1d(logs))], pairs=False)
+        there = at(np.atleast_1d(logs))
+        if candidate.whole and not begins_within(there, part.rows):
+            return 0.0
+        scores = score(design, part, [there], pairs=False)
         return -scores[0].value if scores else 0.0
 
     start = np.log(shape.values)
