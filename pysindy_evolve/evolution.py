@@ -17,13 +17,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from .breeding.constants import tune_beside, tune_constants
-from .breeding.dictionary import Dictionary, Problem, Project, build_dictionary, price
+from .breeding.dictionary import Dictionary, Problem, Project, build_dictionary
+from .breeding.elastic_net import solve_elastic_net
+from .breeding.fitness import rate
 from .breeding.generation import Evolution, Generation, Settings
 from .breeding.genetics import Genetics
 from .breeding.plain import plain_terms, sizes
@@ -32,11 +32,7 @@ from .breeding.refit import refit
 from .breeding.relatives import relatives
 from .breeding.watch import watch
 from .operators import Operator
-from .sparse.beam import best_subsets, with_exchanges
-from .sparse.elimination import gains
 from .sparse.parsimony import PERFECT
-from .sparse.proposals import supports
-from .sparse.selection import Selection, select
 from .terms import ONE, Product, Variable, lowest
 from .threads import one_thread
 
@@ -174,55 +170,6 @@ def first_population(
     plain = plain_terms(operators, first.x, few=first.project is not None)
     known = [*leaves, *begin, *plain]
     return [*begin, *plain, *genetics.random_terms(settings.population_size, known)]
-
-
-def solve_elastic_net(
-    dictionary: Dictionary,
-    survivors: Sequence[Product],
-    best: Sequence[Product],
-    max_terms: int,
-    alike: bool,
-) -> Selection:
-    """Find the best equations that the dictionary holds: the best first, then smaller ones.
-
-    The elastic net proposes supports, along with what survived and the best equation so far; each
-    is pruned by the information criterion. Smooth terms are `alike` over a record: small equations
-    of them are searched as well, and each is returned without one of its terms besides.
-    """
-    gram, terms = dictionary.gram, dictionary.terms
-    known = {term: j for j, term in enumerate(terms)}
-    old = [np.array([known[t] for t in ts if t in known], dtype=int) for ts in (survivors, best)]
-    proposals = [*supports(gram, 2 * max_terms), *old]
-    scaled = gram.scaled(gram.scale)
-    found = select(
-        gram,
-        proposals,
-        partial(price, terms),
-        dictionary.residual,
-        float(dictionary.y @ dictionary.y),
-        max_terms,
-        propose=partial(best_subsets, scaled, max_terms=max_terms) if alike else None,
-    )
-    return replace(found, front=with_exchanges(found.front)) if alike else found
-
-
-def rate(
-    dictionary: Dictionary, front: Sequence[np.ndarray], n_effective: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Fitness of each term, lower is better, and the equation it goes best with.
-
-    It is the mean square error of the best equation that has the term in it, put as information
-    criterion n log(MSE) + price. Small equations are tried as well as the best one, because a
-    term that says at once what ten others say together adds nothing to the ten.
-    """
-    gram = dictionary.gram.scaled(dictionary.gram.scale)
-    cost = price(dictionary.terms, n_effective)
-    value = np.empty((len(front), len(cost)))
-    for row, support in zip(value, front, strict=True):
-        with_term, _ = gains(gram, support)
-        row[:] = n_effective * np.log(with_term / gram.n) + cost[support].sum() + cost
-        row[support] -= cost[support]
-    return value.min(axis=0), value.argmin(axis=0)
 
 
 def vary(
