@@ -109,7 +109,7 @@ def evolve(
         search, plateau, settings.n_generations, progress, keep_if_interrupted
     )
     n_best = history[-1].n_terms if history else 0
-    perfect = bool(history) and history[-1].fitness <= PERFECT
+    perfect = bool(history) and history[-1].error <= PERFECT
     finalists = _unique([lowest(term) for term in finalists])
     terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
     return Evolution(terms, coef, history, finalists)
