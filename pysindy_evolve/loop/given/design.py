@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -76,6 +77,21 @@ class Design:
     motions: tuple[tuple[int, int], ...] = ()
     n_hidden: int = 0
     doubted: tuple[int, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the variables, numbered as in terms: states, inputs, time."""
+        return (*self.states, *self.inputs, "t")
+
+    @property
+    def time(self) -> int:
+        """Number of the time among the variables, the last one."""
+        return len(self.states) + len(self.inputs)
+
+    @property
+    def symbols(self) -> tuple[Any, ...]:
+        """Real sympy symbols of the variables, in the order of `names`."""
+        return self.equations(np.zeros(len(self.columns))).symbols
 
     def adding(self, columns: Iterable[Column]) -> Design:
         """Return the design with more columns at its end."""

@@ -148,7 +148,6 @@ def _effect(
     """Return an effect with its evidence; its coefficients are those of the final model."""
     others = [memory for memory in memories if memory not in memories_in([finding])]
     state, terms = finding.candidate.state, finding.candidate.terms
-    symbols = design.equations(np.zeros(len(design.columns))).symbols
     poorer = design.dropping(finding.columns)
     without, with_it = (
         derivative_fit_errors(d, *([remembered(r, m) for r in rs] for rs in (train, test)))[state]
@@ -158,7 +157,7 @@ def _effect(
     return Effect(
         name=finding.candidate.name,
         state=design.states[state],
-        term=_total(terms, symbols),
+        term=_total(terms, design.symbols),
         coefficients=unknown,
         confidence_intervals=np.column_stack([unknown, unknown]),
         explained=float(1.0 - (with_it / max(without, 1e-300)) ** 2),
@@ -181,14 +180,15 @@ def _entry(design: Design, finding: Finding) -> str:
     if place is None:
         return ""
     entry, force = place
-    symbols = design.equations(np.zeros(len(design.columns))).symbols
-    name = (*design.states, *design.inputs)[entry.beside]
+    name = design.names[entry.beside]
     if entry.beside < len(design.states):
         return f"where the damping of {name} does"
     if mul(entry.factor, force) != terms[0] or not entry.is_known:
         return f"where {name} does"
-    larger = "" if force == OFFSET else f" times {format_expression(force.to_sympy(symbols))}"
-    return f"as if {name} were larger by this number{larger}"
+    number = f"as if {name} were larger by this number"
+    if force == OFFSET:
+        return number
+    return f"{number} times {format_expression(force.to_sympy(design.symbols))}"
 
 
 def _total(terms: Sequence[Sum], symbols: Sequence[Any]) -> Any:
@@ -200,9 +200,8 @@ def _other_names(finding: Finding) -> tuple[str, ...]:
 
 
 def _alternative(rival: Rival, design: Design) -> Alternative:
-    symbols = design.equations(np.zeros(len(design.columns))).symbols
     candidate = rival.candidate
-    term = _total(candidate.terms, symbols)
+    term = _total(candidate.terms, design.symbols)
     state = design.states[candidate.state]
     return Alternative(candidate.name, state, term, rival.p_value, candidate.terms)
 
