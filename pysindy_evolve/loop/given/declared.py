@@ -49,8 +49,9 @@ class DeclaredModel:
         Functions of your own that the text may call.
     algebraic : bool
         Whether the right-hand sides are the targets themselves, such as a force F = c v + k x, and
-        not their rates. Targets are the columns of x in the records; `signals.as_target`
-        makes such records.
+        not their rates. Targets are the columns of x in the records, and stand where states do:
+        ``{"F": "c*v + k*x"}``. What they depend on are inputs. `signals.as_target` makes such
+        records, and says which inputs they have.
 
     Attributes
     ----------
@@ -169,6 +170,13 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
     Returns
     -------
     Design
+
+    Raises
+    ------
+    TypeError
+        If `declared` is no model, or the library of a SINDy model is not one of ordinary terms.
+    ValueError
+        If an algebraic target depends on a target.
     """
     if isinstance(declared, DeclaredModel):
         design = declared.design()
