@@ -79,16 +79,17 @@ def find(
     able = [s for s in scores if s.value > 0.0]
     worthy = [s for s in able if _is_one_of(zeros, s) or _matters(s, shares, rules)]
     gaining = able[:1]
+    names = (*design.states, *design.inputs, "t")
     # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
     if not worthy and (design.columns != declared.columns or not gaining):
-        light = [Rejected(s, shares.of(s), variables=design.names) for s in gaining]
+        light = [Rejected(s, shares.of(s), variables=names) for s in gaining]
         return Look(rejected=light[0] if light else None)
     best = _without_numbers(plainest(worthy or gaining), worthy, shares)
     statistic = partial(_best_score, design=design, proposer=proposer)
     observed = min(best.value, searched[0].value)
     p_value, twins = chance_of(observed, statistic, design, equations, part, rules, rng)
     if p_value > rules.level or not worthy:
-        tested = Rejected(best, shares.of(best), p_value, twins, design.names, rules.level)
+        tested = Rejected(best, shares.of(best), p_value, twins, names, rules.level)
         return Look(rejected=tested)
     group = _tuned_group(best, design, proposed, part, rules, rng)
     evidence = best.value, p_value, twins
