@@ -17,12 +17,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Hashable, Iterator, Sequence
-from functools import partial
 
 import numpy as np
 
 from .breeding.constants import tune_beside, tune_constants
-from .breeding.dictionary import Dictionary, Problem, Project, build_dictionary, price
+from .breeding.dictionary import Dictionary, Problem, Project, build_dictionary
+from .breeding.elastic_net import solve_elastic_net
+from .breeding.fitness import rate
 from .breeding.generation import Evolution, Generation, Settings
 from .breeding.genetics import Genetics
 from .breeding.plain import plain_terms, sizes
@@ -31,11 +32,7 @@ from .breeding.refit import refit
 from .breeding.relatives import relatives
 from .breeding.watch import watch
 from .operators import Operator
-from .sparse.beam import best_subsets, with_exchanges
-from .sparse.elimination import gains
 from .sparse.parsimony import PERFECT
-from .sparse.proposals import supports
-from .sparse.selection import Selection, select
 from .terms import ONE, Product, Variable, lowest
 from .threads import one_thread
 
@@ -112,7 +109,7 @@ def evolve(
         search, plateau, settings.n_generations, progress, keep_if_interrupted
     )
     n_best = history[-1].n_terms if history else 0
-    perfect = bool(history) and history[-1].fitness <= PERFECT
+    perfect = bool(history) and history[-1].error <= PERFECT
     finalists = _unique([lowest(term) for term in finalists])
     terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
     return Evolution(terms, coef, history, finalists)
@@ -130,96 +127,72 @@ def generations(
     first = problem.sample(ROWS, np.random.default_rng(0))
     genetics = Genetics(operators, np.array(sizes(first.x)), max_depth=settings.max_depth, rng=rng)
     leaves = (ONE, *(Product(((Variable(i), 1),)) for i in range(problem.x.shape[1])))
-    population = list(begin)
-    # Where the leaves say it all, as in q' = v, nothing has to grow.
-    if not build_dictionary(first, leaves).is_exact:
-        population += plain_terms(operators, first.x, few=problem.project is not None)
-        population += genetics.random_terms(settings.population_size, [*leaves, *population])
+    population = first_population(first, genetics, operators, settings, leaves, begin)
 
     survivors: tuple[Product, ...] = leaves
     best: tuple[Product, ...] = ()
-    known: set[Hashable] = set()
+    known: set[Hashable] = set()  # what was tuned, and beside what
     for number in range(1, settings.n_generations + 1):
-        sample = problem.sample(ROWS, rng)
-        dictionary = build_dictionary(sample, [*survivors, *population])
+        dictionary = build_dictionary(problem.sample(ROWS, rng), [*survivors, *population])
         found = solve_elastic_net(
             dictionary, survivors, best, settings.max_terms, alike=genetics.smooth
         )
         best = tuple(dictionary.terms[j] for j in found.best)
-        around = with_exchanges(found.front) if genetics.smooth else found.front
-        fitness, partners = rate(dictionary, around, found.n_effective)
+        fitness, partners = rate(dictionary, found.front, found.n_effective)
 
-        ranking = _ranking(dictionary, found.best, fitness)
+        ranking = _unique([*best, *_sorted(dictionary, fitness)])[:FINALISTS]
         plain = [leaf for leaf in leaves if leaf in dictionary.terms]  # always weighed at the end
-        finalists = _unique([*ranking[:FINALISTS], *plain])
-        yield Generation.of(dictionary, found.best, number, start), finalists
-        tuned = tune_constants(dictionary, around, fitness, partners, known, alike=genetics.smooth)
+        yield Generation.of(dictionary, found.best, number, start), _unique([*ranking, *plain])
+
+        tuned = tune_constants(
+            dictionary, found.front, fitness, partners, known, alike=genetics.smooth
+        )
         if number == 1:  # of two that are nearly one signal, the first stays
             tuned = [*tune_beside(dictionary, leaves), *tuned]
-        survivors = _unique([*tuned, *ranking[:FINALISTS], *leaves])
-        population = genetics.offspring(
-            dictionary.terms,
-            fitness,
-            settings.population_size,
-            crossover_rate=settings.crossover_rate,
-            mutation_rate=settings.mutation_rate,
-        )
-        population += relatives([dictionary.terms[j] for j in found.best], operators)
+        survivors = _unique([*tuned, *ranking, *leaves])
+        population = vary(dictionary.terms, fitness, best, genetics, operators, settings)
 
 
-def solve_elastic_net(
-    dictionary: Dictionary,
-    survivors: Sequence[Product],
+def first_population(
+    first: Problem,
+    genetics: Genetics,
+    operators: Sequence[Operator],
+    settings: Settings,
+    leaves: Sequence[Product],
+    begin: Sequence[Product],
+) -> list[Product]:
+    """Initialise: the terms to begin with, the plainest ones that hold a number, and random ones.
+
+    Where the leaves say it all on a first sample, as in q' = v, nothing has to grow.
+    """
+    if build_dictionary(first, leaves).is_exact:
+        return list(begin)
+    plain = plain_terms(operators, first.x, few=first.project is not None)
+    known = [*leaves, *begin, *plain]
+    return [*begin, *plain, *genetics.random_terms(settings.population_size, known)]
+
+
+def vary(
+    parents: Sequence[Product],
+    fitness: np.ndarray,
     best: Sequence[Product],
-    max_terms: int,
-    alike: bool,
-) -> Selection:
-    """Find the best equations that the dictionary holds: the best first, then smaller ones.
-
-    The elastic net proposes supports, along with what survived and the best equation so far; each
-    is pruned by the information criterion. Smooth terms are `alike` over a record, and small
-    equations of them are searched as well.
-    """
-    gram, terms = dictionary.gram, dictionary.terms
-    known = {term: j for j, term in enumerate(terms)}
-    old = [np.array([known[t] for t in ts if t in known], dtype=int) for ts in (survivors, best)]
-    proposals = [*supports(gram, 2 * max_terms), *old]
-    scaled = gram.scaled(gram.scale)
-    return select(
-        gram,
-        proposals,
-        partial(price, terms),
-        dictionary.residual,
-        float(dictionary.y @ dictionary.y),
-        max_terms,
-        propose=partial(best_subsets, scaled, max_terms=max_terms) if alike else None,
+    genetics: Genetics,
+    operators: Sequence[Operator],
+    settings: Settings,
+) -> list[Product]:
+    """Make the new population by crossover and mutation, with what the best equation is made of."""
+    children = genetics.offspring(
+        parents,
+        fitness,
+        settings.population_size,
+        crossover_rate=settings.crossover_rate,
+        mutation_rate=settings.mutation_rate,
     )
+    return children + relatives(best, operators)
 
 
-def rate(
-    dictionary: Dictionary, front: Sequence[np.ndarray], n_effective: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Fitness of each term, lower is better, and the equation it goes best with.
-
-    It is the mean square error of the best equation that has the term in it, put as information
-    criterion n log(MSE) + price. Small equations are tried as well as the best one, because a
-    term that says at once what ten others say together adds nothing to the ten.
-    """
-    gram = dictionary.gram.scaled(dictionary.gram.scale)
-    cost = price(dictionary.terms, n_effective)
-    value = np.empty((len(front), len(cost)))
-    for row, support in zip(value, front, strict=True):
-        with_term, _ = gains(gram, support)
-        row[:] = n_effective * np.log(with_term / gram.n) + cost[support].sum() + cost
-        row[support] -= cost[support]
-    return value.min(axis=0), value.argmin(axis=0)
-
-
-def _ranking(
-    dictionary: Dictionary, support: np.ndarray, fitness: np.ndarray
-) -> tuple[Product, ...]:
-    order = [*support, *np.argsort(fitness, kind="stable")]
-    return _unique([dictionary.terms[j] for j in order])
+def _sorted(dictionary: Dictionary, fitness: np.ndarray) -> list[Product]:
+    return [dictionary.terms[j] for j in np.argsort(fitness, kind="stable")]
 
 
 def _unique(terms: Sequence[Product]) -> tuple[Product, ...]:

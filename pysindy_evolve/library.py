@@ -143,6 +143,15 @@ class EvolvingLibrary(TermColumns):
         -------
         EvolvingLibrary
             Itself.
+
+        Raises
+        ------
+        ValueError
+            If x and y differ in length, hold too few samples, a value that is not finite or of
+            extreme size, or a column of x that never varies, if y is zero or did not reach the
+            library, or a parameter is out of its range.
+        TypeError
+            If something is not made of real numbers, or a parameter is of the wrong type.
         """
         self._grow(x_full, y)
         return self
@@ -163,6 +172,11 @@ class EvolvingLibrary(TermColumns):
         Returns
         -------
         ndarray of shape (n_samples, n_output_features), or list of them
+
+        Raises
+        ------
+        ValueError, TypeError
+            As in `fit`.
         """
         rows = self._grow(x_full, y)
         edges = np.cumsum([len(x) for x in x_full])[:-1]

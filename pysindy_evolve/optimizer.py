@@ -108,6 +108,14 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         -------
         ElasticNet
             Itself.
+
+        Raises
+        ------
+        ValueError
+            If a parameter is out of its range, there are fewer samples than terms, or a value is
+            not finite.
+        TypeError
+            If a parameter is of the wrong type.
         """
         self._check_parameters()
         X, y = validate_data(self, X, y, multi_output=True, y_numeric=True)
@@ -140,6 +148,13 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Returns
         -------
         ndarray of shape (n_samples, n_targets), or (n_samples,) after a fit to a flat target
+
+        Raises
+        ------
+        sklearn.exceptions.NotFittedError
+            Before `fit`.
+        ValueError
+            If X has other columns than in `fit`.
         """
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)

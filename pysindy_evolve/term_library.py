@@ -36,6 +36,15 @@ class TermColumns(BaseFeatureLibrary):
         Returns
         -------
         ndarray of shape (n_samples, n_output_features), or list of them
+
+        Raises
+        ------
+        ValueError
+            If x has other columns than in `fit`, or a value that is not finite.
+        TypeError
+            If x is not made of real numbers.
+        sklearn.exceptions.NotFittedError
+            If the library has not been fitted.
         """
         handover.forget(self)
         check_is_fitted(self, "terms_")
@@ -52,6 +61,13 @@ class TermColumns(BaseFeatureLibrary):
         Returns
         -------
         list of str
+
+        Raises
+        ------
+        ValueError
+            If there are not as many names as columns of x.
+        sklearn.exceptions.NotFittedError
+            If the library has not been fitted.
         """
         check_is_fitted(self, "terms_")
         names = input_features or [f"x{i}" for i in range(self.n_features_in_)]
@@ -126,6 +142,11 @@ class TermLibrary(TermColumns):
         -------
         TermLibrary
             Itself.
+
+        Raises
+        ------
+        ValueError
+            If a term needs a column that x does not have.
         """
         width = x_full[0].shape[-1]
         needed = max((max(term.variables, default=-1) for term in self.terms), default=-1) + 1

@@ -78,6 +78,14 @@ def training_data(x: Sequence[Any], y: Any) -> tuple[np.ndarray, np.ndarray]:
     -------
     x : ndarray of shape (n, n_features)
     y : ndarray of shape (n, n_targets)
+
+    Raises
+    ------
+    ValueError
+        If y is None or zero, lengths disagree, there are too few samples, a column of x never
+        varies, or a value is not finite or of extreme size.
+    TypeError
+        If something is not made of real numbers.
     """
     if y is None:
         raise ValueError(

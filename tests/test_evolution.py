@@ -7,9 +7,10 @@ from scipy.integrate import solve_ivp
 
 from pysindy_evolve.breeding.constants import tune
 from pysindy_evolve.breeding.dictionary import Problem, build_dictionary, price, written_out
+from pysindy_evolve.breeding.fitness import rate
 from pysindy_evolve.breeding.generation import Settings
 from pysindy_evolve.datasets import duffing
-from pysindy_evolve.evolution import evolve, rate
+from pysindy_evolve.evolution import evolve
 from pysindy_evolve.library import EvolvingLibrary
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.optimizer import ElasticNet

@@ -61,7 +61,7 @@ def test_every_generation_leaves_a_record(data):
     assert [generation.number for generation in history] == list(range(1, len(history) + 1))
     last = history[-1]
     assert last.n_terms == len(last.terms) == len(last.coef) == 2
-    assert 0.0 < last.fitness < 0.01
+    assert 0.0 < last.error < 0.01
     assert all(a.time <= b.time for a, b in pairwise(history))
 
 

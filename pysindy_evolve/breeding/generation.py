@@ -39,7 +39,7 @@ class Generation:
         The best equation, without coefficients.
     coef : tuple of float
         Its coefficients, in units of the target per unit of the term.
-    fitness : float
+    error : float
         Mean square error of the best equation, as a share of the mean square of the target.
     time : float
         Seconds since the search began.
@@ -48,7 +48,7 @@ class Generation:
     number: int
     terms: tuple[Product, ...]
     coef: tuple[float, ...]
-    fitness: float
+    error: float
     time: float
 
     @classmethod

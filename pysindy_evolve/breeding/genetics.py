@@ -17,7 +17,8 @@ import numpy as np
 from deap import gp
 
 from ..operators import BUILTIN, Operator
-from ..terms import Atom, Call, Product, Sum, Variable, call, constant, simplified, variable
+from ..terms import Atom, Call, Product, Sum, Variable, constant, simplified, variable
+from .prefix import Memo, from_prefix, to_prefix
 
 __all__ = ["Genetics", "is_mask"]
 
@@ -64,7 +65,7 @@ class Genetics:
         self._curves = any(name in CURVED for name in self._operators)
         self._deap = _deap_drawing_from(self.random)
         self._pset = self._primitive_set()
-        self._memo: dict[tuple[Any, ...], Sum] = {}
+        self._memo: Memo = {}
 
     def random_terms(self, n: int, known: Iterable[Product] = ()) -> list[Product]:
         """Return up to `n` random terms, all different and none of them known."""
@@ -184,17 +185,12 @@ class Genetics:
         return not any(map(is_mask, term.factors))
 
     def _expression(self, tree: gp.PrimitiveTree) -> Sum:
-        stack: list[Sum] = []
-        for node in reversed(tree):
-            if not node.arity:
-                stack.append(node.value)
-                continue
-            key = (node.name, *(stack.pop() for _ in range(node.arity)))
-            if key not in self._memo:
-                operator = self._operators.get(node.name, BUILTIN.get(node.name))
-                self._memo[key] = call(operator, *key[1:])  # type: ignore[arg-type]
-            stack.append(self._memo[key])
-        return stack[0]
+        return from_prefix([self._meaning(node) for node in tree], self._memo)
+
+    def _meaning(self, node: gp.Primitive | gp.Terminal) -> Operator | Sum:
+        if not node.arity:
+            return node.value
+        return self._operators.get(node.name) or BUILTIN[node.name]
 
     def _primitive_set(self) -> gp.PrimitiveSet:
         pset = gp.PrimitiveSet("terms", 0)
@@ -274,45 +270,13 @@ def _terminal(value: Sum) -> gp.Terminal:
     return gp.Terminal(value, False, gp.__type__)
 
 
-_MUL, _DIV, _ADD = (_primitive(BUILTIN[name]) for name in ("mul", "div", "add"))
+_ADD, _MUL = (_primitive(BUILTIN[name]) for name in ("add", "mul"))
 
 
 @lru_cache(4096)  # a good term is a parent many times over
-def _nodes(term: Product) -> tuple[Any, ...]:
-    """Write a term as a prefix tree, in any operators: the canonical form has its own."""
-    return tuple(_prefix_of_product(term))
+def _nodes(term: Product) -> tuple[gp.Primitive | gp.Terminal, ...]:
+    return tuple(_node(one) for one in to_prefix(term))
 
 
-def _prefix_of_product(term: Product) -> list[Any]:
-    above = [node for atom, n in term.factors for node in [_prefix_of_atom(atom)] * max(n, 0)]
-    below = [node for atom, n in term.factors for node in [_prefix_of_atom(atom)] * max(-n, 0)]
-    top = _joined(_MUL, above) if above else [_terminal(constant(1.0))]
-    return [_DIV, *top, *_joined(_MUL, below)] if below else top
-
-
-def _prefix_of_atom(atom: Atom) -> list[Any]:
-    if isinstance(atom, Variable):
-        return [_terminal(variable(atom.index))]
-    if isinstance(atom, Call):
-        nodes = [node for argument in atom.args for node in _prefix_of_sum(argument)]
-        return [_primitive(atom.operator), *nodes]
-    return _prefix_of_sum(atom)
-
-
-def _prefix_of_sum(total: Sum) -> list[Any]:
-    parts = []
-    for coefficient, term in total.parts:
-        if not term.factors:
-            parts.append([_terminal(constant(coefficient))])
-        elif coefficient == 1.0:
-            parts.append(_prefix_of_product(term))
-        else:
-            parts.append([_MUL, _terminal(constant(coefficient)), *_prefix_of_product(term)])
-    return _joined(_ADD, parts) if parts else [_terminal(constant(0.0))]
-
-
-def _joined(primitive: gp.Primitive, pieces: list[list[Any]]) -> list[Any]:
-    nodes = list(pieces[-1])
-    for piece in reversed(pieces[:-1]):
-        nodes = [primitive, *piece, *nodes]
-    return nodes
+def _node(one: Operator | Sum) -> gp.Primitive | gp.Terminal:
+    return _primitive(one) if isinstance(one, Operator) else _terminal(one)

@@ -39,7 +39,7 @@ class _Found(Protocol):
     @property
     def terms(self) -> tuple[Product, ...]: ...
     @property
-    def fitness(self) -> float: ...
+    def error(self) -> float: ...
 
 
 class Plateau:
@@ -72,7 +72,7 @@ class Plateau:
         shapes = frozenset(term.skeleton for term in generation.terms)
         self._stale = self._stale + 1 if shapes <= self._seen else 0
         self._seen |= shapes
-        if generation.fitness <= PERFECT:
+        if generation.error <= PERFECT:
             size = sum(term.size for term in generation.terms)
             return size <= 1 or self._stale >= min(self.patience, PATIENCE_IF_DONE)
         if self._stale >= self.patience:

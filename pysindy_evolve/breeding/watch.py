@@ -50,7 +50,7 @@ def watch(
         for generation, ranking in shown:
             history.append(generation)
             finalists = ranking
-            shown.set_postfix(n_terms=generation.n_terms, fitness=f"{generation.fitness:.3g}")
+            shown.set_postfix(n_terms=generation.n_terms, error=f"{generation.error:.3g}")
             if plateau.reached(generation):
                 break
     except KeyboardInterrupt:

@@ -28,6 +28,15 @@ def to_callable(model: Any) -> RightHandSideFunction:
     -------
     RightHandSideFunction
 
+    Raises
+    ------
+    TypeError
+        If `model` is no model, or its library is one of partial derivatives or weak forms.
+    sklearn.exceptions.NotFittedError
+        If `model` has not been fitted.
+    ValueError
+        If two variables share a name.
+
     Examples
     --------
     >>> import numpy as np

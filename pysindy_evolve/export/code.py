@@ -1,4 +1,4 @@
-"""Equations as source code of other languages, through sympy's code printers."""
+"""Equations as functions in other languages."""
 
 from __future__ import annotations
 
@@ -12,14 +12,10 @@ from typing import Any
 import sympy
 from sympy.codegen.rewriting import create_expand_pow_optimization
 from sympy.core.function import AppliedUndef
-from sympy.printing.c import C99CodePrinter
-from sympy.printing.julia import JuliaCodePrinter
-from sympy.printing.numpy import SciPyPrinter
-from sympy.printing.octave import OctaveCodePrinter
-from sympy.printing.str import StrPrinter
 
 from ..equations import Equations
 from ..hidden_states.hidden import MemoryEquations
+from .code_printers import CPrinter, JuliaPrinter, MatlabPrinter, ModelicaPrinter, PythonPrinter
 from .symbolic import System, system_of
 
 __all__ = ["to_code"]
@@ -242,74 +238,6 @@ def _modelica(source: _Source, name: str) -> str:
     return "\n".join(f"{f'der({q})' if is_rate else q} = {side};" for q, is_rate, side in rows)
 
 
-class _Exact:
-    """Prints floats with as many digits as they have, where sympy stops at fifteen."""
-
-    def _print_Float(self, expression: Any) -> str:
-        return repr(float(expression))
-
-
-class _Extremes:
-    """Prints the larger or smaller of more than two as calls of two: max(max(a, b), c)."""
-
-    larger, smaller = "max", "min"
-
-    def _print_Max(self, expression: Any) -> str:
-        return self._of_two(self.larger, expression.args)
-
-    def _print_Min(self, expression: Any) -> str:
-        return self._of_two(self.smaller, expression.args)
-
-    def _of_two(self, name: str, arguments: Sequence[Any]) -> str:
-        first, *rest = (str(self._print(one)) for one in arguments)  # type: ignore[attr-defined]
-        for other in rest:
-            first = f"{name}({first}, {other})"
-        return first
-
-
-class _PythonPrinter(_Extremes, _Exact, SciPyPrinter):
-    larger, smaller = "numpy.maximum", "numpy.minimum"
-
-
-class _CPrinter(_Exact, C99CodePrinter):
-    def _print_Integer(self, expression: Any) -> str:
-        return f"{int(expression)}.0"  # whole numbers must not meet in integer arithmetic
-
-
-class _MatlabPrinter(_Exact, OctaveCodePrinter):
-    pass
-
-
-class _JuliaPrinter(_Extremes, _Exact, JuliaCodePrinter):
-    pass
-
-
-_MODELICA_KNOWS = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh"}
-_MODELICA_KNOWS |= {"exp", "log", "sqrt", "sign", "floor"}
-
-
-class _ModelicaPrinter(_Extremes, _Exact, StrPrinter):
-    def __init__(self, settings: dict[str, Any]) -> None:
-        super().__init__()
-
-    def _print_Abs(self, expression: Any) -> str:
-        return f"abs({self._print(expression.args[0])})"
-
-    def _print_Function(self, expression: Any) -> str:
-        name = expression.func.__name__
-        if name not in _MODELICA_KNOWS and not isinstance(expression, AppliedUndef):
-            raise NotImplementedError(f"{name} is no function of Modelica")
-        return str(super()._print_Function(expression))
-
-    def _print_Piecewise(self, expression: Any) -> str:
-        raise NotImplementedError(f"{expression.func.__name__} is no function of Modelica")
-
-    _print_Heaviside = _print_Piecewise
-
-    def _print_Pow(self, expression: Any, rational: bool = False) -> str:
-        return str(super()._print_Pow(expression, rational)).replace("**", "^")
-
-
 @dataclass(frozen=True)
 class _Language:
     printer: Callable[[dict[str, Any]], Any]
@@ -318,9 +246,9 @@ class _Language:
 
 
 _LANGUAGES = {
-    "python": _Language(_PythonPrinter, _python, "#"),
-    "c": _Language(_CPrinter, _c, "//"),
-    "matlab": _Language(_MatlabPrinter, _matlab, "%"),
-    "julia": _Language(_JuliaPrinter, _julia, "#"),
-    "modelica": _Language(_ModelicaPrinter, _modelica, "//"),
+    "python": _Language(PythonPrinter, _python, "#"),
+    "c": _Language(CPrinter, _c, "//"),
+    "matlab": _Language(MatlabPrinter, _matlab, "%"),
+    "julia": _Language(JuliaPrinter, _julia, "#"),
+    "modelica": _Language(ModelicaPrinter, _modelica, "//"),
 }

@@ -30,6 +30,15 @@ def to_latex(model: Any, digits: int | None = 4) -> str:
     str
         One equation, or several in an ``aligned`` environment.
 
+    Raises
+    ------
+    TypeError
+        If `model` is no model, or its library is one of partial derivatives or weak forms.
+    sklearn.exceptions.NotFittedError
+        If `model` has not been fitted.
+    ValueError
+        If two variables share a name, or `digits` is below 1.
+
     Examples
     --------
     >>> import numpy as np

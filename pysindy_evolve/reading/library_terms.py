@@ -86,6 +86,11 @@ def columns_of(library: BaseFeatureLibrary, owner: str = "columns_of(library=...
     Returns
     -------
     list of Sum
+
+    Raises
+    ------
+    TypeError
+        If a library is not one of ordinary terms, or does not compute what its class does.
     """
     columns = _Reader(owner).columns(library, range(library.n_features_in_))
     _check_against_transform(library, columns, owner)

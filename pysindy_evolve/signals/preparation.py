@@ -166,6 +166,13 @@ class Preparation:
         -------
         ndarray of shape (n_samples,) or (n_samples, n_columns)
             Low-passed columns at the times of the record.
+
+        Raises
+        ------
+        ValueError
+            If there are not as many rows as raw times, or a value is not finite.
+        TypeError
+            If `columns` is not made of real numbers.
         """
         raw = self._raw("Preparation.lowpass", "columns", columns)
         (result,) = self._derive(raw, (0,))

@@ -201,6 +201,13 @@ class Record:
         Returns
         -------
         first, last : Record
+
+        Raises
+        ------
+        ValueError
+            If `fraction` is not between 0 and 1, or a part would keep fewer than two samples.
+        TypeError
+            If `fraction` is no number.
         """
         between = "between 0 and 1"
         share = checks.number("Record.split", "fraction", fraction, between, lambda v: 0 < v < 1)

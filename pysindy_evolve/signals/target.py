@@ -16,28 +16,38 @@ def as_target(record: Record) -> Record:
     Parameters
     ----------
     record : Record
-        Positions and their derivatives, with the forces as inputs, as `prepare` makes it: all
-        columns are filtered alike.
+        Positions and their derivatives, units of x and of x per unit of t, with the forces as
+        inputs, as `prepare` makes it: all columns are filtered alike.
 
     Returns
     -------
     Record
-        Its x and x_dot are the forces, its inputs the columns of x and, last, the highest
-        derivative of each position.
+        Its x and x_dot are the forces, shape (n_samples, n_forces). Its inputs are the columns of
+        x and, last, the highest derivative of each position.
 
     Raises
     ------
     ValueError
         If the record has no inputs.
 
+    Notes
+    -----
+    The model has to declare each column of the result, in this order: the forces as what it gives,
+    and all inputs, the acceleration of ``prepare(..., order=2)`` too, whether or not the declared
+    force depends on it. The loop looks for what the force lacks among all of them.
+
     Examples
     --------
+    A damper whose force was measured, and its position:
+
     >>> import numpy as np
-    >>> from pysindy_evolve.signals import prepare
+    >>> from pysindy_evolve import DeclaredModel, prepare
     >>> t = np.arange(1000) * 0.01
-    >>> record = as_target(prepare(t, np.sin(t), np.cos(t), order=1))
+    >>> record = as_target(prepare(t, np.sin(t), np.cos(t)))
     >>> record.n_states, record.n_inputs
-    (1, 2)
+    (1, 3)
+    >>> DeclaredModel({"F": "c*v"}, inputs=["x", "v", "a"], algebraic=True).inputs
+    ('x', 'v', 'a')
     """
     if record.u is None:
         checks.refuse("as_target", "record", "a record with inputs", "none", "Give forces as u.")

@@ -46,6 +46,13 @@ class Windows:
         Samples from one window to the next.
     power : int
         Smoothness: power - 1 derivatives vanish at the edges.
+
+    Raises
+    ------
+    ValueError
+        If a field is below 1.
+    TypeError
+        If a field is no integer.
     """
 
     width: int

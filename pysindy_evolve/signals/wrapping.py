@@ -30,6 +30,11 @@ def refuse_wrapped(call: str, y: Array) -> None:
         Function that was called.
     y : ndarray of shape (n_samples, n_columns)
         Readings, uniformly sampled.
+
+    Raises
+    ------
+    ValueError
+        If a column jumps by a whole turn.
     """
     for index, column in enumerate(y.T):
         for written, turn in TURNS.items():

@@ -21,8 +21,8 @@ def problem(x, y):
     return Problem(x, y, np.empty((len(x), 0)))
 
 
-def generation(*terms, fitness=0.1):
-    return Generation(1, terms, (1.0,) * len(terms), fitness, 0.0)
+def generation(*terms, error=0.1):
+    return Generation(1, terms, (1.0,) * len(terms), error, 0.0)
 
 
 def lasts(plateau, *found):
@@ -67,12 +67,12 @@ def test_an_equation_that_comes_and_goes_is_no_news(walk):
 
 def test_a_perfect_equation_of_one_variable_ends_the_search_at_once(walk):
     x, _ = walk
-    assert lasts(Plateau(problem(x, x[:, 0]), 10), generation(Q, fitness=0.0)) == 1
+    assert lasts(Plateau(problem(x, x[:, 0]), 10), generation(Q, error=0.0)) == 1
 
 
 def test_a_perfect_equation_of_more_waits_for_a_shorter_one(walk):
     x, _ = walk
-    assert lasts(Plateau(problem(x, x[:, 0]), 10), generation(Q, V, fitness=0.0)) == 3
+    assert lasts(Plateau(problem(x, x[:, 0]), 10), generation(Q, V, error=0.0)) == 3
 
 
 def test_likeness_is_the_share_of_power_that_is_a_function_of_place():

@@ -27,6 +27,11 @@ def load_ball_drops(folder: Folder = None) -> MeasuredSet:
         in m/s; constants: mass in kg, circumference in m (not known for the volleyball). The last
         time step can be irregular.
 
+    Raises
+    ------
+    FileNotFoundError
+        If no folder holds the files.
+
     References
     ----------
     de Silva, Higdon, Brunton, Kutz, "Discovery of physics from data", Frontiers in Artificial

@@ -24,6 +24,13 @@ def load_cart(folder: Folder = None) -> MeasuredSet:
         Gains ``"kP=2.5"``, ``"kP=5"`` and ``"kP=10"`` train, ``"kP=20"`` tests. y: position z in
         m; u: the control signal kP (0.2 m - z), which is zero until the control starts at 1 s.
 
+    Raises
+    ------
+    FileNotFoundError
+        If `folder` is given and does not hold the file.
+    ImportError
+        If the file has to be downloaded and pooch is not installed.
+
     References
     ----------
     Records of M. Kawata's book on inverted pendulums, https://github.com/Prof-Carter/book_ip.

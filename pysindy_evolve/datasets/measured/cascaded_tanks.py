@@ -24,6 +24,13 @@ def load_cascaded_tanks(folder: Folder = None) -> MeasuredSet:
         Train: ``"estimation"``, test: ``"validation"``. y: lower level h in V of its sensor, which
         clips at 10 V; u: pump voltage in V. The level of the upper tank is not measured.
 
+    Raises
+    ------
+    FileNotFoundError
+        If `folder` is given and does not hold the file.
+    ImportError
+        If the file has to be downloaded and pooch is not installed.
+
     References
     ----------
     Schoukens, Noël, "Three benchmarks addressing open challenges in nonlinear system

@@ -25,6 +25,13 @@ def load_emps(folder: Folder = None) -> MeasuredSet:
         position q in m; u: motor force F in N; extras: reference qref in m, controller output
         u_V in V.
 
+    Raises
+    ------
+    FileNotFoundError
+        If `folder` is given and does not hold the file.
+    ImportError
+        If the file has to be downloaded and pooch is not installed.
+
     References
     ----------
     Janot, Gautier, Brunot, "Data set and reference models of EMPS", Nonlinear System

@@ -26,6 +26,11 @@ def load_mr_damper(folder: Folder = None) -> MeasuredSet:
         test. y: force F in N, with the constant offset of the load cell (about 132 N); u:
         displacement x in mm.
 
+    Raises
+    ------
+    FileNotFoundError
+        If no folder holds the file.
+
     References
     ----------
     Labcontrol, UTFPR, Shaking table with MR damper, doi:10.5281/zenodo.4445334.

@@ -25,6 +25,13 @@ def load_pendulum(folder: Folder = None) -> MeasuredSet:
         down, in steps of 1.57e-4 rad; no input; extras: the authors' filtered velocity omega_given
         in rad/s, which lags.
 
+    Raises
+    ------
+    FileNotFoundError
+        If `folder` is given and does not hold the file.
+    ImportError
+        If the file has to be downloaded and pooch is not installed.
+
     References
     ----------
     Kaheman et al., "The experimental multi-arm pendulum on a cart", arXiv 2205.06231.

@@ -26,6 +26,13 @@ def load_silverbox(folder: Folder = None) -> MeasuredSet:
         training. y: voltage in V; u: voltage in V, the mean of the whole record removed, as the
         generator has none.
 
+    Raises
+    ------
+    FileNotFoundError
+        If `folder` is given and does not hold the file.
+    ImportError
+        If the file has to be downloaded and pooch is not installed.
+
     References
     ----------
     Wigren, Schoukens, "Three free data sets for development and benchmarking in nonlinear system

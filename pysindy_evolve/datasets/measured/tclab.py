@@ -32,6 +32,13 @@ def load_tclab(folder: Folder = None) -> MeasuredSet:
         steps of 0.32 °C; u: first heater Q1 in %. The heater of board A has another power, so its
         gain must be fitted again; board E has an outlier in T2.
 
+    Raises
+    ------
+    FileNotFoundError
+        If `folder` is given and does not hold the file.
+    ImportError
+        If the file has to be downloaded and pooch is not installed.
+
     References
     ----------
     Kantor, TCLab: temperature control laboratory, https://github.com/jckantor/TCLab.

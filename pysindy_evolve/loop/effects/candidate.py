@@ -23,9 +23,18 @@ def bare(expression: Sum) -> Sum:
 class Shape:
     """Positive numbers that terms depend on other than linearly, and how to build the terms.
 
-    `reach` is how far the logarithm of each number may be tuned to both sides; `meanings` say what
-    each number is, such as a half width. No tuning leads from one `branch` to another, such as from
-    places below zero to those above it.
+    Attributes
+    ----------
+    values : tuple of float
+        The numbers, each in the unit that its place in the terms gives it.
+    builds : tuple of callable
+        One for each term: maps the numbers to it.
+    reach : float
+        How far the logarithm of each number may be tuned to both sides (dimensionless).
+    meanings : tuple of str
+        What each number is, such as a half width.
+    branch : int
+        No tuning leads from one branch to another, such as from places below zero to those above.
     """
 
     values: tuple[float, ...]
@@ -49,15 +58,33 @@ class Shape:
 class Candidate:
     """An effect that may be missing: its name, the equation it enters, its columns.
 
-    `parents` are expressions that must already stand in the equation. An effect with a `shape`
-    stands on a grid of its numbers, which are tuned once the effect is found. One that is `whole`
-    has its parents in it, as a weight has a mean: where it says all that they say, they may go. One
-    that `refines` effects of certain names must do better than they by more than chance, see
-    refinement.py. One that is `alone` is scored in no pair: it bends so far that any other effect
-    beside it would seem to be worth something, or there are too many of its kind. One that is tuned
-    with `partners`, effects of other equations, stands for them all: they have coefficients of
-    their own, see partners.py. So many nodes as are `spared` cost nothing: a declared term that a
-    grown one holds whole is known, and reads as one node.
+    Attributes
+    ----------
+    name : str
+        From the vocabulary.
+    state : int
+        The equation that it enters.
+    terms : tuple of Sum
+        Its columns, expressions of states, inputs and time. Each gets a coefficient of its own, in
+        units of x_dot per unit of the column.
+    parents : tuple of Sum
+        Expressions that must already stand in the equation.
+    shape : Shape, optional
+        Numbers in the terms that lie on a grid, and are tuned once the effect is found.
+    whole : bool
+        Whether its parents are in it, as a weight has a mean: where it says all that they say, they
+        may go.
+    refines : tuple of str
+        Effects than which it must do better by more than chance, see refinement.py.
+    alone : bool
+        Whether it is scored in no pair: it bends so far that any other effect beside it would seem
+        to be worth something, or there are too many of its kind.
+    partners : tuple of Candidate
+        Effects of other equations that are tuned with it, and that it stands for. They have
+        coefficients of their own, see partners.py.
+    spared : int
+        Nodes that cost nothing: a declared term that a grown one holds whole is known, and reads as
+        one node.
     """
 
     name: str

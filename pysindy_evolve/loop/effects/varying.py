@@ -21,7 +21,7 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
 
     An angle is left out: what changes with it is the same after a turn, and so no multiple of it.
     """
-    acting = set(range(len(design.states) + len(design.inputs))) - angles_of(design)
+    acting = set(range(design.time)) - angles_of(design)
     for part in parts_of(design, effect.state):
         for other in map(variable, sorted(acting)):
             name = _name_of(part.variables | other.variables, design, effect.state)

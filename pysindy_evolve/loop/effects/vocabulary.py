@@ -114,7 +114,7 @@ def _of_rate(
     middle: np.ndarray,
 ) -> Iterator[Candidate]:
     """Go through the effects of the rate of a state."""
-    state, n_states, n_inputs = effect.state, len(design.states), len(design.inputs)
+    state, n_states = effect.state, len(design.states)
     v, position, turning = variable(state), design.position_of(state), angles_of(design)
     yield effect("constant offset", OFFSET)
     yield from _frictions(effect, v, float(scales[state]))
@@ -132,7 +132,7 @@ def _of_rate(
             yield from _between(effect, design, state, other, apart)
             if {own, other} <= turning:
                 yield from between_angles(effect, variable(own), variable(other))
-    for column in range(n_states, n_states + n_inputs):
+    for column in range(n_states, design.time):
         states = [v] if position is None else [v, variable(position)]
         u, reach = variable(column), float(scales[column])
         yield from _inputs(effect, u, states, reach, float(middle[column]))
@@ -142,7 +142,7 @@ def _of_rate(
     yield from radial(effect, design, turning)
     yield from _at_joints(effect, design, scales)
     yield from varying(effect, design)
-    yield from drifts(effect, design, variable(n_states + n_inputs))
+    yield from drifts(effect, design, variable(design.time))
 
 
 def _of_target(

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...equations import Equations
 from ...signals import Record
+from ..fitting.residual import residual_on
 from ..given.design import Design
 from ..given.input_errors import input_error
 from ..given.segments import Segments
@@ -67,13 +68,9 @@ class NoiseFloor:
 
     def excess(self, equations: Equations) -> float:
         """Return how many times this power a model leaves in the band where it leaves most."""
-        left = [_left(equations, record) for record in self.part.records]
+        left = [residual_on(equations, record) for record in self.part.records]
         power = _power(left, self.design, self.part)
         return float(np.max(power / np.maximum(self.power, 1e-300)))
-
-
-def _left(equations: Equations, record: Record) -> np.ndarray:
-    return as_observed(record, record.x_dot - equations.evaluate(record.x, record.u, record.t))
 
 
 def noise_alone(
@@ -102,7 +99,7 @@ def noise_alone(
     error = input_error(record, rng)
     u = record.u if error is None or record.u is None else record.u + error
     rates = equations.evaluate(noisier.x, u, noisier.t)
-    return as_observed(record, noisier.x_dot - rates) - _left(equations, record)
+    return as_observed(record, noisier.x_dot - rates) - residual_on(equations, record)
 
 
 def _power(columns: Sequence[np.ndarray], design: Design, part: Segments) -> np.ndarray:

@@ -23,11 +23,10 @@ from ..effects.stops import begins_within
 from ..effects.varying import parts_of
 from ..effects.vocabulary import VOCABULARY
 from ..fitting.linear import solve_gram
-from ..fitting.residual import derivative_grams
+from ..fitting.residual import derivative_grams, residual_on
 from ..fitting.trajectory import Trajectories
 from ..given.design import Column, Design, in_state
 from ..given.segments import Segments, ranges, variables_of
-from ..given.sensor import as_observed
 from .spectral import spectral_grams
 from .trace import Score, rank, ranked
 
@@ -68,7 +67,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     records = part.records
     variables = np.concatenate([variables_of(record) for record in records])
     proposed = candidates(design, *ranges(variables))
-    left = [_left(record, equations) for record in records]
+    left = [residual_on(equations, record) for record in records]
     first = int(np.argmax([len(record) for record in records]))
     longest, time = records[first], len(design.states) + len(design.inputs)
     drivers = longest.x[:, :0] if longest.u is None else longest.u
@@ -87,11 +86,6 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
             residuals = [own[:, state] for own in left]
             proposed += _ripples(state, position, residuals, records)
     return proposed
-
-
-def _left(record: Record, equations: Equations) -> np.ndarray:
-    """Return what equations leave of the derivative, as the sensor would show it."""
-    return as_observed(record, record.x_dot - equations.evaluate(record.x, record.u, record.t))
 
 
 def _ripples(

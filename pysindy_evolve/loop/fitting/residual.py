@@ -29,17 +29,36 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...equations import Equations
-from ...signals import project
+from ...signals import Record, project
 from ...terms import Cache
 from ..given.design import Column, Design
 from ..given.segments import Segments
+from ..given.sensor import as_observed
 
-__all__ = ["derivative_grams", "force_on", "forces", "jacobian", "respond", "simulation_rows"]
-__all__ += ["view_grams"]
+__all__ = ["derivative_grams", "force_on", "forces", "jacobian", "residual_on", "respond"]
+__all__ += ["simulation_rows", "view_grams"]
 
 DIVERGED = 1e60  # a deviation that grew larger; its square does not overflow
 MAX_GROWTH = 1e3  # a simulation window is so short that an unstable model does not blow up in it
 ROWS_PER_WINDOW = 64  # of the simulated deviation, which is smooth, so many rows are kept
+
+
+def residual_on(equations: Equations, record: Record) -> np.ndarray:
+    """Return what equations leave of the measured derivative, as sensors would show it.
+
+    Parameters
+    ----------
+    equations : Equations
+        A model; what remembers a state in it is at rest before the record.
+    record : Record
+        What was measured.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_states)
+        x_dot minus the model, units of x_dot; zero where no sensor saw the state.
+    """
+    return as_observed(record, record.x_dot - equations.evaluate(record.x, record.u, record.t))
 
 
 def view_grams(

@@ -55,8 +55,8 @@ def unfolded(design: Design, *, free: bool = False) -> Design:
     if not paths:
         return design
     n, m = len(design.states), len(paths)
-    inputs = range(n, n + len(design.inputs) + 1)
-    places: dict[int | Call, Sum] = {place: variable(place + m) for place in inputs}
+    later = range(n, design.time + 1)  # inputs and time, numbered after the hidden states
+    places: dict[int | Call, Sum] = {place: variable(place + m) for place in later}
     own = [(kind_of(p), moved(p, places), variable(k)) for k, p in enumerate(paths, start=n)]
     written = places | {
         path: kind.term(here, state) for path, (kind, here, state) in zip(paths, own, strict=True)

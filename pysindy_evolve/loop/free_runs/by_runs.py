@@ -121,5 +121,5 @@ def _is_of_motion(variant: Variant, drift: Drift) -> bool:
 
     What lasts for longer than a stretch, such as an offset or a drift, is there by chance as well.
     """
-    time = len(drift.model.design.states) + len(drift.model.design.inputs)
+    time = drift.model.design.time
     return all(term.variables - {time} for term in variant.candidate.terms)

@@ -243,5 +243,4 @@ def _as_rejected(finding: Finding, share: float, drift: Drift, level: float) -> 
     design = drift.model.design
     left = np.full(1, np.exp(-finding.score))
     tried = Score((finding.candidate,), (), np.ones(1), left, finding.score)
-    names = (*design.states, *design.inputs, "t")
-    return Rejected(tried, share, finding.p_value, finding.twin_scores, names, level)
+    return Rejected(tried, share, finding.p_value, finding.twin_scores, design.names, level)

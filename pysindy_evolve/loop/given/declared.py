@@ -3,31 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pysindy as ps
-from sklearn.exceptions import NotFittedError
 
-from ...equations import Equations
 from ...operators import Operator
-from ...reading.library_terms import check_ordinary, from_model
 from ...reading.names import check_known
 from ...reading.text import RightHandSide, parse
 from ...signals import Record
-from ...terms import ONE, Sum, variable
+from ...terms import ONE, Sum
 from .algebraic import motions_of
 from .design import Column, Design
 from .kinematics import disagreement
-from .segments import variables_of
+from .sindy_models import design_of_sindy
 
 __all__ = ["DeclaredModel", "design_of", "doubted"]
 
 OWNER = "close_loop(declared=...)"
 CONTRADICTED = 0.1  # of the rate's spread: more than the gains of two sensors differ by
-ROUNDED = 1e-3  # what SINDy may make of the one in q' = v
 
 
 class DeclaredModel:
@@ -49,8 +43,9 @@ class DeclaredModel:
         Functions of your own that the text may call.
     algebraic : bool
         Whether the right-hand sides are the targets themselves, such as a force F = c v + k x, and
-        not their rates. Targets are the columns of x in the records; `signals.as_target`
-        makes such records.
+        not their rates. Targets are the columns of x in the records, and stand where states do:
+        ``{"F": "c*v + k*x"}``. What they depend on are inputs. `signals.as_target` makes such
+        records, and says which inputs they have.
 
     Attributes
     ----------
@@ -169,6 +164,13 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
     Returns
     -------
     Design
+
+    Raises
+    ------
+    TypeError
+        If `declared` is no model, or the library of a SINDy model is not one of ordinary terms.
+    ValueError
+        If an algebraic target depends on a target.
     """
     if isinstance(declared, DeclaredModel):
         design = declared.design()
@@ -181,11 +183,7 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
             f"{OWNER} must be a DeclaredModel or a pysindy.SINDy model; "
             f'got {type(declared).__name__}. Write DeclaredModel({{"q": "v", "v": "-k*q"}}).'
         )
-    try:
-        equations = from_model(declared, OWNER)
-    except NotFittedError:
-        equations = from_model(_fitted(declared, records), OWNER)
-    return _design_of_equations(equations, records)
+    return design_of_sindy(declared, records, OWNER)
 
 
 def doubted(design: Design, records: Sequence[Record]) -> Design:
@@ -221,52 +219,6 @@ def _check_algebraic(design: Design) -> None:
                 f"{OWNER} must give algebraic targets from inputs and time alone; got one from "
                 f"{', '.join(design.states)}. Write what it depends on as inputs."
             )
-
-
-def _fitted(model: ps.SINDy, records: Sequence[Record]) -> ps.SINDy:
-    """Fit a copy, so that the caller's model stays as it was."""
-    check_ordinary(model.feature_library, OWNER)
-    copy = deepcopy(model)  # scikit-learn's clone refuses a CustomLibrary
-    first = records[0]
-    states = first.states or [f"x{i}" for i in range(first.n_states)]
-    inputs = first.inputs or [f"u{i}" for i in range(first.n_inputs)]
-    return copy.fit(
-        [r.x for r in records],
-        t=[r.t for r in records],
-        x_dot=[r.x_dot for r in records],
-        u=None if first.u is None else [r.u for r in records],
-        feature_names=[*states, *inputs],
-    )
-
-
-def _design_of_equations(equations: Equations, records: Sequence[Record]) -> Design:
-    """Make each coefficient free; a right-hand side that is just another state stays known.
-
-    It is one on the records: a fit without a threshold leaves traces of all other terms.
-    """
-    n_states, variables = len(equations.states), variables_of(records[0])
-    fits = variables.shape[1] == len(equations.names)  # which is checked later
-    fixed, columns = [], []
-    for state, expression in enumerate(equations.sums):
-        other = _just_a_state(expression, state, variables, n_states) if fits else None
-        fixed.append(Sum(()) if other is None else variable(other))
-        for _, term in expression.parts if other is None else ():
-            parts = [Sum(())] * n_states
-            parts[state] = Sum(((1.0, term),))
-            name = f"{equations.states[state]}: {term.name(equations.names)}"
-            columns.append(Column(name, tuple(parts)))
-    return Design(equations.states, equations.inputs, tuple(fixed), tuple(columns))
-
-
-def _just_a_state(side: Sum, state: int, variables: np.ndarray, n_states: int) -> int | None:
-    """Return the other state that a right-hand side follows, but for rounding, or None."""
-    with np.errstate(all="ignore"):
-        values = side.evaluate(variables)
-    for other in (k for k in range(n_states) if k != state):
-        column = variables[:, other]
-        if np.sum((values - column) ** 2) <= ROUNDED**2 * np.sum(column**2):
-            return other
-    return None
 
 
 def _check_kinds(inputs: Any, known: Any, operators: Any) -> None:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,15 @@ __all__ = ["Column", "Design", "in_state"]
 
 @dataclass(frozen=True)
 class Column:
-    """What one free coefficient multiplies, in the equation of each state."""
+    """What one free coefficient multiplies, in the equation of each state.
+
+    Attributes
+    ----------
+    name : str
+        Of the coefficient, or of the effect that it belongs to.
+    parts : tuple of Sum, one for each state
+        Expressions of the variables: states, inputs, time. Empty where it does not enter.
+    """
 
     name: str
     parts: tuple[Sum, ...]
@@ -63,9 +72,23 @@ def in_state(name: str, expression: Sum, state: int, n_states: int) -> Column:
 class Design:
     """A model whose right-hand sides are known parts plus columns times coefficients.
 
-    An algebraic one gives the states themselves, not their rates; its motions are the variables
-    that are position and velocity to each other. So many states as are hidden come last. Where the
-    records contradict an equation such as q' = v, it is doubted: like others it may lack something.
+    Attributes
+    ----------
+    states, inputs : tuple of str
+        Names, in the order of the columns of x and u.
+    fixed : tuple of Sum, one for each state
+        What is known of each right-hand side, units of x_dot.
+    columns : tuple of Column
+        What the free coefficients multiply, one for each of them.
+    algebraic : bool
+        Whether the right-hand sides are the states themselves, not their rates.
+    motions : tuple of (int, int)
+        Variables that are position and velocity to each other, in an algebraic design only.
+    n_hidden : int
+        Number of last states that nobody measured.
+    doubted : tuple of int
+        States whose equation is one such as q' = v, but is contradicted by the records: like
+        others it may lack something.
     """
 
     states: tuple[str, ...]
@@ -76,6 +99,21 @@ class Design:
     motions: tuple[tuple[int, int], ...] = ()
     n_hidden: int = 0
     doubted: tuple[int, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the variables, numbered as in terms: states, inputs, time."""
+        return (*self.states, *self.inputs, "t")
+
+    @property
+    def time(self) -> int:
+        """Number of the time among the variables, the last one."""
+        return len(self.states) + len(self.inputs)
+
+    @property
+    def symbols(self) -> tuple[Any, ...]:
+        """Real sympy symbols of the variables, in the order of `names`."""
+        return self.equations(np.zeros(len(self.columns))).symbols
 
     def adding(self, columns: Iterable[Column]) -> Design:
         """Return the design with more columns at its end."""

@@ -24,7 +24,15 @@ HIGHEST = 0.4  # ... and at most, in sampling rates of the raw record
 def split_records(
     train: Record | Sequence[Record], test: Record | Sequence[Record] | None
 ) -> tuple[list[Record], list[Record]]:
-    """Return the records to fit on and those to judge on."""
+    """Return the records to fit on and those to judge on.
+
+    Raises
+    ------
+    TypeError
+        If something is neither a Record nor a list of them.
+    ValueError
+        If a list is empty, or the one record is too short to hold anything out.
+    """
     fit_on, judge_on = _listed("train", train), [] if test is None else _listed("test", test)
     if judge_on:
         return fit_on, judge_on
@@ -64,6 +72,12 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
         To fit on and to judge on.
     whole : int
         Samples of the one record that all of them were cut from; 0 if there were several.
+
+    Raises
+    ------
+    ValueError
+        If a record does not fit the model in number, order or kind of its columns, is short or not
+        uniformly sampled, or the model has no finite value on it.
     """
     for record in records:
         _check_counts(design, record)
@@ -209,6 +223,11 @@ def alike(train: list[Record], test: list[Record]) -> tuple[list[Record], list[R
     """Bring all records to one sampling time and, where they were prepared, to one cutoff.
 
     The cutoff is the geometric mean of those of the training records; the held-out ones follow.
+
+    Raises
+    ------
+    ValueError
+        If sampling times differ and a record was not made by `prepare`.
     """
     steps = np.array([record.dt for record in (*train, *test)])
     if np.ptp(steps) <= 0.01 * steps[0]:

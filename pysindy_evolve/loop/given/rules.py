@@ -18,7 +18,37 @@ N_LOOKS = 3  # that may name an effect: names, free runs, grown terms (Bonferron
 
 @dataclass(frozen=True)
 class Rules:
-    """When an effect counts, and how hard to look."""
+    """When an effect counts, and how hard to look, named as in `close_loop`.
+
+    Parameters
+    ----------
+    significance : float
+        Chance to add an effect where nothing is missing, in (0, 1).
+    n_twins : int
+        Twins of each step.
+    min_share : float
+        Share of the error variance that could be removed, in (0, 1), which an effect must remove
+        (dimensionless).
+    max_effects : int
+        Effects after which the search stops.
+    n_jobs : int, optional
+        Processes that work on the twins, as in joblib.
+    progress : bool
+        Whether to show a progress bar.
+    refine : {"auto", "derivative", "simulation"}
+        Error that final coefficients minimize.
+    by_trajectory : bool
+        Whether the trajectories of the records bear witness, see witness.py.
+    n_looks : float
+        Looks that share the significance between them: each has this part of it.
+
+    Raises
+    ------
+    ValueError
+        If a setting is out of its range, or there are too few twins for the significance.
+    TypeError
+        If a setting is of the wrong type.
+    """
 
     significance: float
     n_twins: int
@@ -27,7 +57,7 @@ class Rules:
     n_jobs: int | None = None
     progress: bool = False
     refine: str = "auto"
-    by_trajectory: bool = False  # as the records say, see witness.py
+    by_trajectory: bool = False
     n_looks: float = N_LOOKS
 
     def __post_init__(self) -> None:
@@ -97,7 +127,13 @@ def _check_processes(n_jobs: Any) -> None:
 
 
 def generator(random_state: Any) -> np.random.Generator:
-    """Return a random generator from a seed, a generator or None."""
+    """Return a random generator from a seed, a generator or None.
+
+    Raises
+    ------
+    ValueError
+        If it is none of these, or a seed below zero.
+    """
     seed = random_state
     whole = isinstance(seed, Integral) and not isinstance(seed, bool) and int(seed) >= 0
     if not (seed is None or whole or isinstance(seed, np.random.Generator)):

@@ -33,7 +33,42 @@ FEWEST_FREQUENCIES = 8  # of a segment
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """Pieces of equal length of one or several records, with the scales that weigh their rows."""
+    """Pieces of equal length of one or several records, with the scales that weigh their rows.
+
+    Attributes
+    ----------
+    z : ndarray of shape (n_segments, n, n_variables)
+        States, inputs and time of each row of each piece, in the units of the records.
+    x_dot : ndarray of shape (n_segments, n, n_states)
+        Derivatives of the states, units of x per unit of t.
+    weight : ndarray of shape (n_segments, n, n_states)
+        What a row counts in the equation of each state, from 0 to 1 (dimensionless).
+    velocities : tuple of int
+        States whose equations are looked at only where the body moves.
+    dt : float
+        Sampling time, units of t.
+    windows : Windows
+        Over which derivatives are averaged.
+    state_scale, rate_scale : ndarray of shape (n_states,)
+        Standard deviation of each state, units of x, and of its derivative, units of x per unit of
+        t; over the training records.
+    cutoff : float
+        Highest frequency that is looked at, cycles per unit of t; may be infinite.
+    places : tuple of (int, int)
+        Record and first row of each piece.
+    records : tuple of Record
+        All that was cut, also where only some of the pieces are left.
+    by_trajectory : bool
+        Whether the trajectories of the records bear witness, and not their derivatives.
+    limits : ndarray of shape (2, n_states), optional
+        Where the sensors of the states end, units of x; None where all states were seen.
+    seen : ndarray of bool of shape (n_segments, n, n_states), optional
+        Where the states are measurements; None if they all are.
+    band : Band, optional
+        The low-passes of the records; handed on with the pieces, as it keeps what it computed.
+    settling : tuple of int
+        Rows at the beginning of each record in which little counts; empty if there are none.
+    """
 
     z: np.ndarray
     x_dot: np.ndarray
@@ -45,12 +80,12 @@ class Segments:
     rate_scale: np.ndarray
     cutoff: float
     places: tuple[tuple[int, int], ...]
-    records: tuple[Record, ...]  # all that was cut, also where only some of the pieces are left
-    by_trajectory: bool = False  # whether the trajectories of the records bear witness
-    limits: np.ndarray | None = None  # of the sensors of the states, (2, n_states)
-    seen: np.ndarray | None = None  # where the states are measurements, (n_segments, n, n_states)
-    band: Band | None = None  # of the low-passes of the records
-    settling: tuple[int, ...] = ()  # rows at the beginning of each record in which little counts
+    records: tuple[Record, ...]
+    by_trajectory: bool = False
+    limits: np.ndarray | None = None
+    seen: np.ndarray | None = None
+    band: Band | None = None
+    settling: tuple[int, ...] = ()
 
     @property
     def n_states(self) -> int:

@@ -110,23 +110,20 @@ class Probes:
     design: Design
     memories: tuple[Memory, ...]
 
-    @property
-    def time(self) -> int:
-        """Column of the time in the variables without probes."""
-        return len(self.design.states) + len(self.design.inputs)
-
     def widen(self, expression: Sum) -> Sum:
         """Return an expression of the variables numbered as with probes, before the time."""
-        if self.time not in expression.variables:
+        time = self.design.time
+        if time not in expression.variables:
             return expression
-        return substituted(expression, {self.time: variable(self.time + len(self.memories))})
+        return substituted(expression, {time: variable(time + len(self.memories))})
 
     def narrow(self, expression: Sum) -> Sum:
         """Return an expression of the variables numbered as without probes."""
-        moved = self.time + len(self.memories)
+        time = self.design.time
+        moved = time + len(self.memories)
         if moved not in expression.variables:
             return expression
-        return substituted(expression, {moved: variable(self.time)})
+        return substituted(expression, {moved: variable(time)})
 
     def widened(self, design: Design) -> Design:
         """Return a design with the probes as further inputs, which nothing depends on."""
@@ -172,7 +169,7 @@ class Probes:
 
     def swap(self, k: int) -> dict[int, Sum]:
         """Return the input of a probe and what may stand in its place."""
-        probe = len(self.design.states) + len(self.design.inputs) + k
+        probe = self.design.time + k
         return {len(self.design.states) + self.memories[k].column: variable(probe)}
 
     def candidate(self, design: Design, k: int) -> MemoryCandidate:

@@ -121,7 +121,7 @@ def _with_rivals(
     effect: Effect, finding: Finding, design: Design, acted: Sequence[Record], fitted: Fit
 ) -> Effect:
     """Return an effect whose alternatives have the coefficients that they would have."""
-    symbols, rivals = _symbols(design), []
+    symbols, rivals = design.symbols, []
     for shown, rival in zip(effect.rivals, finding.rivals, strict=True):
         coef = _in_its_place(design, finding, rival, acted, fitted)
         force = _total(shown.expressions, symbols, coef)
@@ -158,7 +158,7 @@ def _effect(
     return Effect(
         name=finding.candidate.name,
         state=design.states[state],
-        term=_total(terms, _symbols(design)),
+        term=_total(terms, design.symbols),
         coefficients=unknown,
         confidence_intervals=np.column_stack([unknown, unknown]),
         explained=float(1.0 - (with_it / max(without, 1e-300)) ** 2),
@@ -181,19 +181,15 @@ def _entry(design: Design, finding: Finding) -> str:
     if place is None:
         return ""
     entry, force = place
-    name = (*design.states, *design.inputs)[entry.beside]
+    name = design.names[entry.beside]
     if entry.beside < len(design.states):
         return f"where the damping of {name} does"
     if mul(entry.factor, force) != terms[0] or not entry.is_known:
         return f"where {name} does"
-    larger = f"as if {name} were larger by this number"
+    number = f"as if {name} were larger by this number"
     if force == OFFSET:
-        return larger
-    return f"{larger} times {format_expression(force.to_sympy(_symbols(design)))}"
-
-
-def _symbols(design: Design) -> tuple[Any, ...]:
-    return design.equations(np.zeros(len(design.columns))).symbols
+        return number
+    return f"{number} times {format_expression(force.to_sympy(design.symbols))}"
 
 
 def _total(
@@ -211,7 +207,7 @@ def _other_names(finding: Finding) -> tuple[str, ...]:
 
 def _alternative(rival: Rival, design: Design) -> Alternative:
     candidate, state = rival.candidate, design.states[rival.candidate.state]
-    term = _total(candidate.terms, _symbols(design))
+    term = _total(candidate.terms, design.symbols)
     return Alternative(candidate.name, state, term, rival.p_value, candidate.terms, force=term)
 
 

@@ -153,7 +153,9 @@ class LoopReport:
         Raises
         ------
         ValueError
-            If `path` is a folder.
+            If `path` is a folder, or `units` names something that is no variable.
+        ImportError
+            If jinja2 or matplotlib is not installed.
         """
         from .html import as_html
 
@@ -180,6 +182,11 @@ class LoopReport:
         Plan
             One experiment for each pair: the recorded motion with another amplitude or at other
             frequencies. Prints as sentences.
+
+        Raises
+        ------
+        ValueError
+            If `units` names something that is no variable.
         """
         return plan(self, units)
 
@@ -198,6 +205,13 @@ class LoopReport:
         Returns
         -------
         matplotlib.figure.Figure
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+        ValueError
+            If the model has no such state, or no such variable as a unit is given for.
         """
         from .plot import plot_residuals
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...signals import Record
-from ..effects.periodic import FEWEST_FREQUENCIES, lines_of
+from ..effects.lines import FEWEST_FREQUENCIES
+from ..effects.periodic import lines_of
 from .residuals import residual_of
 
 if TYPE_CHECKING:

@@ -22,6 +22,7 @@ from scipy.ndimage import fourier_gaussian
 from ...equations import Equations
 from ...signals import Preparation, Record
 from ..fitting.linear import TINY
+from ..fitting.residual import residual_on
 from ..given.input_errors import untimely
 from ..given.sensor import as_observed
 from .paths import Path, follow
@@ -56,9 +57,7 @@ class TwinMaker:
         -------
         TwinMaker
         """
-        residuals = tuple(
-            as_observed(r, r.x_dot - equations.evaluate(r.x, r.u, r.t)) for r in records
-        )
+        residuals = tuple(residual_on(equations, record) for record in records)
         simulated = tuple(follow(equations, record) for record in records)
         memories = tuple(memory_of(residual) for residual in residuals)
         return cls(equations, tuple(records), simulated, residuals, memories)

@@ -1,0 +1,50 @@
+"""The elastic net of one generation: which terms of its dictionary belong together.
+
+It proposes, along with what is known from earlier generations; pruning decides, see `sparse`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ..sparse.beam import best_subsets, with_exchanges
+from ..sparse.proposals import supports
+from ..sparse.selection import Selection, select
+from ..terms import Product
+from .dictionary import Dictionary, price
+
+__all__ = ["solve_elastic_net"]
+
+
+def solve_elastic_net(
+    dictionary: Dictionary,
+    survivors: Sequence[Product],
+    best: Sequence[Product],
+    max_terms: int,
+    alike: bool,
+) -> Selection:
+    """Find the best equations that the dictionary holds: the best first, then smaller ones.
+
+    The elastic net proposes supports, along with what survived and the best equation so far; each
+    is pruned by the information criterion. Smooth terms are `alike` over a record: small equations
+    of them are searched as well, and each is returned without one of its terms besides.
+    """
+    gram, terms = dictionary.gram, dictionary.terms
+    known = {term: j for j, term in enumerate(terms)}
+    old = [np.array([known[t] for t in ts if t in known], dtype=int) for ts in (survivors, best)]
+    proposals = [*supports(gram, 2 * max_terms), *old]
+    scaled = gram.scaled(gram.scale)
+    found = select(
+        gram,
+        proposals,
+        partial(price, terms),
+        dictionary.residual,
+        float(dictionary.y @ dictionary.y),
+        max_terms,
+        propose=partial(best_subsets, scaled, max_terms=max_terms) if alike else None,
+    )
+    return replace(found, front=with_exchanges(found.front)) if alike else found
