@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from dataclasses import replace
 from functools import partial
 
@@ -19,13 +20,15 @@ UNNAMED = ("first inner constant", "second inner constant", "third inner constan
 NEAR = 0.1  # of a unit: what noise in an angle makes of the one in sin(q)
 
 
-def shape_of(candidate: Candidate) -> Shape | None:
+def shape_of(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | None:
     """Return the numbers of an effect and how to build its terms.
 
     Parameters
     ----------
     candidate : Candidate
         Of the vocabulary or grown.
+    known : set of float
+        Numbers that the declared model gives, such as the masses in a friction at a joint.
 
     Returns
     -------
@@ -36,6 +39,8 @@ def shape_of(candidate: Candidate) -> Shape | None:
         return candidate.shape
     first, *rest = candidate.terms
     term, numbers = first.parts[0][1], np.array(first.parts[0][1].constants)
+    if known and set(np.abs(numbers)) & known:
+        return None
     if not len(numbers):  # exp(v) is exp(1 v)
         term = _with_numbers(term)
         numbers = np.ones(len(term.constants))
@@ -46,13 +51,15 @@ def shape_of(candidate: Candidate) -> Shape | None:
     return Shape(tuple(np.abs(numbers).tolist()), (build, *(_offset for _ in rest)))
 
 
-def told_shape(candidate: Candidate) -> Shape | None:
+def told_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | None:
     """Return the numbers inside an effect that a record was asked for, each with its meaning.
 
     Parameters
     ----------
     candidate : Candidate
         Of the vocabulary or grown.
+    known : set of float
+        Numbers that the declared model gives.
 
     Returns
     -------
@@ -60,7 +67,7 @@ def told_shape(candidate: Candidate) -> Shape | None:
         None if there is no such number: nobody tuned the one that sin(q) could have before q, nor
         the degree in radians.
     """
-    shape = shape_of(candidate)
+    shape = shape_of(candidate, known)
     products = [product for term in candidate.terms for _, product in term.parts]
     tuned = {abs(number) for product in products for number in product.constants} - set(UNITS)
     if candidate.shape is None and not tuned:

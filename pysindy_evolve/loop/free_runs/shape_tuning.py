@@ -79,7 +79,7 @@ def tuned_by_runs(contenders: Sequence[Contender], model: Model, drift: Drift) -
 
 def _moved(one: Contender, model: Model, drift: Drift) -> Contender | None:
     """Return an effect with its numbers a step further, not run yet; None if it has none."""
-    shape, trial = shape_of(one.candidate), one.trial
+    shape, trial = shape_of(one.candidate, model.design.constants), one.trial
     change = None if shape is None else _with_slopes(one, shape, model).change()
     if shape is None or change is None:
         return None

@@ -115,6 +115,13 @@ class Design:
         """Real sympy symbols of the variables, in the order of `names`."""
         return self.equations(np.zeros(len(self.columns))).symbols
 
+    @property
+    def constants(self) -> frozenset[float]:
+        """Magnitudes of the numbers inside its expressions, which are known."""
+        sides = (*self.fixed, *(part for column in self.columns for part in column.parts))
+        products = (product for side in sides for _, product in side.parts)
+        return frozenset(abs(number) for product in products for number in product.constants)
+
     def adding(self, columns: Iterable[Column]) -> Design:
         """Return the design with more columns at its end."""
         return replace(self, columns=(*self.columns, *columns))

@@ -9,7 +9,7 @@ coefficient is known no better than they leave it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 from itertools import accumulate
 
@@ -62,7 +62,8 @@ def with_numbers_known(
     LoopReport
         The same one where no effect has numbers in it that were tuned.
     """
-    shapes = [_shape_in(finding, design) for finding in findings]
+    declared = design.dropping(column for finding in findings for column in finding.columns)
+    shapes = [_shape_in(finding, design, declared.constants) for finding in findings]
     groups = _sharing(findings, shapes)
     if not groups:
         return report
@@ -81,12 +82,12 @@ def with_numbers_known(
     return replace(report, effects=effects, after=after, steps=steps)
 
 
-def _shape_in(finding: Finding, design: Design) -> Shape | None:
+def _shape_in(finding: Finding, design: Design, known: Set[float]) -> Shape | None:
     """Return the numbers inside an effect; those of one that remembers may have been fixed."""
     if not finding.columns:
         return None
     remembers = len(design.dropping(finding.columns).paths) < len(design.paths)
-    return finding.candidate.shape if remembers else told_shape(finding.candidate)
+    return finding.candidate.shape if remembers else told_shape(finding.candidate, known)
 
 
 def _sharing(findings: Sequence[Finding], shapes: Sequence[Shape | None]) -> list[list[int]]:
