@@ -32,6 +32,7 @@ from .free_runs.duels import held_against
 from .free_runs.one_for_several import one_for_several
 from .free_runs.sensor_limits import clipped_sensors
 from .free_runs.shared_tuning import numbers_by_runs, shared_by_runs
+from .free_runs.two_for_one import two_for_one
 from .free_runs.unnamed import find_unnamed
 from .free_runs.variants import Model
 from .given.design import Design
@@ -309,7 +310,9 @@ class Search:
         small = self._small_terms()
         found = shared_by_runs(model, self.findings, self.plain)
         rivals = grown, small, self.plain, self.part, self.rules
-        kept = held_against(model, one_for_several(model, found, *rivals), *rivals)
+        found = one_for_several(model, found, *rivals)
+        found = two_for_one(model, found, self.plain, self.part, self.rules)
+        kept = held_against(model, found, *rivals)
         kept = shared_by_runs(model, kept, self.plain)  # a duel may have made partners of them
         self.findings = prune(self.declared, kept, self.part)
 
@@ -322,8 +325,9 @@ class Search:
         return small_candidates(self.design, self.part, self.operators)
 
     def _drop_superfluous(self) -> None:
-        """Drop what grown terms made superfluous."""
-        kept = prune(self.declared, self.findings, self.part)
+        """Drop what grown terms made superfluous, once each has the name that is right by now."""
+        found = exchange(self.declared, self.findings, self.part)
+        kept = prune(self.declared, found, self.part)
         if not paths_of(self.design):
             kept = without_outlived(self.declared, kept, self.plain, self.wide)
         if len(memories_in(kept)) < len(memories_in(self.findings)):

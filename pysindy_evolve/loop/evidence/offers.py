@@ -80,7 +80,7 @@ def offer_for(
     if leading(relaxes, (), design, late):  # mostly none is worth it, and all else takes longer
         others = [*propose(design, quick_fit(design, late), late), *yields]
         relaxes = [w for w in relaxes if design.algebraic or _opposes(w, design, late)]
-        if leading(relaxes, others, design, late):
+        if leading(relaxes, others, design, late) and not _begins_with_more(relaxes, design, part):
             return Offer(late, tuple(relaxes), relaxes=True)
     if yields:
         others = propose(design, quick_fit(design, part), part)
@@ -127,6 +127,17 @@ def leading(
     scores = score(design, part, [*others, *ways], pairs=False) if ways else []
     best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
     return [s.group[0] for s in scores if s.group[0] in ways and s.value > best + LEAD]
+
+
+def _begins_with_more(ways: Sequence[Candidate], design: Design, part: Segments) -> bool:
+    """Tell whether a name explains more of whole records than relaxations do of their later part.
+
+    A swing that dies away shows most of what it lacks before any relaxation knows where it is.
+    """
+    names = propose(design, quick_fit(design, part), part)
+    whole = score(design, part, names, pairs=False)
+    later = score(design, _late(part), ways, pairs=False)
+    return bool(whole) and whole[0].value > later[0].value + LEAD
 
 
 def _opposes(way: Candidate, design: Design, part: Segments) -> bool:

@@ -39,7 +39,7 @@ from .other_forms import other_forms
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
-__all__ = ["STEADY", "STRETCHES", "Pool", "begun_with", "fitted_with", "held_against"]
+__all__ = ["STEADY", "STRETCHES", "Pool", "begun_with", "fitted_with", "held_against", "is_closer"]
 
 N_RIVALS = 5  # that come closest in the spectral view
 STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
@@ -163,13 +163,13 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
     own, *rivals = tuned
     closer = [
         other for other in rivals
-        if _is_closer(other.trial, own.trial, max(matter, _price(other, own)), level)
+        if is_closer(other.trial, own.trial, max(matter, _price(other, own)), level)
     ]  # fmt: skip
     best = min(closer, key=lambda one: one.error * np.exp(_price(one, own)), default=own)
     if best.candidate.name == EVOLVED:
         names = [one for one in tuned if one.candidate.name != EVOLVED]
         known = min(names, key=lambda one: one.error, default=best)
-        if not _is_closer(best.trial, known.trial, matter, level):
+        if not is_closer(best.trial, known.trial, matter, level):
             best = known  # what engineers know by name, unless it does worse
     as_good = [one for one in tuned if one.error <= np.exp(MARGIN) * best.error]
     if best.candidate.name == EVOLVED:
@@ -190,7 +190,7 @@ def _price(one: Contender, other: Contender) -> float:
     return PRICE * longer if one.candidate.name == EVOLVED else 0.0
 
 
-def _is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
+def is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
     """Tell whether the log error is less by so much, on more stretches than chance explains."""
     if not one.error < np.exp(-least) * other.error:  # so too where both are zero
         return False

@@ -1,0 +1,122 @@
+"""Two effects in the place of one that resembles both together.
+
+Drag and friction brake a swing in much the way that a cube of the speed does. Looked for one at a
+time, the cube comes first, as it does more than either of the two; and beside it, neither of them
+is missed. So each effect is held against the best two names in its place: they take it if they
+explain more of the derivative, and if the runs with them come closer to the record. Of a grown term
+that is no shorter than both they need not be closer, for engineers know them by their names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..effects.missing import candidates
+from ..evidence.findings import Finding, is_needed, with_columns
+from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.trace import EVOLVED
+from ..fitting.fit import refit
+from ..fitting.trial import settled
+from ..given.design import Column, Design
+from ..given.rules import Rules
+from ..given.segments import Segments, ranges
+from .drift import drift_of
+from .duels import STEADY, STRETCHES, is_closer
+from .variants import Model
+
+__all__ = ["two_for_one"]
+
+N_PAIRS = 3
+
+
+def two_for_one(
+    model: Model,
+    findings: Sequence[Finding],
+    records: Sequence[Record],
+    part: Segments,
+    rules: Rules,
+) -> list[Finding]:
+    """Return findings in which two names have taken the place of an effect.
+
+    Parameters
+    ----------
+    model : Model
+        The declared model, with the memories and limits among the findings.
+    findings : sequence of Finding
+        What was found.
+    records : sequence of Record
+        Training records, without memories.
+    part : Segments
+        Pieces of them as they were searched.
+    rules : Rules
+        Significance, and the most effects that there may be.
+
+    Returns
+    -------
+    list of Finding
+    """
+    kept = list(findings)
+    for finding in findings:
+        rest = [other for other in kept if other is not finding]
+        if not finding.columns or is_needed(finding, rest) or len(rest) + 2 > rules.max_effects:
+            continue
+        without = replace(model, design=with_columns(model.design, rest))
+        pairs = _best_pairs(without.design, finding.candidate, part)
+        pair = _closest(without, finding, pairs, records, rules)
+        if pair:
+            place = kept.index(finding)
+            kept[place : place + 1] = [
+                replace(finding, candidate=one, columns=columns_of(one, without.design))
+                for one in pair
+            ]
+    return kept
+
+
+def _best_pairs(design: Design, own: Candidate, part: Segments) -> list[tuple[Candidate, ...]]:
+    """Return the few pairs of names that explain most, and no less than an effect does."""
+    offered = [c for c in candidates(design, *ranges(part.rows)) if c.state == own.state]
+    scores = score(design, part, list(dict.fromkeys([*offered, own])), pairs=True)
+    alone = max((s.value for s in scores if s.group == (own,)), default=0.0)
+    pairs = [s for s in scores if len(s.group) == 2 and own not in s.group]
+    able = [s for s in pairs if 2.0 * s.value > alone - MARGIN]
+    return [s.group for s in sorted(able, key=lambda s: -s.value)[:N_PAIRS]]
+
+
+def _closest(
+    model: Model,
+    finding: Finding,
+    pairs: Sequence[tuple[Candidate, ...]],
+    records: Sequence[Record],
+    rules: Rules,
+) -> tuple[Candidate, ...]:
+    """Return the pair whose runs come closest to the record, if they do better than an effect's."""
+    whole, coef = _fitted(model, finding.columns, records)
+    drift = drift_of(whole, coef, records, STRETCHES, STEADY) if pairs else None
+    if drift is None:
+        return ()
+    begun = []
+    for pair in pairs:
+        columns = [column for one in pair for column in columns_of(one, model.design)]
+        both, coef = _fitted(model, columns, records)
+        begun.append(both.trial(coef, drift.trial.scale, drift.part))
+    one, *twos = settled([drift.trial, *begun])
+    best = min(range(len(pairs)), key=lambda k: twos[k].error)
+    own, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
+    if own.name == EVOLVED and size <= own.size:
+        stands = twos[best].error <= np.exp(MARGIN) * one.error
+    else:
+        stands = is_closer(twos[best], one, -np.log1p(-rules.min_share), rules.significance)
+    return pairs[best] if stands else ()
+
+
+def _fitted(
+    model: Model, columns: Sequence[Column], records: Sequence[Record]
+) -> tuple[Model, np.ndarray]:
+    """Return a model with columns added, and the coefficients that the derivative gives."""
+    whole = replace(model, design=model.design.adding(columns))
+    return whole, refit(whole.design, model.acted(records), "derivative")
