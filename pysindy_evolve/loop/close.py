@@ -18,7 +18,7 @@ from .given.algebraic import as_algebraic
 from .given.declared import DeclaredModel, design_of, doubted
 from .given.design import Design
 from .given.input_errors import as_held
-from .given.records import alike, check_records, split_records, widened
+from .given.records import alike, check_records, split_records, undecimated, widened
 from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
 from .report.report import LoopReport
@@ -141,8 +141,10 @@ def _checked(
     # A force that nothing integrates follows a held input at once.
     made = as_algebraic if design.algebraic else as_held
     held = {column: late for record in fit_on for column, late in record.held.items()}
+    like = alike(fit_on, judge_on)
     fit_on, judge_on = (
-        [made(hold(record, held)) for record in records] for records in alike(fit_on, judge_on)
+        [made(hold(record, held)) for record in records]
+        for records in (undecimated(*like) if design.algebraic else like)
     )
     return (design if design.algebraic else doubted(design, fit_on)), fit_on, judge_on
 

@@ -15,10 +15,11 @@ from .common_step import common_step
 from .design import Design
 from .segments import LARGEST, variables_of
 
-__all__ = ["alike", "check_records", "split_records", "widened"]
+__all__ = ["alike", "check_records", "split_records", "undecimated", "widened"]
 
 WIDER = 2.0  # cutoff of the search, in cutoffs of the record ...
 HIGHEST = 0.4  # ... and at most, in sampling rates of the raw record
+MOST_RAW = 100_000  # rows of all records that may be looked at undecimated
 
 
 def split_records(
@@ -244,6 +245,25 @@ def alike(train: list[Record], test: list[Record]) -> tuple[list[Record], list[R
     step = float(np.quantile(steps[: len(train)], 0.5, method="lower"))  # one of them
     step = common_step([one.dt for one in made], step, cutoff)
     return [_prepared(r, cutoff, step) for r in train], [_prepared(r, cutoff, step) for r in test]
+
+
+def undecimated(train: list[Record], test: list[Record]) -> tuple[list[Record], list[Record]]:
+    """Return records of a target at the sampling time of their raw data, if that is one for all.
+
+    A target is measured with all that its sensor saw between two rows; a sign that changes there is
+    known no better than the rows are apart, and would look like one that is rounded off.
+    """
+    records = [*train, *test]
+    made = [one for one in map(_made, records) if one is not None]
+    steps = np.array([one.dt for one in made])
+    n_raw = sum(len(one.t) for one in made)
+    if len(made) < len(records) or np.ptp(steps) > 0.01 * steps[0] or n_raw > MOST_RAW:
+        return train, test
+    fine = [
+        record if one.decimation == 1 else _prepared(record, one.cutoff, one.dt)
+        for record, one in zip(records, made, strict=True)
+    ]
+    return fine[: len(train)], fine[len(train) :]
 
 
 def _made(record: Record) -> Preparation | None:
