@@ -23,12 +23,14 @@ __all__ = ["last_untransferred"]
 
 MOST_LOST = 0.2  # of what it would gain with numbers of their own: phases 50 degrees apart
 AS_WELL = 1.05  # times the squares that are left
+BETTER = 0.8  # times the squares that are left, where records have numbers of their own
+WITHIN = 0.5  # of what an effect explains, at least, it must explain within the records
 
 
 def last_untransferred(
     declared: Design, findings: Sequence[Finding], part: Segments
 ) -> Finding | None:
-    """Return the last effect that is a forcing, or a load, of each record by itself.
+    """Return the last effect that is another one in each record, or stands for such a difference.
 
     Parameters
     ----------
@@ -55,7 +57,10 @@ def last_untransferred(
         if _is_of_time(finding, design) and _differs(finding, design, part, records):
             return finding
         without = with_findings(declared, rest)
-        if len(without.paths) < len(design.paths) and _is_load(without, design, part, records):
+        remembers = len(without.paths) < len(design.paths)
+        if remembers and _is_load(without, design, part, records):
+            return finding
+        if not remembers and _tells_records_apart(without, design, part, records):
             return finding
     return None
 
@@ -92,6 +97,17 @@ def _is_load(few: Design, many: Design, part: Segments, records: np.ndarray) -> 
         if _left(freed) <= AS_WELL * _left(own):
             return True
     return False
+
+
+def _tells_records_apart(few: Design, many: Design, part: Segments, records: np.ndarray) -> bool:
+    """Tell whether what an effect explains is that records differ in the numbers without it."""
+    if few.columns == many.columns:  # a memory
+        return False
+    sides = [derivative_grams(part, design, design.columns) for design in (few, many)]
+    pooled = [_left(grams.sum(axis=0)) for grams in sides]
+    own = [sum(map(_left, _by_record(grams, records))) for grams in sides]
+    explained, within = pooled[0] - pooled[1], own[0] - own[1]
+    return own[0] < BETTER * pooled[1] and within < WITHIN * explained
 
 
 def _by_record(grams: np.ndarray, records: np.ndarray) -> list[np.ndarray]:
