@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
 
@@ -78,13 +79,16 @@ def two_for_one(
 
 
 def _best_pairs(design: Design, own: Candidate, part: Segments) -> list[tuple[Candidate, ...]]:
-    """Return the few pairs of names that explain most, and no less than an effect does."""
+    """Return the few pairs of names that explain most, and no less than an effect does.
+
+    Where it is one of the best pair itself, it is right, and the other one was not shown.
+    """
     offered = [c for c in candidates(design, *ranges(part.rows)) if c.state == own.state]
     scores = score(design, part, list(dict.fromkeys([*offered, own])), pairs=True)
     alone = max((s.value for s in scores if s.group == (own,)), default=0.0)
-    pairs = [s for s in scores if len(s.group) == 2 and own not in s.group]
-    able = [s for s in pairs if 2.0 * s.value > alone - MARGIN]
-    return [s.group for s in sorted(able, key=lambda s: -s.value)[:N_PAIRS]]
+    pairs = [s for s in scores if len(s.group) == 2 and 2.0 * s.value > alone - MARGIN]
+    best = sorted(pairs, key=lambda s: -s.value)[:N_PAIRS]
+    return [s.group for s in takewhile(lambda s: own not in s.group, best)]
 
 
 def _closest(
