@@ -24,6 +24,15 @@ def test_frequency_of_a_periodic_residual_is_proposed_within_a_percent(omega):
     assert sine**2 + cosine**2 == pytest.approx(1.0)
 
 
+def test_a_forcing_may_be_tuned_by_what_the_record_resolves_and_tells_its_frequency():
+    t = np.arange(0.0, 20.0, 0.02)
+    residual = np.cos(11.3 * t) + 0.5 * np.cos(23.0 * t)
+    one, other = (c.shape for c in periodic_candidates(1, 3, residual, STILL, 0.02))
+    assert list(one.named) == ["angular frequency"]
+    assert one.reach == pytest.approx(0.5 * 2.0 * np.pi / (11.3 * 20.0), rel=0.01)
+    assert one.branch != other.branch
+
+
 def test_line_of_the_input_is_no_forcing_of_its_own():
     t = np.arange(0.0, 20.0, 0.02)
     rng = np.random.default_rng(0)

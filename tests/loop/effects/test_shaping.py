@@ -25,3 +25,9 @@ def test_numbers_of_a_grown_term_are_inner_constants():
 def test_a_number_that_nobody_tuned_is_not_told():
     assert told_shape(grown("sin", Q)) is None
     assert told_shape(Candidate("viscous damping", 1, (Q,))) is None
+
+
+def test_a_number_that_the_declared_model_gives_is_not_told():
+    beside = grown("tanh", mul(constant(-198.0), Q))
+    assert told_shape(beside, frozenset({198.0})) is None
+    assert told_shape(beside, frozenset({3.0})) is not None

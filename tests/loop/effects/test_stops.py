@@ -9,7 +9,13 @@ from loop_systems import oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate, CandidateMaker
-from pysindy_evolve.loop.effects.stops import begun_at_same, damped_contacts, is_stop, stops
+from pysindy_evolve.loop.effects.stops import (
+    begins_within,
+    begun_at_same,
+    damped_contacts,
+    is_stop,
+    stops,
+)
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.design import Design, in_state
 from pysindy_evolve.operators import BUILTIN
@@ -35,6 +41,20 @@ def test_two_stops_have_a_stiffness_each_and_nothing_between_them():
     above, below = (term.evaluate(Q) for term in wide.at([0.5, 2.0]).terms)
     assert above == pytest.approx(np.maximum(Q[:, 0] - 2.0, 0.0))
     assert below == pytest.approx(np.maximum(-0.5 - Q[:, 0], 0.0))
+
+
+@pytest.mark.parametrize(
+    ("ends", "comes_in"), [((0.5, 2.0), True), ((0.5, 3.5), False), ((9.0, 9.0), False)]
+)
+def test_a_stop_comes_in_within_the_range(ends, comes_in):
+    (wide,) = (c for c in TWO_SIDED if c.terms[1].evaluate(np.array([[0.0]])) == 0.0)
+    assert begins_within(wide.at(ends), Q) is comes_in
+
+
+def test_two_ends_that_overlap_are_a_straight_line():
+    (above,) = (c for c in TWO_SIDED if c.terms[1].evaluate(np.array([[0.0]])) > 0.0)
+    assert begins_within(above.at([0.5, 2.0]), Q)
+    assert not begins_within(above.at([2.0, 0.5]), Q)
 
 
 def test_a_contact_may_lose_energy_by_how_deep_it_is_or_wherever_it_is_closed():

@@ -6,7 +6,7 @@ from loop_systems import equations_of
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_equations
-from pysindy_evolve.loop.given.records import alike
+from pysindy_evolve.loop.given.records import alike, undecimated
 from pysindy_evolve.signals import as_target
 
 DECLARED = pse.DeclaredModel({"F": "c*v + k*x + F0"}, inputs=["x", "v"], algebraic=True)
@@ -163,3 +163,23 @@ def test_forces_decimated_each_in_its_own_way_are_brought_to_one_step():
     assert {round(record.dt, 9) for record in (*train, *test)} == {0.02}
     middle = slice(100, -100)
     assert train[0].u[middle, 0] == pytest.approx(np.sin(train[0].t[middle]), abs=1e-3)
+
+
+def test_a_target_is_looked_at_as_finely_as_it_was_measured():
+    """Between rows far apart, a friction that is declared looked like one that is rounded off."""
+    t = np.arange(0.0, 30.0, 0.002)
+    x = 0.02 * (np.sin(3.0 * t) + np.sin(7.1 * t))
+    v = np.gradient(x, t)
+    rng = np.random.default_rng(0)
+    force = 150.0 * v + 800.0 * x + 12.0 + 10.0 * np.sign(v) + 0.1 * rng.standard_normal(len(t))
+    x = x + 5e-6 * rng.standard_normal(len(t))
+    record = as_target(pse.prepare(t, x, force, decimate=3))
+    (fine,), _ = undecimated([record], [])
+    assert fine.dt == pytest.approx(0.002)
+    assert fine.t[0] >= record.t[0] - 0.002
+    assert fine.t[-1] <= record.t[-1] + 0.002
+    declared = pse.DeclaredModel(
+        {"F": "c*v + k*x + F0 + f*sgn(v)"}, inputs=["x", "v", "a"], algebraic=True
+    )
+    report = pse.close_loop(declared, record, random_state=0)
+    assert report.verdict == "complete"

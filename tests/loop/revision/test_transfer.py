@@ -13,7 +13,7 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.revision.transfer import last_untransferred
 from pysindy_evolve.operators import BUILTIN
-from pysindy_evolve.terms import call, constant, mul, variable
+from pysindy_evolve.terms import call, constant, mul, power, variable
 
 Q, T = variable(0), variable(3)
 ANGLE = mul(constant(5.0), T)
@@ -23,6 +23,9 @@ FORCING = Candidate(
 LOAD = Candidate("constant offset", 1, (OFFSET,))
 SLOW = Candidate("hidden state", 1, (relaxing(Q, T, 8.0),))
 QUICK = Candidate("hidden state", 1, (relaxing(Q, T, 0.25),))
+SIGN = call(BUILTIN["sgn"], variable(1))
+BESIDE = Candidate("position-dependent friction", 1, (mul(Q, SIGN),))
+CUBIC = Candidate("cubic stiffness", 1, (power(Q, 3),))
 MODEL = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 
 
@@ -60,6 +63,24 @@ def test_a_state_that_relaxes_within_the_records_is_no_load():
     design = design_of(MODEL, records)
     finding = Finding(QUICK, columns_of(QUICK, design), 1.0, 0.016, np.zeros(60), 1)
     assert last_untransferred(design, [finding], segments(records, design.velocities)) is None
+
+
+@pytest.mark.parametrize(
+    ("candidate", "terms", "differs"),
+    [
+        (BESIDE, ("- 2*sgn(v) + 20", "- 1*sgn(v) - 20"), True),
+        (BESIDE, ("- 1.5*sgn(v) - 2*q*sgn(v) + 20", "- 1.5*sgn(v) - 2*q*sgn(v) - 20"), False),
+        (CUBIC, ("- 9*q**3", "- 9*q**3"), False),
+    ],
+)
+def test_what_only_tells_records_apart_is_no_effect(candidate, terms, differs):
+    """The friction is another one in each record, and so is where the machine stands."""
+    declared = pse.DeclaredModel({"q": "v", "v": "o - k*q - c*v - f*sgn(v) + b*F"}, inputs=["F"])
+    records = records_with(*terms)
+    design = design_of(declared, records)
+    finding = Finding(candidate, columns_of(candidate, design), 1.0, 0.016, np.zeros(60), 1)
+    gone = last_untransferred(design, [finding], segments(records, design.velocities))
+    assert (gone is finding) is differs
 
 
 @pytest.mark.slow
