@@ -14,6 +14,7 @@ from ..effects.relaxation import longest_relaxation
 from ..given.kinematics import disagreement
 from .extrapolation import beyond
 from .missed import missed
+from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
 from .shared_lines import shared_lines
 from .start_noise import moved_by_starts
@@ -38,6 +39,7 @@ def cautions(report: LoopReport) -> list[str]:
     found = [*_doubted(report), *_known(report), *_held(report), *_slow(report)]
     found += _turned(report)
     found += [*_worse(report), *_undefined(report), *_lines(report), *_sessions(report)]
+    found += _numbers(report)
     found += beyond(report)
     found += missed(report)
     return [*found, *_left(report)]
@@ -214,6 +216,15 @@ def _sessions(report: LoopReport) -> list[str]:
         f"({', '.join(map(format_number, means))}): something that stays within a record differs "
         "between them, such as a load or the zero of a sensor, which no fixed term can be."
         for state, means in offsets_by_record(report).items()
+    ]
+
+
+def _numbers(report: LoopReport) -> list[str]:
+    """Say which declared parameters differ between the records."""
+    return [
+        f"Fitted to each training record by itself, {name} is {', '.join(map(format_number, own))}."
+        " Each record is then explained better than one number for all of them explains it."
+        for name, own in numbers_by_record(report).items()
     ]
 
 

@@ -42,7 +42,8 @@ def _last_look(report: LoopReport) -> str:
     if best is None:
         return "No other effect improves the model on parts of the record it was not fitted on."
     where = f"in the equation of {_states(report)}"
-    said = f"The strongest candidate that did not pass is {best.name} {where}: "
+    again = "a further " if any(best.name == effect.name for effect in report.effects) else ""
+    said = f"The strongest candidate that did not pass is {again}{best.name} {where}: "
     if not np.isnan(best.p_value):
         n_twins = len(best.twin_scores)
         better = round(best.p_value * (1 + n_twins)) - 1

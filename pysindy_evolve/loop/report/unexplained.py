@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["unexplained"]
 
 LEAST = 5.0  # percent of the standard deviation, that is left of a derivative
+FOLLOWED = 2.0  # percent that a free run misses at most, where nothing of weight can be missing
 TIMES = 3.0  # what the noise of the sensors leaves of it; less may be an error of its estimate
 SEED = 0  # of the noise that is drawn: a report always says the same
 
@@ -33,9 +34,11 @@ def unexplained(report: LoopReport) -> list[str]:
     Returns
     -------
     list of str
-        Two sentences, or none.
+        Two sentences, or none; none where the free run over the held-out data stays with it.
     """
     model = report.after.model
+    if np.max(report.after.simulation_error) < FOLLOWED:
+        return []
     if model.n_algebraic or any(record.preparation is None for record in report.train):
         return []
     missed = percent_left(model, report.train)

@@ -1,0 +1,28 @@
+"""Declared numbers that differ between records are said, each with what it is there."""
+
+import pytest
+from loop_systems import measured
+
+import pysindy_evolve as pse
+
+MODEL = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v - f*sgn(v) + b*F"}, inputs=["F"])
+
+
+def said_of(*frictions):
+    records = [
+        measured({"q": "v", "v": f"-40*q - 0.8*v - {friction}*sgn(v) + F"}, seed=seed)
+        for seed, friction in enumerate(frictions)
+    ]
+    report = pse.close_loop(MODEL, records, records[0], operators=(), max_effects=0)
+    return " ".join(str(report).split())
+
+
+def test_a_friction_that_differs_is_named_alone_with_its_values():
+    said = said_of(2.4, 1.6)
+    assert said.count("Fitted to each training record by itself") == 1
+    values = said.partition("by itself, f is ")[2].partition(".  ")[0].split()[:2]
+    assert [float(one.strip(",.")) for one in values] == pytest.approx([2.4, 1.6], rel=0.05)
+
+
+def test_numbers_that_records_share_are_not_said_to_differ():
+    assert "by itself" not in said_of(2.0, 2.0)
