@@ -28,6 +28,7 @@ from .evidence.structure import structure_chance
 from .evidence.trace import EVOLVED
 from .fitting.unfolding import paths_of
 from .free_runs.by_runs import find_by_runs
+from .free_runs.contenders import Pool
 from .free_runs.duels import held_against
 from .free_runs.one_for_several import one_for_several
 from .free_runs.sensor_limits import clipped_sensors
@@ -309,10 +310,10 @@ class Search:
         grown = [c for c in self.grower.grown if c.name == EVOLVED]
         small = self._small_terms()
         found = shared_by_runs(model, self.findings, self.plain)
-        rivals = grown, small, self.plain, self.part, self.rules
-        found = one_for_several(model, found, *rivals)
+        pool = Pool(grown, small, self.part, -np.log1p(-self.rules.min_share))
+        found = one_for_several(model, found, pool, self.plain)
         found = two_for_one(model, found, self.plain, self.part, self.rules)
-        kept = held_against(model, found, *rivals)
+        kept = held_against(model, found, pool, self.plain, self.rules)
         kept = shared_by_runs(model, kept, self.plain)  # a duel may have made partners of them
         self.findings = prune(self.declared, kept, self.part)
 

@@ -15,7 +15,7 @@ Wilcoxon, Biometrics Bull. 1 (1945), DOI 10.2307/3001968: the test of the signed
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.stats import wilcoxon
@@ -23,36 +23,26 @@ from tqdm.auto import tqdm
 
 from ...signals import Record
 from ..effects.candidate import Candidate
-from ..effects.missing import candidates
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, PRICE, columns_of, score, sharpened
+from ..evidence.scoring import MARGIN, PRICE, columns_of
 from ..evidence.trace import EVOLVED
-from ..fitting.fit import refit
 from ..fitting.trial import Trial, settled
 from ..given.rules import Rules
-from ..given.segments import Segments, have_values, ranges
-from .drift import Drift, drift_of
-from .leading_terms import stand_ins
-from .other_forms import other_forms
-from .shape_tuning import Contender, tuned_by_runs
+from .contenders import STEADY, STRETCHES, Pool, begun_with, fitted_with
+from .drift import drift_of
+from .shape_tuning import Contender
 from .variants import Model
 
-__all__ = ["STEADY", "STRETCHES", "Pool", "begun_with", "fitted_with", "held_against", "is_closer"]
-
-N_RIVALS = 5  # that come closest in the spectral view
-STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
-STEADY = 10.0  # times by which a deviation may grow: in chaos, long runs tell luck from luck
+__all__ = ["held_against", "is_closer"]
 
 
 def held_against(
     model: Model,
     findings: Sequence[Finding],
-    grown: Sequence[Candidate],
-    small: Sequence[Candidate],
+    pool: Pool,
     records: Sequence[Record],
-    part: Segments,
     rules: Rules,
 ) -> list[Finding]:
     """Return findings in which effects hold their places, or have lost them to others.
@@ -63,16 +53,12 @@ def held_against(
         The declared model, with the memories and limits among the findings.
     findings : sequence of Finding
         What was found.
-    grown : sequence of Candidate
-        Grown terms that may take a place, besides the effects of the vocabulary.
-    small : sequence of Candidate
-        Terms that may take a place where runs show that what stands there leaves something.
+    pool : Pool
+        What may take a place.
     records : sequence of Record
         Training records, without memories.
-    part : Segments
-        Pieces of them as they were searched.
     rules : Rules
-        Significance, and the least share that matters.
+        Significance.
 
     Returns
     -------
@@ -86,76 +72,32 @@ def held_against(
         if finding.columns and not is_needed(finding, rest):
             without = replace(model, design=with_columns(model.design, rest))
             tied = any(shares_number(finding.candidate, f.candidate) for f in rest)
-            kept[place] = _winner(without, finding, grown, small, records, part, rules, tied=tied)
+            kept[place] = _winner(without, finding, pool, records, rules, tied=tied)
     return kept
 
 
 def _winner(
     model: Model,
     finding: Finding,
-    grown: Sequence[Candidate],
-    small: Sequence[Candidate],
+    pool: Pool,
     records: Sequence[Record],
-    part: Segments,
     rules: Rules,
     *,
     tied: bool,
 ) -> Finding:
     """Return a finding, or the one that takes its place in a model without it."""
     own = finding.candidate
-    drift = drift_of(*fitted_with(model, own, records), records, STRETCHES, STEADY)
+    drift = drift_of(*fitted_with(model, [own], records), records, STRETCHES, STEADY)
     if drift is None:
         return finding
-    matter = -np.log1p(-rules.min_share)
-    pool = Pool(grown, small, part, matter)
     tuned = pool.contenders(model, Contender(own, drift.trial, tied), drift)
-    best = _best(tuned, matter, rules.significance / max(len(tuned) - 1, 1))
+    best = _best(tuned, pool.matter, rules.significance / max(len(tuned) - 1, 1))
     plain = with_units(best.candidate)
     if plain is not None:  # sin(q), unless another number than one in it does clearly better
-        (trial,) = settled([begun_with(model, plain, drift)])
-        best = Contender(plain, trial) if trial.error <= np.exp(matter) * best.error else best
+        (trial,) = settled([begun_with(model, [plain], drift)])
+        best = Contender(plain, trial) if trial.error <= np.exp(pool.matter) * best.error else best
     columns = columns_of(best.candidate, model.design)
     return replace(finding, candidate=best.candidate, columns=columns)
-
-
-@dataclass(frozen=True, eq=False)
-class Pool:
-    """What may take the place of an effect, and how much closer a run must come to matter."""
-
-    grown: Sequence[Candidate]
-    small: Sequence[Candidate]
-    part: Segments
-    matter: float
-
-    def contenders(self, model: Model, own: Contender, drift: Drift) -> list[Contender]:
-        """Return an effect and the few that come closest to it, all tuned by their runs.
-
-        Parameters
-        ----------
-        model : Model
-            The model without the effect.
-        own : Contender
-            The effect, which comes first.
-        drift : Drift
-            Stretches of the records, and units of the errors.
-        """
-        acted = model.acted(drift.records)
-        able = [one for one in self.grown if have_values(one.terms, acted)]
-        shown = stand_ins(drift, own.candidate, self.small, self.matter)
-        shown = [one for one in shown if have_values(one.terms, acted)]
-        closest = _closest(model, own.candidate, able, self.part)
-        forms = [
-            form
-            for candidate in (own.candidate, *closest)
-            for form in other_forms(candidate, model.design, self.part)
-        ]
-        forms = [one for one in forms if have_values(one.terms, acted)]
-        rivals = [c for c in dict.fromkeys([*closest, *shown, *forms]) if c != own.candidate]
-        begun = [begun_with(model, rival, drift) for rival in rivals]
-        # The effect itself was fitted in other units of the errors.
-        first, *others = settled([own.trial, *begun])
-        fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, others)]
-        return tuned_by_runs(fitted, model, drift)
 
 
 def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
@@ -198,37 +140,6 @@ def is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
         return True
     closer = _squares(other) - _squares(one)
     return bool(wilcoxon(closer, alternative="greater").pvalue <= level)
-
-
-def _closest(
-    model: Model, own: Candidate, grown: Sequence[Candidate], part: Segments
-) -> list[Candidate]:
-    """Return the effects of the same equation that do best in the spectral view.
-
-    A narrow dead zone between two places of the grid would lose to a grown step, so its width is
-    tuned before. Of those that differ in their numbers alone, one is enough.
-    """
-    options = [*candidates(model.design, *ranges(part.rows)), *grown]
-    alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
-    scores = score(model.design, part, sharpened(model.design, part, list(alike)), pairs=False)
-    best: dict[object, Candidate] = {}
-    for candidate in (s.group[0] for s in scores):
-        best.setdefault(candidate.form if candidate.shape is None else candidate.name, candidate)
-    return list(best.values())[:N_RIVALS]
-
-
-def fitted_with(
-    model: Model, candidate: Candidate, records: Sequence[Record]
-) -> tuple[Model, np.ndarray]:
-    """Return a model with an effect, and the coefficients that the derivative gives."""
-    whole = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
-    return whole, refit(whole.design, model.acted(records), "derivative")
-
-
-def begun_with(model: Model, candidate: Candidate, drift: Drift) -> Trial:
-    """Return a trial of a model with an effect, begun where the derivative says."""
-    whole, coef = fitted_with(model, candidate, drift.records)
-    return whole.trial(coef, drift.trial.scale, drift.part)
 
 
 def _squares(trial: Trial) -> np.ndarray:

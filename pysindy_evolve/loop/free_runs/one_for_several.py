@@ -14,16 +14,13 @@ from dataclasses import replace
 import numpy as np
 
 from ...signals import Record
-from ..effects.candidate import Candidate
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of
 from ..evidence.trace import EVOLVED
 from ..fitting.fit import refit
 from ..fitting.trial import settled
-from ..given.rules import Rules
-from ..given.segments import Segments
+from .contenders import STEADY, STRETCHES, Pool, begun_with
 from .drift import Drift, drift_of
-from .duels import STEADY, STRETCHES, Pool, begun_with
 from .shape_tuning import Contender
 from .variants import Model
 
@@ -33,11 +30,8 @@ __all__ = ["one_for_several"]
 def one_for_several(
     model: Model,
     findings: Sequence[Finding],
-    grown: Sequence[Candidate],
-    small: Sequence[Candidate],
+    pool: Pool,
     records: Sequence[Record],
-    part: Segments,
-    rules: Rules,
 ) -> list[Finding]:
     """Return findings in which an effect has taken the place of one and of what mended it.
 
@@ -47,14 +41,10 @@ def one_for_several(
         The declared model, with the memories and limits among the findings.
     findings : sequence of Finding
         What was found, in order.
-    grown, small : sequence of Candidate
-        What may take a place, besides the effects of the vocabulary.
+    pool : Pool
+        What may take a place.
     records : sequence of Record
         Training records, without memories.
-    part : Segments
-        Pieces of them as they were searched.
-    rules : Rules
-        The least share that matters.
 
     Returns
     -------
@@ -69,14 +59,13 @@ def one_for_several(
     if drift is None:
         return list(findings)
     (trial,) = settled([drift.trial])
-    pool = Pool(grown, small, part, -np.log1p(-rules.min_share))
     for group in groups:
         rest = [finding for finding in findings if finding not in group]
         without = replace(model, design=with_columns(model.design, rest))
         found = _single(without, group, pool, drift, trial.error)
         if found is not None:
             left = [found if f is group[0] else f for f in findings if f not in group[1:]]
-            return one_for_several(model, left, grown, small, records, part, rules)
+            return one_for_several(model, left, pool, records)
     return list(findings)
 
 
@@ -104,7 +93,7 @@ def _single(
 ) -> Finding | None:
     """Return the one effect whose runs come as close to the record as those of a group do."""
     first = group[0]
-    own = Contender(first.candidate, begun_with(without, first.candidate, drift))
+    own = Contender(first.candidate, begun_with(without, [first.candidate], drift))
     size = sum(finding.candidate.size for finding in group)
     able = [
         one

@@ -14,8 +14,8 @@ from ...signals import Record
 from ..evidence.findings import Finding
 from ..fitting.trial import settled
 from ..given.design import Design
+from .contenders import STEADY, STRETCHES, begun_with, fitted_with
 from .drift import drift_of
-from .duels import STEADY, STRETCHES, begun_with, fitted_with
 from .judging import EXCESS, model_of, over_noise
 from .shape_tuning import Contender, tuned_by_runs
 
@@ -51,12 +51,12 @@ def _unrefuted(
     if not finding.rivals:
         return finding
     without = model_of(declared, [f for f in findings if f is not finding])
-    whole, coef = fitted_with(without, finding.candidate, records)
+    whole, coef = fitted_with(without, [finding.candidate], records)
     drift = drift_of(whole, coef, records, STRETCHES, STEADY)
     if drift is None or over_noise(drift) > EXCESS:
         return finding
     rivals = [rival.candidate for rival in finding.rivals]
-    begun = [begun_with(without, rival, drift) for rival in rivals]
+    begun = [begun_with(without, [rival], drift) for rival in rivals]
     own, *trials = settled([drift.trial, *begun])
     fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
     tuned = tuned_by_runs(fitted, without, drift)

@@ -17,8 +17,8 @@ from ..effects.partners import joined, partnerships
 from ..evidence.findings import Finding, at_numbers, with_columns
 from ..evidence.scoring import MARGIN
 from ..fitting.trial import settled
+from .contenders import STEADY, STRETCHES, begun_with, fitted_with
 from .drift import drift_of
-from .duels import STEADY, STRETCHES, begun_with, fitted_with
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
@@ -96,12 +96,12 @@ def _shared(
 ) -> tuple[float, ...] | None:
     """Return the numbers that partners share in a model without them; None if they do not."""
     apart = joined(group)
-    drift = drift_of(*fitted_with(model, apart, records), records, STRETCHES, STEADY)
+    drift = drift_of(*fitted_with(model, [apart], records), records, STRETCHES, STEADY)
     if drift is None:
         return None
     begun = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
     together = [apart.at(values) for values in begun]
-    trials = [begun_with(model, one, drift) for one in together]
+    trials = [begun_with(model, [one], drift) for one in together]
     # The effects as they are were fitted in other units of the errors.
     own, *fitted = settled([drift.trial, *trials])
     tuned = tuned_by_runs(list(map(Contender, together, fitted)), model, drift)

@@ -21,13 +21,13 @@ from ..effects.missing import candidates
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of, score
 from ..evidence.trace import EVOLVED
-from ..fitting.fit import refit
 from ..fitting.trial import settled
-from ..given.design import Column, Design
+from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments, ranges
+from .contenders import STEADY, STRETCHES, begun_with, fitted_with
 from .drift import drift_of
-from .duels import STEADY, STRETCHES, is_closer
+from .duels import is_closer
 from .variants import Model
 
 __all__ = ["two_for_one"]
@@ -99,15 +99,11 @@ def _closest(
     rules: Rules,
 ) -> tuple[Candidate, ...]:
     """Return the pair whose runs come closest to the record, if they do better than an effect's."""
-    whole, coef = _fitted(model, finding.columns, records)
+    whole, coef = fitted_with(model, [finding.candidate], records)
     drift = drift_of(whole, coef, records, STRETCHES, STEADY) if pairs else None
     if drift is None:
         return ()
-    begun = []
-    for pair in pairs:
-        columns = [column for one in pair for column in columns_of(one, model.design)]
-        both, coef = _fitted(model, columns, records)
-        begun.append(both.trial(coef, drift.trial.scale, drift.part))
+    begun = [begun_with(model, pair, drift) for pair in pairs]
     one, *twos = settled([drift.trial, *begun])
     best = min(range(len(pairs)), key=lambda k: twos[k].error)
     own, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
@@ -116,11 +112,3 @@ def _closest(
     else:
         stands = is_closer(twos[best], one, -np.log1p(-rules.min_share), rules.significance)
     return pairs[best] if stands else ()
-
-
-def _fitted(
-    model: Model, columns: Sequence[Column], records: Sequence[Record]
-) -> tuple[Model, np.ndarray]:
-    """Return a model with columns added, and the coefficients that the derivative gives."""
-    whole = replace(model, design=model.design.adding(columns))
-    return whole, refit(whole.design, model.acted(records), "derivative")

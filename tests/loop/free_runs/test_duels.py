@@ -10,6 +10,7 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.shaping import with_units
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.free_runs.contenders import Pool
 from pysindy_evolve.loop.free_runs.duels import held_against
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
@@ -34,7 +35,8 @@ def held(hidden, name, grown=(), small=(), **options):
     offered = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
     planted = name if isinstance(name, Candidate) else next(c for c in offered if c.name == name)
     finding = Finding(planted, columns_of(planted, design), 1.0, 0.016, np.zeros(60), step=1)
-    (kept,) = held_against(Model(design), [finding], grown, small, [record], part, RULES)
+    pool = Pool(grown, small, part, -np.log1p(-RULES.min_share))
+    (kept,) = held_against(Model(design), [finding], pool, [record], RULES)
     assert kept.columns == columns_of(kept.candidate, design)
     assert (kept.p_value, kept.step) == (finding.p_value, finding.step)
     return kept.candidate

@@ -9,6 +9,7 @@ from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.free_runs.contenders import Pool
 from pysindy_evolve.loop.free_runs.one_for_several import one_for_several
 from pysindy_evolve.loop.free_runs.other_forms import other_forms
 from pysindy_evolve.loop.free_runs.two_for_one import two_for_one
@@ -51,7 +52,7 @@ MEND = evolved(mul(power(Q, 2), call(BUILTIN["tanh"], Q)))
 
 def test_one_name_takes_the_place_of_a_wrong_form_and_its_mending():
     model, record, part, found = planted(CUBIC, BENT, MEND)
-    (left,) = one_for_several(model, found, (), (), [record], part, RULES)
+    (left,) = one_for_several(model, found, Pool((), (), part, 0.05), [record])
     assert left.candidate.name == "cubic stiffness"
     assert (left.p_value, left.step) == (found[0].p_value, found[0].step)
 
@@ -61,7 +62,7 @@ def test_two_effects_that_are_both_there_stay():
     root = evolved(mul(call(BUILTIN["sqrt"], call(BUILTIN["abs"], V)), V))
     for pair in (("cubic stiffness", "Coulomb friction"), ("cubic stiffness", root)):
         model, record, part, found = planted(both, *pair)
-        left = one_for_several(model, found, (), (), [record], part, RULES)
+        left = one_for_several(model, found, Pool((), (), part, 0.05), [record])
         assert len(left) == 2
         assert left[0].candidate.name == "cubic stiffness"
 

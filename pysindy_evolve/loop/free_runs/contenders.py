@@ -1,0 +1,111 @@
+"""What may take the place of an effect: the few that come closest to it, fitted by free runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...signals import Record
+from ..effects.candidate import Candidate
+from ..effects.missing import candidates
+from ..evidence.scoring import columns_of, score, sharpened
+from ..fitting.fit import refit
+from ..fitting.trial import Trial, settled
+from ..given.segments import Segments, have_values, ranges
+from .drift import Drift
+from .leading_terms import stand_ins
+from .other_forms import other_forms
+from .shape_tuning import Contender, tuned_by_runs
+from .variants import Model
+
+__all__ = ["STEADY", "STRETCHES", "Pool", "begun_with", "fitted_with"]
+
+N_RIVALS = 5  # that come closest in the spectral view
+STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
+STEADY = 10.0  # times by which a deviation may grow: in chaos, long runs tell luck from luck
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """What may take the place of an effect, besides the effects of the vocabulary.
+
+    Attributes
+    ----------
+    grown : sequence of Candidate
+        Grown terms.
+    small : sequence of Candidate
+        Terms that count where runs show that what stands there leaves something.
+    part : Segments
+        Pieces of the training records as they were searched.
+    matter : float
+        Log error by which runs must come closer for it to matter.
+    """
+
+    grown: Sequence[Candidate]
+    small: Sequence[Candidate]
+    part: Segments
+    matter: float
+
+    def contenders(self, model: Model, own: Contender, drift: Drift) -> list[Contender]:
+        """Return an effect and the few that come closest to it, all tuned by their runs.
+
+        Parameters
+        ----------
+        model : Model
+            The model without the effect.
+        own : Contender
+            The effect, which comes first.
+        drift : Drift
+            Stretches of the records, and units of the errors.
+        """
+        acted = model.acted(drift.records)
+        able = [one for one in self.grown if have_values(one.terms, acted)]
+        shown = stand_ins(drift, own.candidate, self.small, self.matter)
+        shown = [one for one in shown if have_values(one.terms, acted)]
+        closest = _closest(model, own.candidate, able, self.part)
+        forms = [
+            form
+            for candidate in (own.candidate, *closest)
+            for form in other_forms(candidate, model.design, self.part)
+        ]
+        forms = [one for one in forms if have_values(one.terms, acted)]
+        rivals = [c for c in dict.fromkeys([*closest, *shown, *forms]) if c != own.candidate]
+        begun = [begun_with(model, [rival], drift) for rival in rivals]
+        # The effect itself was fitted in other units of the errors.
+        first, *others = settled([own.trial, *begun])
+        fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, others)]
+        return tuned_by_runs(fitted, model, drift)
+
+
+def _closest(
+    model: Model, own: Candidate, grown: Sequence[Candidate], part: Segments
+) -> list[Candidate]:
+    """Return the effects of the same equation that do best in the spectral view.
+
+    A narrow dead zone between two places of the grid would lose to a grown step, so its width is
+    tuned before. Of those that differ in their numbers alone, one is enough.
+    """
+    options = [*candidates(model.design, *ranges(part.rows)), *grown]
+    alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
+    scores = score(model.design, part, sharpened(model.design, part, list(alike)), pairs=False)
+    best: dict[object, Candidate] = {}
+    for candidate in (s.group[0] for s in scores):
+        best.setdefault(candidate.form if candidate.shape is None else candidate.name, candidate)
+    return list(best.values())[:N_RIVALS]
+
+
+def fitted_with(
+    model: Model, effects: Sequence[Candidate], records: Sequence[Record]
+) -> tuple[Model, np.ndarray]:
+    """Return a model with effects, and the coefficients that the derivative gives."""
+    columns = [column for one in effects for column in columns_of(one, model.design)]
+    whole = replace(model, design=model.design.adding(columns))
+    return whole, refit(whole.design, model.acted(records), "derivative")
+
+
+def begun_with(model: Model, effects: Sequence[Candidate], drift: Drift) -> Trial:
+    """Return a trial of a model with effects, begun where the derivative says."""
+    whole, coef = fitted_with(model, effects, drift.records)
+    return whole.trial(coef, drift.trial.scale, drift.part)
