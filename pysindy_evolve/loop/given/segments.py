@@ -310,13 +310,14 @@ def _seen(
 def _band(record: Record, slowest: float) -> float:
     """Return the highest frequency to look at, in cycles per unit of t.
 
-    It is the cutoff of the preparation. Nobody knows how a record of the user was smoothed, but
-    what is gone from its derivatives still is in sgn and its like, whose harmonics would speak
-    against them; so the band ends where the power of the derivatives does, but not below the
-    slowest that a segment can hold.
+    It is the cutoff of the preparation, or of that of the motion that explains a target. Nobody
+    knows how a record of the user was smoothed, but what is gone from its derivatives still is in
+    sgn and its like, whose harmonics would speak against them; so the band ends where the power of
+    the derivatives does, but not below the slowest that a segment can hold.
     """
-    if record.preparation is not None:
-        return LOOK * (record.preparation.cutoff or np.inf)
+    made = record.motion if record.preparation is None else record.preparation
+    if made is not None:
+        return LOOK * (made.cutoff or np.inf)
     moving = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0.0]
     if moving.shape[1] == 0:
         return np.inf
