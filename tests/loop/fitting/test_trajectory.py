@@ -185,7 +185,7 @@ def test_an_alternative_has_the_coefficient_that_it_would_take():
     (drag,) = [one for one in (effect, *effect.rivals) if one.name == "quadratic drag"]
     assert drag.coefficients[0] == pytest.approx(-WHIFFLE, rel=0.1)
     for rival in effect.rivals:
-        said = f"{rival.name} {rival.coefficients[0]:.4g} times"
+        said = f"{rival.name} {rival.coefficients[0]:.4g} {rival.term}"
         assert said in " ".join(str(report).split())
 
 
