@@ -185,8 +185,9 @@ def test_an_alternative_has_the_coefficient_that_it_would_take():
     (drag,) = [one for one in (effect, *effect.rivals) if one.name == "quadratic drag"]
     assert drag.coefficients[0] == pytest.approx(-WHIFFLE, rel=0.1)
     for rival in effect.rivals:
-        said = f"{rival.name} {rival.coefficients[0]:.4g} {rival.term}"
-        assert said in " ".join(str(report).split())
+        assert rival.force == rival.coefficients[0] * rival.term
+    (drift,) = [one for one in effect.rivals if one.name == "drift"]
+    assert f"drift {drift.coefficients[0]:.4g} t (p = " in " ".join(str(report).split())
 
 
 @pytest.mark.parametrize("seed", range(4))
