@@ -29,6 +29,7 @@ CURVED = (
     *("sin", "cos", "tan", "asin", "acos", "atan", "exp", "log"),
     *("sinh", "cosh", "tanh", "softsign"),
 )
+SCALED = tuple(name for name in CURVED if name != "log")  # a factor in a logarithm is an offset
 LINEAR = ("add", "sub", "mul", "neg", "square", "cube", "abs", "sgn")  # numbers mean little here
 
 

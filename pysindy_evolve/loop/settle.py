@@ -85,7 +85,12 @@ def _reported(
         search.rules,
         search.rng,
     )
-    return replace(report, rejected=search.rejected, chance_left=search.chance_left)
+    return replace(
+        report,
+        rejected=search.rejected,
+        chance_left=search.chance_left,
+        found_held=tuple(sorted(set(search.held) - set(test[0].held))),
+    )
 
 
 def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport) -> Finding | None:

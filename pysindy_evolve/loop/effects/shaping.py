@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ...breeding.genetics import CURVED
+from ...breeding.genetics import SCALED
 from ...terms import Call, Product, Sum, constant, mul, simplified
 from .angles import UNITS
 from .candidate import OFFSET, Candidate, Shape
@@ -112,7 +112,7 @@ def _with_numbers(term: Product) -> Product:
     return simplified(
         tuple(
             (Call(atom.operator, tuple(mul(constant(2.0), a) for a in atom.args)), n)
-            if isinstance(atom, Call) and atom.operator.name in CURVED
+            if isinstance(atom, Call) and atom.operator.name in SCALED
             else (atom, n)
             for atom, n in term.factors
         )

@@ -19,7 +19,6 @@ import numpy as np
 from ...equations import Equations
 from ...operators import BUILTIN
 from ...terms import Cache, call, constant, mul, variable
-from ..effects.periodic import PERIODS_IN_TIME
 from ..fitting.linear import TINY, log_ratio
 from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
@@ -36,6 +35,7 @@ __all__ = ["structure_chance"]
 
 MAX_COLUMNS = 60
 LAGS = (1, 2, 4, 8)  # in eighths of the width of the windows
+N_WAVES = 7  # slow ones: what has more periods in a record is no drift
 NOTABLE = 0.05  # log error that the generic model must gain
 
 
@@ -137,11 +137,11 @@ def generic_columns(design: Design, part: Segments) -> list[Column]:
 
 
 def slow_waves(design: Design, part: Segments) -> list[Column]:
-    """Return sines and cosines with fewer periods in a record than a periodic forcing must have."""
+    """Return sines and cosines with a few periods in a record."""
     time, n_states = part.rows[:, -1], len(design.states)
     base = 2.0 * np.pi / max(float(np.ptp(time)), TINY)
     t = variable(part.rows.shape[1] - 1)
-    arguments = [mul(constant(base * k), t) for k in range(1, PERIODS_IN_TIME)]
+    arguments = [mul(constant(base * k), t) for k in range(1, N_WAVES + 1)]
     waves = [call(BUILTIN[name], one) for one in arguments for name in ("sin", "cos")]
     return [in_state("wave", wave, s, n_states) for s in design.open_states for wave in waves]
 

@@ -48,7 +48,9 @@ class Pool:
     part: Segments
     matter: float
 
-    def contenders(self, model: Model, own: Contender, drift: Drift) -> list[Contender]:
+    def contenders(
+        self, model: Model, own: Contender, drift: Drift, group: Candidate | None = None
+    ) -> list[Contender]:
         """Return an effect and the few that come closest to it, all tuned by their runs.
 
         Parameters
@@ -58,11 +60,14 @@ class Pool:
         own : Contender
             The effect, which comes first.
         drift : Drift
-            Stretches of the records, and units of the errors.
+            The model with the effect, or with a group of effects, its last columns.
+        group : Candidate, optional
+            All terms of a group of effects that the effect is one of, and that one may replace.
         """
+        least = self.matter if group is None else -np.inf
         acted = model.acted(drift.records)
         able = [one for one in self.grown if have_values(one.terms, acted)]
-        shown = stand_ins(drift, own.candidate, self.small, self.matter)
+        shown = stand_ins(drift, group or own.candidate, self.small, least)
         shown = [one for one in shown if have_values(one.terms, acted)]
         closest = _closest(model, own.candidate, able, self.part)
         forms = [

@@ -58,7 +58,7 @@ def stand_ins(
     drift : Drift
         The model with the effect, which was the last to come.
     own : Candidate
-        The effect.
+        The effect, or all the terms of several.
     terms : sequence of Candidate
         Terms to choose from. Those in which nothing acts that acts in the effect are left out.
     least : float
@@ -72,7 +72,7 @@ def stand_ins(
     alike = [c for c in terms if c.state == own.state and own.variables & c.variables]
     others = [c for c in alike if c.terms != own.terms]
     near, gains = _near(drift, others, n_replaced=len(own.terms))
-    prices = PRICE * np.array([max(c.size - own.size, 0) for c in near])
+    prices = PRICE * np.array([c.size - own.size for c in near])
     return _leaders(near, gains - np.maximum(prices, least))
 
 

@@ -15,12 +15,11 @@ import numpy as np
 
 from ...signals import Record
 from ..evidence.findings import Finding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, columns_of
+from ..evidence.scoring import MARGIN, PRICE, columns_of
 from ..evidence.trace import EVOLVED
-from ..fitting.fit import refit
 from ..fitting.trial import settled
-from .contenders import STEADY, STRETCHES, Pool, begun_with
-from .drift import Drift, drift_of
+from .contenders import STEADY, STRETCHES, Pool, begun_with, fitted_with
+from .drift import drift_of
 from .shape_tuning import Contender
 from .variants import Model
 
@@ -50,19 +49,10 @@ def one_for_several(
     -------
     list of Finding
     """
-    groups = _groups(findings)
-    if not groups:
-        return list(findings)
-    whole = replace(model, design=with_columns(model.design, findings))
-    coef = refit(whole.design, model.acted(records), "derivative")
-    drift = drift_of(whole, coef, records, STRETCHES, STEADY)
-    if drift is None:
-        return list(findings)
-    (trial,) = settled([drift.trial])
-    for group in groups:
+    for group in _groups(findings):
         rest = [finding for finding in findings if finding not in group]
         without = replace(model, design=with_columns(model.design, rest))
-        found = _single(without, group, pool, drift, trial.error)
+        found = _single(without, group, pool, records)
         if found is not None:
             left = [found if f is group[0] else f for f in findings if f not in group[1:]]
             return one_for_several(model, left, pool, records)
@@ -72,7 +62,8 @@ def one_for_several(
 def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
     """Return each effect with all that came after it in its equation, and with each one of them.
 
-    Of names alone each is known to engineers by itself; so one at least is a grown term.
+    Of names alone each is known to engineers by itself; so one at least is a grown term, or comes
+    twice: powers of one variable that add up to a curve.
     """
     groups = []
     for place, first in enumerate(findings):
@@ -84,21 +75,27 @@ def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
 
 def _may_go(group: Sequence[Finding], findings: Sequence[Finding]) -> bool:
     rest = [finding for finding in findings if finding not in group]
-    is_grown = any(finding.candidate.name == EVOLVED for finding in group)
-    return is_grown and all(f.columns and not is_needed(f, rest) for f in group)
+    names = [finding.candidate.name for finding in group]
+    are_parts = EVOLVED in names or len(set(names)) < len(names)
+    return are_parts and all(f.columns and not is_needed(f, rest) for f in group)
 
 
 def _single(
-    without: Model, group: Sequence[Finding], pool: Pool, drift: Drift, error: float
+    without: Model, group: Sequence[Finding], pool: Pool, records: Sequence[Record]
 ) -> Finding | None:
     """Return the one effect whose runs come as close to the record as those of a group do."""
-    first = group[0]
+    first, effects = group[0], [finding.candidate for finding in group]
+    drift = drift_of(*fitted_with(without, effects, records), records, STRETCHES, STEADY)
+    if drift is None:
+        return None
+    (trial,) = settled([drift.trial])
+    whole = replace(first.candidate, terms=tuple(t for effect in effects for t in effect.terms))
     own = Contender(first.candidate, begun_with(without, [first.candidate], drift))
-    size = sum(finding.candidate.size for finding in group)
+    most = np.exp(MARGIN) * trial.error
     able = [
         one
-        for one in pool.contenders(without, own, drift)
-        if one.candidate.size < size and one.error <= np.exp(MARGIN) * error
+        for one in pool.contenders(without, own, drift, whole)
+        if one.error * np.exp(PRICE * max(one.candidate.size - whole.size, 0)) <= most
     ]
     if not able:
         return None

@@ -17,7 +17,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from ...breeding.dictionary import Problem, build_dictionary
-from ...breeding.genetics import CURVED
+from ...breeding.genetics import SCALED
 from ...operators import Operator
 from ...sparse.elimination import gains
 from ...terms import (
@@ -165,10 +165,12 @@ def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iter
     """Go through functions without a scale of their own; a root is one of the magnitude.
 
     Magnitude and sign of what keeps its sign are nothing new, and only what keeps away from zero
-    can stand below the line.
+    can stand below the line, or in a logarithm.
     """
     known, x = {operator.name: operator for operator in operators}, variable(i)
     yield x
+    if "log" in known and column.min() > 0.0:
+        yield call(known["log"], x)
     if column.min() < 0.0 < column.max():
         yield from (call(known[name], x) for name in ("abs", "sgn") if name in known)
     elif "div" in known and is_away(column):
@@ -197,5 +199,5 @@ def _below_the_line(x: np.ndarray) -> Iterator[Sum]:
 def _curved(operators: Sequence[Operator], x: Sum, size: float) -> Iterator[Sum]:
     if size > 0.0:
         for operator in operators:
-            if operator.name in CURVED:
+            if operator.name in SCALED:
                 yield from (call(operator, mul(constant(c / size), x)) for c in SCALES)

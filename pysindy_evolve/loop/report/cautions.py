@@ -143,7 +143,7 @@ def _short_delays(report: LoopReport) -> list[tuple[Effect, float]]:
 
 def _held(report: LoopReport) -> list[str]:
     """Name the inputs that are held from one sample to the next, and delays that may be that."""
-    names = [report.equations.inputs[column] for column in sorted(report.train[0].held)]
+    names = [report.equations.inputs[column] for column in report.found_held]
     taken = [
         f"{name} is taken to be held from each sample to the next (zero-order hold), which is how "
         "it was recorded and no effect of the machine."

@@ -58,6 +58,8 @@ class LoopReport:
     chance_left : float
         Of a residual of the corrected model that is predicted so well by what was measured, if it
         were random; 1 where it is not predicted, or was not asked.
+    found_held : tuple of int
+        Inputs that turned out to be held from one sample to the next, which no record said.
     """
 
     verdict: str
@@ -72,6 +74,7 @@ class LoopReport:
     rules: Rules | None = None
     design: Design | None = None
     chance_left: float = 1.0
+    found_held: tuple[int, ...] = ()
 
     @property
     def equations(self) -> Equations:

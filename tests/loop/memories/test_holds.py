@@ -14,7 +14,12 @@ STEP = 10.0  # sampling time of the oven
 OVEN = pse.DeclaredModel({"T": "b*P - a*(T - 20)"}, inputs=["P"])
 
 
-def oven(lag=0.0, delay=0.0, jump=0.0, seed=0):
+def oven(**truth):
+    """Prepare the record of an oven."""
+    return pse.prepare(*raw_oven(**truth), order=1)
+
+
+def raw_oven(lag=0.0, delay=0.0, jump=0.0, seed=0):
     """Record an oven whose heater jumps some sampling times before the sample that shows it."""
     rng = np.random.default_rng(seed)
     power = np.repeat(rng.uniform(5.0, 35.0, 25), 60)
@@ -32,7 +37,7 @@ def oven(lag=0.0, delay=0.0, jump=0.0, seed=0):
         rest = 20.0 + 0.006 * heat[k] / 0.004
         x[k + 1] = rest + (x[k] - rest) * decay
     y = x[::n_fine] + 0.02 * rng.standard_normal(power.size)
-    return pse.prepare(t[::n_fine], y, power, order=1)
+    return t[::n_fine], y, power
 
 
 def close(declared, record, **options):
@@ -46,6 +51,13 @@ def test_an_input_that_jumps_and_acts_late_by_half_a_step_is_held():
     assert report.train[0].held == {0: pytest.approx(0.5, abs=0.05)}
     assert report.after.parameters["b"] == pytest.approx(0.006, rel=2e-3)
     assert "P is taken to be held from each sample to the next" in " ".join(str(report).split())
+
+
+def test_what_the_user_said_to_be_held_is_no_news():
+    record = pse.prepare(*raw_oven(), order=1, held=True)
+    report = close(OVEN, record)
+    assert report.train[0].held == {0: 0.5}
+    assert "taken to be held" not in " ".join(str(report).split())
 
 
 def test_a_run_over_a_raw_record_holds_its_inputs_as_well():
