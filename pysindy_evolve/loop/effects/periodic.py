@@ -26,7 +26,7 @@ __all__ = [
 FORCING = "periodic forcing"
 FREQUENCY = "angular frequency"
 N_LINES = 2  # that are looked at in an equation
-PERIODS_IN_TIME = 3  # of a line in a record, at least; fewer look like slow disturbances
+PERIODS_IN_TIME = 4  # of a line in a record, at least; fewer look like slow disturbances
 PERIODS_IN_SPACE = 4  # fewer within the stroke look like a spring or a slope
 SAMPLES_PER_BIN = 8  # of the stroke, on average: as fine as the record can tell
 
