@@ -20,6 +20,7 @@ from .given.design import Design
 from .given.input_errors import as_held
 from .given.records import alike, check_records, split_records, undecimated, widened
 from .given.rules import Rules, generator
+from .given.smoothing import with_own_slopes
 from .growth.grow import OPERATORS
 from .report.report import LoopReport
 from .search import Search
@@ -111,7 +112,9 @@ def close_loop(
     ('traced', 'constant offset')
     """
     rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress, refine)
-    design, fit_on, judge_on = _checked(declared, train, test)
+    design, fit_on, judge_on, shown = _checked(declared, train, test)
+    if not shown:
+        rules = replace(rules, max_effects=0)
     rng = generator(random_state)
     wide = widened(fit_on)
     if design.algebraic:  # nothing is simulated, and a target explains nothing
@@ -131,13 +134,16 @@ def _checked(
     declared: DeclaredModel | ps.SINDy,
     train: Record | Sequence[Record],
     test: Record | Sequence[Record] | None,
-) -> tuple[Design, list[Record], list[Record]]:
-    """Return the design, and records to fit and to judge on, all of which fit each other."""
+) -> tuple[Design, list[Record], list[Record], bool]:
+    """Return the design, records that fit each other, and whether they show the motion."""
     fit_on, judge_on = split_records(train, test)
     design = design_of(declared, fit_on)
     is_cut = not test and (isinstance(train, Record) or len(train) == 1)
     whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
     check_records(design, [*fit_on, *judge_on], whole)
+    shown = True
+    if not design.algebraic:
+        fit_on, judge_on, shown = with_own_slopes(design, fit_on, judge_on)
     # A force that nothing integrates follows a held input at once.
     made = as_algebraic if design.algebraic else as_held
     held = {column: late for record in fit_on for column, late in record.held.items()}
@@ -146,7 +152,9 @@ def _checked(
         [made(hold(record, held)) for record in records]
         for records in (undecimated(*like) if design.algebraic else like)
     )
-    return (design if design.algebraic else doubted(design, fit_on)), fit_on, judge_on
+    if not design.algebraic:
+        design = doubted(design, fit_on)
+    return design, fit_on, judge_on, shown
 
 
 def _believed(records: Sequence[Record]) -> list[Record]:
