@@ -17,6 +17,7 @@ from .free_runs.state_limits import may_stop_itself
 from .given.algebraic import as_algebraic
 from .given.declared import DeclaredModel, design_of, doubted
 from .given.design import Design
+from .given.held import held_inputs
 from .given.input_errors import as_held
 from .given.records import alike, check_records, split_records, undecimated, widened
 from .given.rules import Rules, generator
@@ -146,7 +147,7 @@ def _checked(
         fit_on, judge_on, shown = with_own_slopes(design, fit_on, judge_on)
     # A force that nothing integrates follows a held input at once.
     made = as_algebraic if design.algebraic else as_held
-    held = {column: late for record in fit_on for column, late in record.held.items()}
+    held = held_inputs(fit_on)
     like = alike(fit_on, judge_on)
     fit_on, judge_on = (
         [made(hold(record, held)) for record in records]

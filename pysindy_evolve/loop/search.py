@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -37,6 +37,7 @@ from .free_runs.two_for_one import two_for_one
 from .free_runs.unnamed import find_unnamed
 from .free_runs.variants import Model
 from .given.design import Design
+from .given.held import held_inputs, held_where_it_jumps
 from .given.limits import off_limits
 from .given.rules import Rules
 from .given.segments import Segments
@@ -98,7 +99,7 @@ class Search:
     @property
     def held(self) -> Mapping[int, float]:
         """Inputs that are held between their samples, and by how many of them each is late."""
-        return self.plain[0].held
+        return held_inputs(self.plain)
 
     @property
     def design(self) -> Design:
@@ -138,12 +139,14 @@ class Search:
         """Take inputs as held between samples instead of late, which was all that was found."""
         memories, self.findings = memories_in(self.findings), []
         step = self.plain[0].raw_dt
-        self._take_as_held({one.column: one.values[0] / step for one in memories})
+        self._take_as_held({one.column: one.values[0] / step for one in memories}, hold)
         self._judge_rest()
 
-    def _take_as_held(self, late: Mapping[int, float]) -> None:
-        self.plain = [hold(record, late) for record in self.plain]
-        self.whole = self.whole.of([hold(record, late) for record in self.wide])
+    def _take_as_held(
+        self, late: Mapping[int, float], holding: Callable[[Record, Mapping[int, float]], Record]
+    ) -> None:
+        self.plain = [holding(record, late) for record in self.plain]
+        self.whole = self.whole.of([holding(record, late) for record in self.wide])
         self._look_through(self.findings)
 
     def _look_through(self, findings: Sequence[Finding]) -> None:
@@ -227,7 +230,7 @@ class Search:
             if isinstance(finding, MemoryFinding):
                 late, memory = memory_beside_hold(finding.memory, self.design, self.part)
                 if late > 0.0:
-                    self._take_as_held({finding.memory.column: late})
+                    self._take_as_held({finding.memory.column: late}, held_where_it_jumps)
                 if memory is None:
                     return []
                 finding = replace(finding, memory=memory)
@@ -259,8 +262,13 @@ class Search:
             self.declared, self.findings, self.plain, self.wide, self.rules, child
         )
         self.rejected = look.rejected or self.rejected
-        if len(look.found) > len(self.findings):
-            self.findings = list(look.found)
+        known, more = self.findings, list(look.found[len(self.findings) :])
+        if more:
+            new = self._without_holds(more)
+            if not new:  # it was how the input was recorded
+                self._find_by_runs()
+                return
+            self.findings = [*known, *new]
             if pasts:
                 self.plain = [*map(preceded, self.plain, pasts)]
                 self.whole = self.whole.begun([*map(preceded, self.wide, pasts)])

@@ -9,13 +9,13 @@ import numpy as np
 
 from ..hidden_states.memory import remembered
 from ..signals import Record
-from ..signals.holds import hold
 from .effects.periodic import frequency_of
 from .evidence.findings import Finding, limits_in, memories_in, with_findings
 from .evidence.offers import awaited
 from .fitting.unfolding import paths_of
 from .free_runs.refuted import unrefuted
 from .free_runs.runaway import last_runaway
+from .given.held import held_like
 from .given.limits import off_limits
 from .given.records import widened
 from .report.assembly import make_report
@@ -72,7 +72,7 @@ def _reported(
     search: Search, findings: Sequence[Finding], test: Sequence[Record], is_whole: bool
 ) -> LoopReport:
     """Fit all stages and judge them, on records whose low-pass leaves what was found."""
-    train, judged = search.plain, [hold(record, search.held) for record in test]
+    train, judged = search.plain, [held_like(record, search.plain) for record in test]
     if not search.declared.algebraic and _is_near_cutoff(findings, search.plain):
         train, judged = search.wide, widened(judged)
     report = make_report(

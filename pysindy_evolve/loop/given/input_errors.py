@@ -38,7 +38,12 @@ def as_held(record: Record) -> Record:
 
 def jumps_at_once(record: Record, column: int) -> bool:
     """Tell whether an input jumps in one step, somewhere between two samples."""
-    return record.has_raw_inputs and _samples_of_jump(record.raw_u[:, column]) == 1
+    return record.has_raw_inputs and is_stepped(record.raw_u[:, column])
+
+
+def is_stepped(u: np.ndarray) -> bool:
+    """Tell whether an input, (n_raw,), jumps in one step, somewhere between two samples."""
+    return _samples_of_jump(u) == 1
 
 
 def known_up_to(record: Record) -> float:

@@ -15,22 +15,36 @@ import numpy as np
 from ...hidden_states.memory import DELAY, Memory
 from ...signals.holds import HALF
 from ..given.design import Design
-from ..given.input_errors import jumps_at_once
+from ..given.input_errors import is_stepped, jumps_at_once
 from ..given.segments import Segments
 from .reach import exchanged, plainest, reach_of
 
 __all__ = ["memory_beside_hold"]
 
+EVEN = 0.01  # of a sampling time, by which those of records that are sampled alike may differ
 LATEST = 0.6  # sampling times: a hold is late by half of one, and a delay is not known exactly
 
 
 @dataclass(frozen=True)
-class _BehindHold(Memory):
-    """A memory of an input that is held from each sample to the next."""
+class _Hold(Memory):
+    """That an input is held from each sample to the next, if it jumps, and no memory beside it."""
 
     def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
-        held = Memory(DELAY, self.column, (HALF * float(t[1] - t[0]),))
-        return super().response(t, held.response(t, u))
+        return _held(t, u, self.column)
+
+
+@dataclass(frozen=True)
+class _BehindHold(Memory):
+    """A memory of an input that is held from each sample to the next, if it jumps."""
+
+    def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return super().response(t, _held(t, u, self.column))
+
+
+def _held(t: np.ndarray, u: np.ndarray, column: int) -> np.ndarray:
+    if not is_stepped(u):
+        return u
+    return Memory(DELAY, column, (HALF * float(t[1] - t[0]),)).response(t, u)
 
 
 def memory_beside_hold(
@@ -57,14 +71,19 @@ def memory_beside_hold(
     """
     column, kind, records = memory.column, memory.kind, part.records
     known = any(column in record.held for record in records)
-    if known or not all(jumps_at_once(record, column) for record in records):
+    jumping = [jumps_at_once(record, column) for record in records]
+    if known or not any(jumping):
         return 0.0, memory
-    share = memory.values[0] / records[0].raw_dt
-    if kind == DELAY and share < LATEST:
+    steps = [record.raw_dt for record in records]
+    alike = all(jumping) and np.ptp(steps) <= EVEN * steps[0]
+    share = memory.values[0] / steps[0]
+    if alike and kind == DELAY and share < LATEST:
         return share, None
     behind = reach_of(_BehindHold(kind, column, memory.values), design, part)
-    ways = [behind, memory]
+    alone = [] if alike else [_Hold(kind, column, memory.values)]
+    ways: list[Memory] = [*alone, behind, memory]
     gains = [exchange.gain for exchange in exchanged(ways, design, part)]
-    if plainest(ways, gains) is memory:
+    best = plainest(ways, gains)
+    if best is memory:
         return 0.0, memory
-    return HALF, Memory(kind, column, behind.values)
+    return HALF, Memory(kind, column, behind.values) if best is behind else None

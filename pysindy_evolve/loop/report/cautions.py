@@ -11,6 +11,7 @@ from ...hidden_states.memory import DELAY
 from ...signals.holds import HALF
 from ...terms import ONE
 from ..effects.relaxation import longest_relaxation
+from ..given.held import held_inputs
 from ..given.kinematics import disagreement
 from .extrapolation import beyond
 from .missed import missed
@@ -121,7 +122,7 @@ def is_hold_only(report: LoopReport) -> bool:
 
 def _held_delays(report: LoopReport) -> list[Effect]:
     """Return the delays that are half a sample, as exactly as the record knows them."""
-    step, held = report.train[0].raw_dt, report.train[0].held
+    step, held = report.train[0].raw_dt, held_inputs(report.train)
     found = []
     for one in (e for e in report.effects if e.name == DELAY):
         if one.memory is None or one.memory.column in held:
@@ -134,7 +135,7 @@ def _held_delays(report: LoopReport) -> list[Effect]:
 
 def _short_delays(report: LoopReport) -> list[tuple[Effect, float]]:
     """Return the delays of less than a sampling time, which a hold may share in, in such times."""
-    step, held = report.train[0].raw_dt, report.train[0].held
+    step, held = report.train[0].raw_dt, held_inputs(report.train)
     delays = (e for e in report.effects if e.name == DELAY)
     free = (e for e in delays if e.memory is not None and e.memory.column not in held)
     shares = ((effect, effect.coefficients[0] / step) for effect in free)

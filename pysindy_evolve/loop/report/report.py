@@ -15,10 +15,10 @@ import pysindy as ps
 from ...equations import Equations
 from ...hidden_states.hidden import MemoryEquations
 from ...signals import Record
-from ...signals.holds import hold
 from ..evidence.rejected import Rejected
 from ..fitting.runs import free_run
 from ..given.design import Design
+from ..given.held import held_like
 from ..given.rules import Rules
 from .effect import Effect, Errors, Step
 from .experiment import Plan, plan
@@ -133,7 +133,7 @@ class LoopReport:
                 f"LoopReport.simulate(record=...) must be a Record; got {type(record).__name__}. "
                 "Simulate one record at a time."
             )
-        run = free_run(self.equations, hold(record, self.train[0].held))
+        run = free_run(self.equations, held_like(record, self.train))
         return as_read(run, self.equations.states, self.effects)
 
     def __str__(self) -> str:

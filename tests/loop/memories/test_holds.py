@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from loop_systems import DT, equations_of, levitated, multisine
+from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
+from pysindy_evolve.loop.given.held import held_like, held_where_it_jumps
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.holds import memory_beside_hold
 from pysindy_evolve.signals.holds import hold
@@ -80,6 +82,35 @@ def test_what_is_behind_a_hold_is_found_with_its_own_time(kind, truth):
     report = close(OVEN, oven(**truth))
     assert [effect.name for effect in report.effects] == [kind]
     assert report.effects[0].coefficients == pytest.approx(list(truth.values()), rel=0.02)
+
+
+def test_one_record_may_be_driven_smoothly_and_another_in_steps():
+    rng = np.random.default_rng(0)
+
+    def chirp(t):
+        return 3.0 * np.sin(2 * np.pi * (0.1 * t + 0.02 * t**2))
+
+    levels = 3.0 * rng.choice([-1.0, 1.0], 61)
+
+    def steps(t):
+        return levels[(t + 1e-9).astype(int)]
+
+    def swing(force, dt, n):
+        def rates(t, x):
+            return [x[1], float(force(np.asarray(t))) - 0.7 * x[1] - 10.0 * x[0]]
+
+        t = np.arange(n) * dt
+        q = solve_ivp(rates, (0.0, t[-1]), [0.2, 0.0], t_eval=t, rtol=1e-7, max_step=dt / 2).y[0]
+        return pse.prepare(t, q + 0.003 * rng.standard_normal(n), force(t))
+
+    declared = pse.DeclaredModel({"q": "v", "v": "b*F - c*v - k*q"}, inputs=["F"])
+    records = [swing(chirp, 0.005, 4000), swing(steps, 0.02, 3000)]
+    late = Memory("input delay", 0, (0.009,))
+    share, left = memory_beside_hold(late, declared.design(), segments(records))
+    assert (share, left) == (0.5, None)
+    held = [held_where_it_jumps(record, {0: share}) for record in records]
+    assert [record.held for record in held] == [{}, {0: 0.5}]
+    assert [held_like(record, held).held for record in records] == [{}, {0: 0.5}]
 
 
 def test_a_smooth_input_is_not_held_by_its_look():

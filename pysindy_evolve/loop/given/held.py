@@ -1,0 +1,28 @@
+"""Which inputs are held between their samples, in records that may have been driven differently."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ...signals import Record
+from ...signals.holds import hold
+from .input_errors import jumps_at_once
+
+__all__ = ["held_inputs", "held_like", "held_where_it_jumps"]
+
+
+def held_inputs(records: Sequence[Record]) -> dict[int, float]:
+    """Return the inputs that any of the records holds, and by how many samples each is late."""
+    return {column: late for record in records for column, late in record.held.items()}
+
+
+def held_where_it_jumps(record: Record, late: Mapping[int, float]) -> Record:
+    """Return a record with those inputs held that jump in it: others were driven smoothly."""
+    return hold(record, {k: share for k, share in late.items() if jumps_at_once(record, k)})
+
+
+def held_like(record: Record, others: Sequence[Record]) -> Record:
+    """Return a record whose inputs are held as in others; where it jumps, if not in all of them."""
+    late = held_inputs(others)
+    always = {k: share for k, share in late.items() if all(k in other.held for other in others)}
+    return held_where_it_jumps(hold(record, always), late)
