@@ -25,6 +25,8 @@ from .variants import Model
 
 __all__ = ["one_for_several"]
 
+MANY = 3  # effects with a name in one equation, which one may explain as well
+
 
 def one_for_several(
     model: Model,
@@ -62,8 +64,8 @@ def one_for_several(
 def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
     """Return each effect with all that came after it in its equation, and with each one of them.
 
-    Of names alone each is known to engineers by itself; so one at least is a grown term, or comes
-    twice: powers of one variable that add up to a curve.
+    Of two names each is known to engineers by itself; so one at least is a grown term, or comes
+    twice, as powers of one variable do that add up to a curve, or there are three.
     """
     groups = []
     for place, first in enumerate(findings):
@@ -76,7 +78,7 @@ def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
 def _may_go(group: Sequence[Finding], findings: Sequence[Finding]) -> bool:
     rest = [finding for finding in findings if finding not in group]
     names = [finding.candidate.name for finding in group]
-    are_parts = EVOLVED in names or len(set(names)) < len(names)
+    are_parts = EVOLVED in names or len(set(names)) < len(names) or len(names) >= MANY
     return are_parts and all(f.columns and not is_needed(f, rest) for f in group)
 
 
