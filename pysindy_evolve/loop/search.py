@@ -44,6 +44,7 @@ from .given.segments import Segments
 from .growth.grow import TermGrower
 from .growth.naming import small_candidates
 from .growth.short import find_small, is_better
+from .memories.chains import Traded, untraded
 from .memories.holds import memory_beside_hold
 from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
@@ -173,7 +174,7 @@ class Search:
                 kept = self._without_holds(new)
                 if not kept:  # it was how the input was recorded, and no memory of the machine
                     continue
-                found = self._begun([*before, *kept])
+                found = self._begun(untraded([*before, *kept]))
             else:
                 found = self._or_grown(before, new)
             if len(found) <= len(before):  # a memory goes where records begin otherwise
@@ -227,7 +228,7 @@ class Search:
         """Take inputs as held where that does as well as a memory, and return what is left."""
         left = []
         for finding in found:
-            if isinstance(finding, MemoryFinding):
+            if isinstance(finding, MemoryFinding) and not isinstance(finding.memory, Traded):
                 late, memory = memory_beside_hold(finding.memory, self.design, self.part)
                 if late > 0.0:
                     self._take_as_held({finding.memory.column: late}, held_where_it_jumps)

@@ -13,7 +13,9 @@ from ...terms import Call, Product, Sum, constant, mul, simplified
 from .angles import UNITS
 from .candidate import OFFSET, Candidate, Shape
 
-__all__ = ["shape_of", "told_shape", "with_units"]
+__all__ = ["HALF_SATURATION", "shape_of", "told_shape", "with_units"]
+
+HALF_SATURATION = "half-saturation constant"  # c of x/(c + |x|), which is built from 1/c
 
 MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
 UNNAMED = ("first inner constant", "second inner constant", "third inner constant")
@@ -74,8 +76,16 @@ def told_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape |
         return None
     if shape is None or shape.meanings:
         return shape
-    alone = len(shape.values) == 1
-    return replace(shape, meanings=("inner constant",) if alone else UNNAMED[: len(shape.values)])
+    if len(shape.values) > 1:
+        return replace(shape, meanings=UNNAMED[: len(shape.values)])
+    is_half = any(_is_half_saturation(product) for product in products)
+    return replace(shape, meanings=(HALF_SATURATION if is_half else "inner constant",))
+
+
+def _is_half_saturation(term: Product) -> bool:
+    """Tell whether the number in a term is printed below a line, beside what it was a factor of."""
+    calls = [atom for atom, _ in term.factors if isinstance(atom, Call) and atom.constants]
+    return any(c.operator.name == "softsign" and len(c.args[0].parts) == 1 for c in calls)
 
 
 def with_units(candidate: Candidate) -> Candidate | None:

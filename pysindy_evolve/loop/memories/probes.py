@@ -25,6 +25,7 @@ from ..evidence.trace import fold_errors
 from ..fitting.linear import log_ratio
 from ..given.design import Column, Design
 from ..given.segments import Segments
+from .chains import traded
 
 __all__ = ["RATIO", "Exchange", "MemoryCandidate", "Probes", "exchanges", "grid_of", "users_of"]
 
@@ -66,7 +67,7 @@ def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> l
     part : Segments
         Pieces of the training records.
     present : sequence of Memory
-        Memories that the inputs have already; none is tried twice.
+        Memories that the inputs have already; none is tried twice, and a delay gives way to a lag.
 
     Returns
     -------
@@ -90,7 +91,7 @@ def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> l
         for kind in (k for k in reach if k not in had):
             value = SHORTEST / highest
             while value < reach[kind]:
-                found.append(Memory(kind, column, (value,)))
+                found.append(traded(Memory(kind, column, (value,)), present))
                 value *= RATIO
     return found
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import minimize, minimize_scalar
 
 from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory
 from ...signals import Record
@@ -18,10 +18,11 @@ from ..evidence.spectral import spectral_grams
 from ..fitting.fit import derivative_intervals
 from ..given.design import Column, Design
 from ..given.segments import Segments
+from .chains import Chain, Traded
 from .probes import RATIO, Exchange, Probes, exchanges, grid_of
 
-__all__ = ["best_of_kinds", "exchanged", "memory_interval", "plainest", "reach_of"]
-__all__ += ["settled_memory"]
+__all__ = ["best_of_kinds", "chain_of", "exchanged", "memory_interval", "plainest", "reach_of"]
+__all__ += ["settled_memory", "trade_of"]
 
 STEP = 0.02  # of a delay or time constant, to see what it changes
 
@@ -116,6 +117,34 @@ def reach_of(memory: Memory, design: Design, part: Segments) -> Memory:
         options={"maxiter": 20, "xatol": 0.01},
     )
     return at(float(found.x))
+
+
+def trade_of(memory: Traded, design: Design, part: Segments) -> Traded:
+    """Return a memory and how much the other one gives up for it, that predict pieces best."""
+
+    def loss(logs: np.ndarray) -> float:
+        value, given = np.exp(logs).tolist()
+        return -exchanged([replace(memory, values=(value,), given=given)], design, part)[0].gain
+
+    value, given = _least(loss, (memory.values[0], memory.given))
+    return replace(memory, values=(value,), given=given)
+
+
+def chain_of(chain: Chain, design: Design, part: Segments) -> Chain:
+    """Return a delay and a lag that together predict held-out pieces best."""
+
+    def loss(logs: np.ndarray) -> float:
+        there = replace(chain, values=tuple(np.exp(logs).tolist()))
+        return -exchanged([there], design, part)[0].gain
+
+    return replace(chain, values=_least(loss, chain.values))
+
+
+def _least(loss: Callable[[np.ndarray], float], start: Sequence[float]) -> tuple[float, ...]:
+    """Return the positive numbers for whose logarithms a loss is least."""
+    options = {"maxfev": 80, "xatol": 0.005, "fatol": 1e-4}
+    found = minimize(loss, np.log(start), method="Nelder-Mead", options=options)
+    return tuple(np.exp(found.x).tolist())
 
 
 def _chance_of(

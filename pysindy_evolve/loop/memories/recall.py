@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from operator import itemgetter
 
 import numpy as np
 
-from ...hidden_states.memory import Memory, remembered
+from ...hidden_states.memory import LAG, Memory, remembered
 from ...terms import variable
 from ..effects.candidate import Candidate, rewritten
 from ..evidence.findings import Finding, MemoryFinding, memories_in
@@ -20,9 +21,10 @@ from ..evidence.step import Look, find
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
+from .chains import Chain, Traded, chains_in
 from .memories_first import memory_instead, outdoes_memories
 from .probes import MemoryCandidate, Probes, grid_of, users_of
-from .reach import exchanged, reach_of, settled_memory
+from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
 
 __all__ = ["find_or_recall", "resettled"]
 
@@ -54,6 +56,7 @@ def find_or_recall(
     Look
     """
     memories = grid_of(design, part, present)
+    memories += _tuned_trades(memories, design, part)
     offer = offer_for(design, part, relaxing=relaxing, springs=springs)
     if not memories:
         return find(declared, design, offer.part, rules, rng, offer.propose)
@@ -74,6 +77,14 @@ def find_or_recall(
         for f in plain
     )
     return Look(tuple(found), look.rejected and _narrowed_failure(look.rejected, probes))
+
+
+def _tuned_trades(memories: Sequence[Memory], design: Design, part: Segments) -> list[Memory]:
+    """Return the best of the memories that others give way to, with what these give up tuned."""
+    trades = [memory for memory in memories if isinstance(memory, Traded)]
+    gains = [exchange.gain for exchange in exchanged(trades, design, part)] if trades else []
+    best = {m.column: m for _, m in sorted(zip(gains, trades, strict=True), key=itemgetter(0))}
+    return [trade_of(memory, design, part) for memory in best.values()]
 
 
 def _narrowed_failure(failure: Rejected, probes: Probes) -> Rejected:
@@ -114,6 +125,8 @@ def _settled(
     present: Sequence[Memory],
 ) -> MemoryFinding:
     """Return a memory of the kind that does best, tuned, with the kinds that do as well."""
+    if isinstance(finding.memory, Traded):
+        return replace(finding, memory=trade_of(finding.memory, design, part))
     memory, rivals = settled_memory(finding.memory, design, part, level, rng, present)
     named = replace(finding.candidate, name=memory.kind)
     others = tuple(Rival(replace(named, name=kind), p_value) for kind, p_value in rivals)
@@ -136,6 +149,7 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
     -------
     list of Finding
     """
+    findings = _with_tuned_chains(findings, design, part)
     kept = list(findings)
     for finding in (f for f in findings if isinstance(f, MemoryFinding)):
         others = memories_in([f for f in kept if f is not finding])
@@ -147,3 +161,19 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
             [replace(finding, memory=tuned)] if exchange.gain >= MARGIN else []
         )
     return kept
+
+
+def _with_tuned_chains(
+    findings: Sequence[Finding], design: Design, part: Segments
+) -> list[Finding]:
+    """Return findings in which each delay and lag of one input are tuned together."""
+    found = list(findings)
+    for chain in chains_in(findings):
+        others = memories_in([f for f in findings if f not in chain])
+        there = part.of([remembered(record, others) for record in part.records])
+        values = tuple(finding.memory.values[0] for finding in chain)
+        both = chain_of(Chain(LAG, chain[0].memory.column, values), design, there)
+        for finding, value in zip(chain, both.values, strict=True):
+            tuned = replace(finding.memory, values=(value,))
+            found[found.index(finding)] = replace(finding, memory=tuned)
+    return found

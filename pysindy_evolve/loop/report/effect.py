@@ -134,8 +134,8 @@ class Effect:
         95 % for each of them, beside the coefficients; nan where the data shows nothing of it.
     entry : str
         Where it acts, if a declared force enters the equation by the same factor, which is no
-        constant: such as "as if F were larger by this times sgn(v)", or "where the damping of w
-        does".
+        constant: such as "as if F were larger by this times sgn(v)", or "through the same factor
+        as the damping of w".
     """
 
     name: str

@@ -19,7 +19,7 @@ from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..effects.candidate import Shape
 from ..effects.partners import joined, shares_number
-from ..effects.shaping import told_shape
+from ..effects.shaping import HALF_SATURATION, told_shape
 from ..evidence.findings import Finding, memories_in
 from ..fitting.fit import fit
 from ..free_runs.shape_tuning import slopes_of
@@ -183,6 +183,10 @@ def _with_numbers(effect: Effect, shape: Shape | None, relative: np.ndarray) -> 
     """Return an effect with its numbers, which are positive, and their intervals."""
     if shape is None:
         return effect
+    shown = {
+        meaning: 1.0 / value if meaning == HALF_SATURATION else value
+        for meaning, value in shape.named.items()
+    }
     factors = np.maximum(1.0 + relative[:, None] * [-1.0, 1.0], 0.0)
-    intervals = np.array(shape.values)[:, None] * factors
-    return replace(effect, numbers=shape.named, number_intervals=intervals)
+    intervals = np.array(list(shown.values()))[:, None] * factors
+    return replace(effect, numbers=shown, number_intervals=intervals)

@@ -1,0 +1,54 @@
+"""A delay and a lag one after the other: whichever is found first gives way to the other one."""
+
+import numpy as np
+import pytest
+from test_memory import close, record_with
+
+from pysindy_evolve.hidden_states.memory import Memory
+from pysindy_evolve.loop.memories.chains import Chain, Traded, traded, untraded
+
+T = np.arange(0.0, 20.0, 0.01)
+WAVE = np.sin(3 * T) + 0.5 * np.sin(7 * T + 1.0)
+DELAY, LAG = Memory("input delay", 0, (0.3,)), Memory("actuator lag", 0, (0.4,))
+INNER = slice(300, -100)
+
+
+@pytest.mark.parametrize(
+    ("present", "new", "left"),
+    [
+        (DELAY, Traded("actuator lag", 0, (0.15,), 0.3, 0.1), (0.2, 0.15)),
+        (LAG, Traded("input delay", 0, (0.15,), 0.4, 0.1), (0.15, 0.3)),
+    ],
+)
+def test_what_is_present_gives_way(present, new, left):
+    acts = new.response(T, present.response(T, WAVE))
+    expected = Chain("actuator lag", 0, left).response(T, WAVE)
+    assert acts[INNER] == pytest.approx(expected[INNER], abs=2e-4)
+
+
+def test_only_a_longer_memory_of_the_other_kind_gives_way():
+    short, longer = Memory("actuator lag", 0, (0.1,)), Memory("actuator lag", 0, (0.5,))
+    assert traded(short, [DELAY]) == Traded("actuator lag", 0, (0.1,), 0.3, 0.1)
+    assert traded(longer, [DELAY]) is longer
+    assert traded(short, [LAG]) is short
+    assert traded(short, [Memory("input delay", 1, (0.3,))]) is short
+    assert untraded([]) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("values", [(0.05, 0.03), (0.02, 0.06)])
+def test_a_delay_and_a_lag_of_one_input_are_both_found(values):
+    report = close(record_with(Chain("actuator lag", 0, values)))
+    found = {effect.name: effect.coefficients[0] for effect in report.effects}
+    assert found == {
+        "input delay": pytest.approx(values[0], rel=0.05),
+        "actuator lag": pytest.approx(values[1], rel=0.05),
+    }
+    assert report.after.simulation_error[0] < 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("memory", [Memory("input delay", 0, (0.05,)), LAG])
+def test_one_memory_stays_alone(memory):
+    report = close(record_with(memory))
+    assert [effect.name for effect in report.effects] == [memory.kind]
