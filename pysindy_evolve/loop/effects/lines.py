@@ -12,7 +12,11 @@ __all__ = ["FEWEST_FREQUENCIES", "find_lines"]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
+VALLEYS, COMB = 0.1, 15.0  # quantile about a place, and how far lines of many sines rise above it
 HALF = FINENESS // 2  # of these make half of what the record resolves
+BESIDE = (
+    FINENESS + 2
+)  # of a line, where another one is the same: what is left beside a subtracted one
 AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
 SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
 FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know the noise about a line
@@ -128,7 +132,11 @@ def _vertex(spectrum: np.ndarray, peak: int) -> float:
 
 def _has_line(spectrum: np.ndarray, floor: np.ndarray, peak: int) -> bool:
     """Tell whether a spectrum has a line of its own at a place, not only the skirt of another."""
-    start = max(peak - FINENESS, 0)
-    near = spectrum[start : peak + FINENESS + 1]
+    start = max(peak - BESIDE, 0)
+    near = spectrum[start : peak + BESIDE + 1]
     top = int(np.argmax(near))
-    return 0 < top < len(near) - 1 and bool(near[top] >= LINE * floor[start + top])
+    reach = HALF * (SURROUNDINGS // 2)
+    # Of many lines, close together and alike, the median holds their skirts; not so the valleys.
+    valley = np.quantile(spectrum[max(peak - reach, 0) : peak + reach + 1 : HALF], VALLEYS)
+    least = min(LINE * floor[start + top], COMB * valley)
+    return 0 < top < len(near) - 1 and bool(near[top] >= least)

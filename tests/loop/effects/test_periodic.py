@@ -58,6 +58,19 @@ def test_a_response_to_an_input_of_many_lines_is_no_forcing_either(seed):
     assert found[0].terms[0].constants[0] == pytest.approx(omega, rel=0.01)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_resonance_that_a_dense_input_drives_is_no_forcing(seed):
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 20.0, 0.01)
+    frequencies = np.linspace(0.5, 12.0, 40)  # six places of the spectrum apart, all alike
+    phases = rng.uniform(0.0, 6.0, 40)
+    sharp = 1.0 / (1.0 - (frequencies / 4.9) ** 2 + 0.02j * frequencies / 4.9)
+    waves = np.exp(1j * (2 * np.pi * np.outer(t, frequencies) + phases))
+    residual = (waves @ sharp).imag + 2.0 * rng.standard_normal(len(t))
+    assert periodic_candidates(0, 1, residual, STILL, 0.01) != []
+    assert periodic_candidates(0, 1, residual, waves.imag.sum(axis=1)[:, None], 0.01) == []
+
+
 def test_line_beside_one_of_the_input_is_a_forcing():
     t = np.arange(0.0, 40.0, 0.02)
     apart = 2 * np.pi * 1.7 / 40.0  # nearer than the two skirts are wide, but another frequency
