@@ -13,10 +13,9 @@ __all__ = ["FEWEST_FREQUENCIES", "find_lines"]
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
 VALLEYS, COMB = 0.1, 15.0  # quantile about a place, and how far lines of many sines rise above it
+MOST_TRIED = 16  # lines; what is left beside as many that inputs have is their skirts
 HALF = FINENESS // 2  # of these make half of what the record resolves
-BESIDE = (
-    FINENESS + 2
-)  # of a line, where another one is the same: what is left beside a subtracted one
+BESIDE = FINENESS + 2  # of a line, where another one is what is left beside a subtracted one
 AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
 SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
 FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know the noise about a line
@@ -59,7 +58,10 @@ def find_lines(
     places = np.arange(n_fine // 2 + 1)
     free = (places > FINENESS * n_periods) & (places < highest * n_fine)
     n_found, whole = 0, signal
-    while n_found < n_peaks:
+    of_others = [_spectrum_and_floor(other, n_fine) for other in others]
+    for _ in range(MOST_TRIED):
+        if n_found == n_peaks:
+            break
         spectrum, floor = _spectrum_and_floor(signal, n_fine)
         peak = int(np.argmax(np.where(free, spectrum / floor, 0.0)))
         if not free[peak] or spectrum[peak] < LINE * floor[peak]:
@@ -67,7 +69,7 @@ def find_lines(
         cycles = _vertex(spectrum, peak) / n_fine
         # A peak that begins to rise where the search does belongs to what is too slow for a line.
         its_own = cycles * n_fine > FINENESS * n_periods - 1 and not any(
-            _has_line(*_spectrum_and_floor(other, n_fine), peak) for other in others
+            _has_line(*of_other, peak) for of_other in of_others
         )
         if its_own and not _is_response(whole, others, peak, n_fine):
             yield cycles

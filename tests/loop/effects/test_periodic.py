@@ -64,7 +64,7 @@ def test_a_resonance_that_a_dense_input_drives_is_no_forcing(seed):
     t = np.arange(0.0, 20.0, 0.01)
     frequencies = np.linspace(0.5, 12.0, 40)  # six places of the spectrum apart, all alike
     phases = rng.uniform(0.0, 6.0, 40)
-    sharp = 1.0 / (1.0 - (frequencies / 4.9) ** 2 + 0.02j * frequencies / 4.9)
+    sharp = 1.0 / (1.0 - (frequencies / 4.9) ** 2 + 0.1j * frequencies / 4.9)
     waves = np.exp(1j * (2 * np.pi * np.outer(t, frequencies) + phases))
     residual = (waves @ sharp).imag + 2.0 * rng.standard_normal(len(t))
     assert periodic_candidates(0, 1, residual, STILL, 0.01) != []
