@@ -24,7 +24,7 @@ from ..twins.chance import draws_for, p_value_of
 from ..twins.drifting import DriftingTwins
 from .scoring import columns_of
 
-__all__ = ["twin_chance"]
+__all__ = ["leads_over", "twin_chance"]
 
 N_TWINS = 99
 FEWEST = 19  # after so many a rival is refuted if none of them comes near ...
@@ -87,16 +87,39 @@ def _lead(
     rival: Candidate, design: Design, options: Sequence[Candidate], records: Sequence[Record]
 ) -> float:
     """Return the log error by which the best option does better than a rival."""
+    leads = leads_over(options, design, records)
+    return float(leads[next(k for k, option in enumerate(options) if option is rival)])
+
+
+def leads_over(
+    options: Sequence[Candidate], design: Design, records: Sequence[Record]
+) -> np.ndarray:
+    """Return the log errors by which the best of several options does better than each of them.
+
+    Parameters
+    ----------
+    options : sequence of Candidate
+        What may be the cause.
+    design : Design
+        The model without any of them.
+    records : sequence of Record
+        Training records.
+
+    Returns
+    -------
+    ndarray of shape (n_options,)
+    """
     columns: list[Column] = list(design.columns)
     base = tuple(range(len(columns)))
-    models: dict[int, list[tuple[int, ...]]] = {}
+    models: list[tuple[int, ...]] = []
     for option in options:
         own = columns_of(option, design)
-        model = (*base, *range(len(columns), len(columns) + len(own)))
-        models.setdefault(len(model), []).append(model)
+        models.append((*base, *range(len(columns), len(columns) + len(own))))
         columns += own
-        if option is rival:
-            its_own = model
     track = Trajectories(records, design, columns)
-    best = min(track.errors(np.array(alike)).min() for alike in models.values())
-    return float(np.log(track.errors(np.array([its_own])).min() / best))
+    sizes = np.array([len(model) for model in models])
+    errors = np.empty(len(models))
+    for size in np.unique(sizes):
+        alike = np.flatnonzero(sizes == size)
+        errors[alike] = track.errors(np.array([models[k] for k in alike]))[:, 0]
+    return np.asarray(np.log(errors / errors.min()))

@@ -15,7 +15,7 @@ from ..effects.hysteresis import rounded_sign
 from ..effects.missing import candidates, standing, with_parents
 from ..given.design import Design
 from ..given.segments import Segments, ranges
-from .drifting_rivals import twin_chance
+from .drifting_rivals import leads_over, twin_chance
 from .encompassing import chance, explained
 from .same_model import hold
 from .scoring import columns_of
@@ -29,6 +29,7 @@ ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the
 # anything could hide in the rest, and a test alone refutes nothing.
 EXPLAINED = 1.0 / 3.0
 STEADY = 0.1  # of its mean, that a term varies by if it is a constant
+ENOUGH = 3  # names in a row that twins refute: those that come less close need none
 MORE = 2  # nodes that another form of a grown term may have
 
 
@@ -149,13 +150,26 @@ def _by_twins(
     level: float,
     rng: np.random.Generator,
 ) -> tuple[Rival, ...]:
-    """Return the alternatives of an effect on short trajectories."""
-    best: dict[str, Rival] = {}
-    for option in options:
-        p_value = twin_chance(option, design, [candidate, *options], part.records, level, rng)
-        if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
-            best[option.name] = Rival(option, p_value)
-    return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
+    """Return the alternatives of an effect on short trajectories.
+
+    Those of one name that come closest are asked first, and none that comes less close than several
+    that were refuted.
+    """
+    whole = [candidate, *options]
+    leads = leads_over(whole, design, part.records)[1:]
+    closest: dict[str, Candidate] = {}
+    for k in np.argsort(leads, kind="stable"):
+        closest.setdefault(options[k].name, options[k])
+    found: list[Rival] = []
+    n_refuted = 0
+    for option in closest.values():
+        p_value = twin_chance(option, design, whole, part.records, level, rng)
+        if p_value > level:
+            found.append(Rival(option, p_value))
+        n_refuted = 0 if p_value > level else n_refuted + 1
+        if n_refuted == ENOUGH:
+            break
+    return tuple(sorted(found, key=lambda rival: -rival.p_value))
 
 
 def _places(first: int, candidates: Sequence[Candidate]) -> list[tuple[int, ...]]:

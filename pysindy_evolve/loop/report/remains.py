@@ -34,7 +34,8 @@ def remains(report: LoopReport) -> list[str]:
 def _unfinished(report: LoopReport) -> str:
     if report.rules is not None and report.rules.max_effects == 0:
         return (
-            "No effect was looked for: max_effects is 0, or the records are too smooth to show one."
+            "No effect was looked for, as max_effects is 0 or the records are too smooth to show "
+            "any."
         )
     return "The search stopped early: it was interrupted, or reached max_effects."
 

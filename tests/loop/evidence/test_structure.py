@@ -53,7 +53,7 @@ def test_an_input_that_answers_the_noise_of_the_sensor_is_no_structure(seed):
 def test_a_forcing_with_few_periods_in_the_record_is_seen_as_structure(force, verdict):
     t = np.arange(0.0, 20.0, 0.01)
     solution = solve_ivp(
-        lambda s, x: -0.7 * x + 1.0 + force * np.sin(3.0 * s),
+        lambda s, x: -0.7 * x + 1.0 + force * np.sin(1.2 * s),
         (0.0, t[-1]), (0.0,), t_eval=t, rtol=1e-9, atol=1e-10,
     )  # fmt: skip
     noise = 1e-3 * np.random.default_rng(0).standard_normal(len(t))
