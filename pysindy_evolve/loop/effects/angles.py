@@ -8,11 +8,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...operators import BUILTIN
-from ...terms import Call, Sum, call, constant, mul, sub
+from ...substitution import substituted
+from ...terms import ONE, Call, Product, Sum, call, constant, mul, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
 
-__all__ = ["UNITS", "angles_of", "between_angles", "units_of"]
+__all__ = ["UNITS", "angles_of", "between_angles", "is_wave_of", "units_of", "without_turns"]
 
 RADIAN, DEGREE = 1.0, math.pi / 180.0
 UNITS = (RADIAN, DEGREE)  # what an angle is measured in, in radians
@@ -38,6 +39,37 @@ def units_of(
     if swing < BENT or variable in angles_of(design):
         return (RADIAN,)
     return UNITS
+
+
+def without_turns(term: Product) -> Product:
+    """Return a term whose sines and cosines have phases of no more than half a turn."""
+    plain: dict[int | Call, Sum] = {}
+    for atom, _ in term.factors:
+        if isinstance(atom, Call) and atom.operator in WAVES:
+            phase = _phase(atom)
+            turns = round(phase / (2.0 * math.pi))
+            if turns:
+                argument = sub(atom.args[0], constant(2.0 * math.pi * turns))
+                plain[atom] = call(atom.operator, argument)
+    if not plain:
+        return term
+    ((_, turned),) = substituted(Sum(((1.0, term),)), plain).parts
+    return turned
+
+
+def is_wave_of(term: Product, variable: int) -> bool:
+    """Tell whether a term is the sine or cosine of an angle in radians, counted from anywhere."""
+    if len(term.factors) != 1:
+        return False
+    ((atom, power),) = term.factors
+    if power != 1 or not isinstance(atom, Call) or atom.operator not in WAVES:
+        return False
+    angle = sub(atom.args[0], constant(_phase(atom)))
+    return angle.variables == {variable} and angle.constants == () and angle.size == 1
+
+
+def _phase(wave: Call) -> float:
+    return next((c for c, part in wave.args[0].parts if part == ONE), 0.0)
 
 
 def _in_waves(expression: Sum) -> frozenset[int]:

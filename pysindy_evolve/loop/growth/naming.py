@@ -9,6 +9,7 @@ import numpy as np
 from ...operators import BUILTIN, Operator
 from ...substitution import substituted
 from ...terms import Call, Product, Sum, div, variable
+from ..effects.angles import is_wave_of, without_turns
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates
 from ..evidence.trace import EVOLVED
@@ -18,6 +19,7 @@ from .seeds import small_terms
 
 __all__ = ["named", "shifted", "small_candidates", "sparing", "without_signs"]
 
+GRAVITY = "gravity"
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
 
 
@@ -110,13 +112,16 @@ def named(
     -------
     Candidate
     """
+    term = without_turns(term)
     expression = Sum(((1.0, term),))
     for candidate in known:
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
     poses = _poses_as_offset(term, variables, signed)
     parents, spared = (OFFSET,) if poses else (), sparing(term, declared)
-    return Candidate(EVOLVED, state, (expression,), parents, spared=spared)
+    angles = {v for c in known if c.name == GRAVITY and c.state == state for v in c.variables}
+    name = GRAVITY if any(is_wave_of(term, angle) for angle in angles) else EVOLVED
+    return Candidate(name, state, (expression,), parents, spared=spared)
 
 
 def without_signs(term: Product, variables: np.ndarray) -> list[Product]:

@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.angles import is_wave_of, without_turns
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import add, call, constant, mul, variable
 
 ROTORS = {
     "a": "1 + 0.35*sin(b - a) + 0.35*sin(c - a)",
@@ -39,3 +42,25 @@ def test_a_second_harmonic_of_a_coupling_is_found_where_it_is(harmonic):
     assert found == ([("coupling", "a", "sin(2*a - 2*b)")] if harmonic else [])
     if harmonic:
         assert abs(report.effects[0].coefficients[0]) == pytest.approx(0.1, rel=0.02)
+
+
+def test_whole_turns_are_taken_out_of_a_phase():
+    turned = wave("sin", add(variable(0), constant(261.452)))
+    plain = without_turns(turned)
+    q = np.linspace(-3.0, 3.0, 50)[:, None]
+    assert np.abs(plain.constants).max() <= np.pi
+    assert np.abs(plain.evaluate(q)) == pytest.approx(np.abs(turned.evaluate(q)), abs=1e-9)
+
+
+def test_gravity_may_be_counted_from_anywhere_but_in_radians():
+    q, v = variable(0), variable(1)
+    assert is_wave_of(wave("sin", add(q, constant(0.7))), 0)
+    assert not is_wave_of(wave("sin", mul(constant(2.0), q)), 0)
+    assert not is_wave_of(wave("sin", add(q, v)), 0)
+    assert not is_wave_of(wave("sin", q), 1)
+
+
+def wave(function, argument):
+    """Return a function of a sum as a product, whose sign is left to its coefficient."""
+    ((_, product),) = call(BUILTIN[function], argument).parts
+    return product
