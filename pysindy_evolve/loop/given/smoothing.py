@@ -96,10 +96,11 @@ def _is_linear(design: Design) -> bool:
 
 
 def _is_own(record: Record) -> bool:
-    """Tell whether a record was made by the user, and is long and even."""
+    """Tell whether a record was made by the user, is long and even, and all of it moves."""
     steps = np.diff(record.t)
     is_even = bool(np.ptp(steps) <= EVEN * steps.mean())
-    return record.preparation is None and record.n_samples >= FEWEST and is_even
+    moves = bool(np.all(np.ptp(record.x, axis=0) > 0.0))
+    return record.preparation is None and record.n_samples >= FEWEST and is_even and moves
 
 
 def _whole_up_to(record: Record) -> float:
@@ -109,7 +110,7 @@ def _whole_up_to(record: Record) -> float:
         _short_from(frequency, _spectrum(slope), _spectrum(given))
         for slope, given in zip(_slopes(record).T, record.x_dot.T, strict=True)
     ]
-    return min(ends)
+    return min(end if end < 0.5 / record.dt else np.inf for end in ends)
 
 
 def _short_from(frequency: np.ndarray, slope: np.ndarray, given: np.ndarray) -> float:
@@ -152,5 +153,6 @@ def _spectrum(column: np.ndarray) -> np.ndarray:
 
 def _anew(record: Record, order: int, cutoff: float) -> Record:
     """Return a record prepared from the states of another one."""
-    made = prepare(record.t, record.x[:, ::order], record.u, order=order, cutoff=cutoff)
-    return replace(made, states=record.states, inputs=record.inputs)
+    y = record.x[:, ::order]
+    made = prepare(record.t, y, record.u, order=order, cutoff=cutoff, limits=None)
+    return replace(made, states=record.states, inputs=record.inputs, held=record.held)
