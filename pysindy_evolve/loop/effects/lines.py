@@ -13,6 +13,7 @@ __all__ = ["FEWEST_FREQUENCIES", "find_lines"]
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
 VALLEYS, COMB = 0.1, 15.0  # quantile about a place, and how far lines of many sines rise above it
+ALIKE = 0.2  # of the largest line, that the others of a comb have at least
 MOST_TRIED = 16  # lines; what is left beside as many that inputs have is their skirts
 HALF = FINENESS // 2  # of these make half of what the record resolves
 BESIDE = FINENESS + 2  # of a line, where another one is what is left beside a subtracted one
@@ -140,5 +141,5 @@ def _has_line(spectrum: np.ndarray, floor: np.ndarray, peak: int) -> bool:
     reach = HALF * (SURROUNDINGS // 2)
     # Of many lines, close together and alike, the median holds their skirts; not so the valleys.
     valley = np.quantile(spectrum[max(peak - reach, 0) : peak + reach + 1 : HALF], VALLEYS)
-    least = min(LINE * floor[start + top], COMB * valley)
+    least = min(LINE * floor[start + top], max(COMB * valley, ALIKE * spectrum.max()))
     return 0 < top < len(near) - 1 and bool(near[top] >= least)

@@ -26,7 +26,8 @@ __all__ = [
 FORCING = "periodic forcing"
 FREQUENCY = "angular frequency"
 N_LINES = 2  # that are looked at in an equation
-PERIODS_IN_TIME = 4  # of a line in a record, at least; fewer look like slow disturbances
+PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
+FEWEST_PERIODS = 4  # of a plain forcing, which acts whatever the state is
 PERIODS_IN_SPACE = 4  # fewer within the stroke look like a spring or a slope
 SAMPLES_PER_BIN = 8  # of the stroke, on average: as fine as the record can tell
 
@@ -64,9 +65,10 @@ def periodic_candidates(
     list of Candidate
     """
     effect = CandidateMaker(state)
+    lines = lines_of(residual, drivers, dt, highest, n_periods=FEWEST_PERIODS)
     return [
         effect(FORCING, shape=_of_line(frequency, len(residual) * dt, _waves(time), branch))
-        for branch, frequency in enumerate(lines_of(residual, drivers, dt, highest))
+        for branch, frequency in enumerate(lines)
     ]
 
 
@@ -137,6 +139,7 @@ def lines_of(
     highest: float = np.inf,
     *,
     n_peaks: int = N_LINES,
+    n_periods: int = PERIODS_IN_TIME,
 ) -> list[float]:
     """Return the frequencies, cycles per unit of t, of lines of a residual that no input has.
 
@@ -146,13 +149,15 @@ def lines_of(
         As in `periodic_candidates`.
     n_peaks : int
         How many to return at most.
+    n_periods : int
+        Periods of a line in the residual, at least.
 
     Returns
     -------
     list of float
         The clearest first.
     """
-    found = find_lines(residual, drivers.T, PERIODS_IN_TIME, n_peaks, highest * dt)
+    found = find_lines(residual, drivers.T, n_periods, n_peaks, highest * dt)
     return [cycles / dt for cycles in found]
 
 
