@@ -429,7 +429,8 @@ def test_derivative_that_was_smoothed_too_much_is_not_named(width):
     v, a = (savgol_filter(q, width, 3, deriv=k, delta=DT) for k in (1, 2))
     x, x_dot = np.column_stack([q, v]), np.column_stack([v, a])
     record = pse.Record(t=made.t, x=x, x_dot=x_dot, u=made.u)
-    report = pse.close_loop(DECLARED, record, random_state=0)
+    with pytest.warns(UserWarning, match="smoothed too much"):
+        report = pse.close_loop(DECLARED, record, random_state=0)
     assert report.effects == []
 
 
