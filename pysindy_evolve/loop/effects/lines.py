@@ -16,7 +16,6 @@ VALLEYS, COMB = 0.1, 15.0  # quantile about a place, and how far lines of many s
 ALIKE = 0.2  # of the largest line, that the others of a comb have at least
 MOST_TRIED = 16  # lines; what is left beside as many that inputs have is their skirts
 HALF = FINENESS // 2  # of these make half of what the record resolves
-BESIDE = FINENESS + 2  # of a line, where another one is what is left beside a subtracted one
 AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
 SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
 FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know the noise about a line
@@ -135,11 +134,19 @@ def _vertex(spectrum: np.ndarray, peak: int) -> float:
 
 def _has_line(spectrum: np.ndarray, floor: np.ndarray, peak: int) -> bool:
     """Tell whether a spectrum has a line of its own at a place, not only the skirt of another."""
-    start = max(peak - BESIDE, 0)
-    near = spectrum[start : peak + BESIDE + 1]
-    top = int(np.argmax(near))
-    reach = HALF * (SURROUNDINGS // 2)
+    top, place = _top(spectrum, peak, FINENESS)
+    if top >= LINE * floor[place]:
+        return True
     # Of many lines, close together and alike, the median holds their skirts; not so the valleys.
+    top, _ = _top(spectrum, peak, HALF)
+    reach = HALF * (SURROUNDINGS // 2)
     valley = np.quantile(spectrum[max(peak - reach, 0) : peak + reach + 1 : HALF], VALLEYS)
-    least = min(LINE * floor[start + top], max(COMB * valley, ALIKE * spectrum.max()))
-    return 0 < top < len(near) - 1 and bool(near[top] >= least)
+    return top >= max(COMB * float(valley), ALIKE * float(spectrum.max()))
+
+
+def _top(spectrum: np.ndarray, peak: int, reach: int) -> tuple[float, int]:
+    """Return the largest value near a place, and where it is; zero if it only rises or falls."""
+    start = max(peak - reach, 0)
+    near = spectrum[start : peak + reach + 1]
+    top = int(np.argmax(near))
+    return (float(near[top]) if 0 < top < len(near) - 1 else 0.0), start + top
