@@ -41,7 +41,7 @@ __all__ = ["OPERATORS", "TermGrower", "grow"]
 
 # Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
 # saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
-OPERATORS = (*("mul", "div", "abs", "sgn", "sqrt", "sin", "cos", "tanh", "exp", "log", "softsign"),)
+OPERATORS = ("mul", "div", "abs", "sgn", "sqrt", "sin", "cos", "tanh", "exp", "log", "softsign")
 N_SEEDS = 40  # small terms that the search begins with
 N_FINALISTS = 6  # that are tested as well: what does best by itself need not be in the equation
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
