@@ -10,18 +10,12 @@ import pysindy as ps
 
 from ..operators import Operator, resolve
 from ..signals import Record
-from ..signals.holds import hold
 from ..threads import one_thread
 from .evidence.witness import witnessed
 from .free_runs.state_limits import may_stop_itself
-from .given.algebraic import as_algebraic
-from .given.declared import DeclaredModel, design_of, doubted
-from .given.design import Design
-from .given.held import held_inputs
-from .given.input_errors import as_held
-from .given.records import alike, check_records, split_records, undecimated, widened
+from .given.declared import DeclaredModel
+from .given.given import checked
 from .given.rules import Rules, generator
-from .given.smoothing import with_own_slopes
 from .growth.grow import OPERATORS
 from .report.report import LoopReport
 from .search import Search
@@ -113,54 +107,20 @@ def close_loop(
     ('traced', 'constant offset')
     """
     rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress, refine)
-    design, fit_on, judge_on, shown = _checked(declared, train, test)
-    if not shown:
-        rules = replace(rules, max_effects=0)
+    given = checked(declared, train, test)
     rng = generator(random_state)
-    wide = widened(fit_on)
-    if design.algebraic:  # nothing is simulated, and a target explains nothing
+    if given.design.algebraic:  # nothing is simulated
         rules = replace(rules, refine="derivative")
-        wide = [replace(r, x=np.zeros_like(r.x)) for r in wide]
-    if may_stop_itself(design, fit_on, rules, rng):
-        fit_on, judge_on, wide = map(_believed, (fit_on, judge_on, wide))
-    part = witnessed(design, wide)
-    rules = replace(rules, by_trajectory=part.by_trajectory)
+    if may_stop_itself(given.design, given.train, rules, rng):
+        given = given.believed()
+    part = witnessed(given.design, given.wide)
+    looked_for = max_effects if given.shows_motion else 0
+    rules = replace(rules, by_trajectory=part.by_trajectory, max_effects=looked_for)
     basis = resolve(operators, "close_loop") if operators else ()
-    search = Search(design, fit_on, part, rules, basis, rng)
+    search = Search(given.design, given.train, part, rules, basis, rng)
     is_whole = _run(search) and len(search.findings) < rules.max_effects
-    return settled(search, judge_on, is_whole)
-
-
-def _checked(
-    declared: DeclaredModel | ps.SINDy,
-    train: Record | Sequence[Record],
-    test: Record | Sequence[Record] | None,
-) -> tuple[Design, list[Record], list[Record], bool]:
-    """Return the design, records that fit each other, and whether they show the motion."""
-    fit_on, judge_on = split_records(train, test)
-    design = design_of(declared, fit_on)
-    is_cut = not test and (isinstance(train, Record) or len(train) == 1)
-    whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
-    check_records(design, [*fit_on, *judge_on], whole)
-    shown = True
-    if not design.algebraic:
-        fit_on, judge_on, shown = with_own_slopes(design, fit_on, judge_on)
-    # A force that nothing integrates follows a held input at once.
-    made = as_algebraic if design.algebraic else as_held
-    held = held_inputs(fit_on)
-    like = alike(fit_on, judge_on)
-    fit_on, judge_on = (
-        [made(hold(record, held)) for record in records]
-        for records in (undecimated(*like) if design.algebraic else like)
-    )
-    if not design.algebraic:
-        design = doubted(design, fit_on)
-    return design, fit_on, judge_on, shown
-
-
-def _believed(records: Sequence[Record]) -> list[Record]:
-    """Return records whose readings at a limit are measurements, for the state ends there."""
-    return [replace(record, seen=None) for record in records]
+    report = settled(search, given.test, is_whole)
+    return replace(report, shows_motion=given.shows_motion)
 
 
 def _run(search: Search) -> bool:

@@ -32,11 +32,10 @@ def remains(report: LoopReport) -> list[str]:
 
 
 def _unfinished(report: LoopReport) -> str:
+    if not report.shows_motion:
+        return "No effect was looked for: the records are smoothed so much that they show none."
     if report.rules is not None and report.rules.max_effects == 0:
-        return (
-            "No effect was looked for, as max_effects is 0 or the records are too smooth to show "
-            "any."
-        )
+        return "No effect was looked for, as max_effects is 0."
     return "The search stopped early: it was interrupted, or reached max_effects."
 
 

@@ -60,6 +60,8 @@ class LoopReport:
         were random; 1 where it is not predicted, or was not asked.
     found_held : tuple of int
         Inputs that turned out to be held from one sample to the next, which no record said.
+    shows_motion : bool
+        False if the derivatives of the user were smoothed so much that no effect was looked for.
     """
 
     verdict: str
@@ -75,6 +77,7 @@ class LoopReport:
     design: Design | None = None
     chance_left: float = 1.0
     found_held: tuple[int, ...] = ()
+    shows_motion: bool = True
 
     @property
     def equations(self) -> Equations:

@@ -1,0 +1,92 @@
+"""What the loop is given, checked and brought to one form: a model, and records that fit it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pysindy as ps
+
+from ...signals import Record
+from ...signals.holds import hold
+from .algebraic import as_algebraic
+from .declared import DeclaredModel, design_of, doubted
+from .design import Design
+from .held import held_inputs
+from .input_errors import as_held
+from .records import alike, check_records, split_records, undecimated, widened
+from .smoothing import with_own_slopes
+
+__all__ = ["Given", "checked"]
+
+
+@dataclass(frozen=True)
+class Given:
+    """A declared model, and records that fit it and each other.
+
+    Attributes
+    ----------
+    design : Design
+        The declared model.
+    train, test : list of Record
+        To fit on, and to judge on.
+    wide : list of Record
+        To fit on, with the higher cutoff of the search; a target explains nothing there.
+    shows_motion : bool
+        Whether derivatives of the user are smooth enough, but not so much that the motion is gone.
+    """
+
+    design: Design
+    train: list[Record]
+    test: list[Record]
+    wide: list[Record]
+    shows_motion: bool = True
+
+    def believed(self) -> Given:
+        """Return it with readings at a limit taken as measurements, for the state ends there."""
+        train, test, wide = (
+            [replace(record, seen=None) for record in records]
+            for records in (self.train, self.test, self.wide)
+        )
+        return replace(self, train=train, test=test, wide=wide)
+
+
+def checked(
+    declared: DeclaredModel | ps.SINDy,
+    train: Record | Sequence[Record],
+    test: Record | Sequence[Record] | None,
+) -> Given:
+    """Check what `close_loop` is given.
+
+    Parameters
+    ----------
+    declared, train, test
+        As in `close_loop`.
+
+    Returns
+    -------
+    Given
+
+    Raises
+    ------
+    ValueError
+        If the records do not fit the model or each other.
+    TypeError
+        If something is of the wrong type.
+    """
+    fit_on, judge_on = split_records(train, test)
+    design = design_of(declared, fit_on)
+    is_cut = not test and (isinstance(train, Record) or len(train) == 1)
+    whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
+    check_records(design, [*fit_on, *judge_on], whole)
+    if design.algebraic:
+        # A force that nothing integrates follows a held input at once.
+        held, like = held_inputs(fit_on), undecimated(*alike(fit_on, judge_on))
+        fit_on, judge_on = ([as_algebraic(hold(r, held)) for r in records] for records in like)
+        wide = [replace(r, x=np.zeros_like(r.x)) for r in widened(fit_on)]
+        return Given(design, fit_on, judge_on, wide)
+    fit_on, judge_on, shows_motion = with_own_slopes(design, fit_on, judge_on)
+    held, like = held_inputs(fit_on), alike(fit_on, judge_on)
+    fit_on, judge_on = ([as_held(hold(r, held)) for r in records] for records in like)
+    return Given(doubted(design, fit_on), fit_on, judge_on, widened(fit_on), shows_motion)
