@@ -80,6 +80,7 @@ class Hysteresis:
     """What a model needs to know of w; see `PathKind`."""
 
     suffix = SUFFIX
+    order = 1
 
     def numbers(self, path: Call) -> tuple[float, float]:
         """Return L and k."""
@@ -96,20 +97,20 @@ class Hysteresis:
         unloading = float(np.clip(weights[1] / weights[0], *RATES))
         return 1.0 / float(weights[0]), unloading
 
-    def parts(self, path: Call, state: Sum) -> tuple[Sum, ...]:
+    def parts(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, ...]:
         """Return what 1 / L and k / L multiply in the rate of w."""
-        v = path.args[1]
+        v, state = path.args[1], states[0]
         half, size, speed = constant(0.5), call(BUILTIN["abs"], state), call(BUILTIN["abs"], v)
         held, led = mul(half, mul(speed, state)), mul(half, mul(v, size))
         return sub(v, add(held, led)), sub(led, held)
 
-    def term(self, path: Call, state: Sum) -> Sum:
+    def term(self, path: Call, states: Sequence[Sum]) -> Sum:
         """Return w itself."""
-        return state
+        return states[0]
 
-    def rest(self, path: Call) -> Sum:
+    def rests(self, path: Call) -> tuple[Sum, ...]:
         """Return zero."""
-        return constant(0.0)
+        return (constant(0.0),)
 
     def fades(self, path: Call) -> float:
         """Return zero: it fades over a way, however long that takes."""
@@ -121,10 +122,13 @@ class Hysteresis:
         begun = f"builds up over a length of {length:.4g}{sure[0]}"
         return f"{begun}, unloads {unloading:.3g} times as fast{sure[1]}"
 
-    def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
+    def along(
+        self, path: Call, rows: np.ndarray, starts: Sequence[float] | None = None
+    ) -> np.ndarray:
         """Return w on rows of a record, from its value on the first one; by default zero."""
-        return yielding_along(path.args[0].evaluate(rows), *self.numbers(path), start or 0.0)
+        start = 0.0 if starts is None else starts[0]
+        return yielding_along(path.args[0].evaluate(rows), *self.numbers(path), start)[:, None]
 
-    def span(self, path: Call, rows: np.ndarray) -> tuple[float, float]:
+    def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
         """Return between which values w may have begun."""
-        return -1.0, 1.0
+        return [(-1.0, 1.0)]

@@ -14,7 +14,7 @@ from ..substitution import substituted
 from ..terms import Call, Sum, variable
 from .memory import Memory, balance, rate
 from .memory import acting as acting_of
-from .path_states import kind_of, moved, path_rate, paths_in, source_of
+from .path_states import hidden_along, kind_of, moved, n_hidden_of, path_rates, paths_in
 
 __all__ = ["MemoryEquations", "with_memories"]
 
@@ -108,10 +108,8 @@ class MemoryEquations(Equations):
         return result
 
     def along(self, x: np.ndarray, u: np.ndarray | None, t: np.ndarray) -> np.ndarray:
-        """Return the hidden states that follow measured ones, shape (n_samples, n_paths)."""
-        rows = stack(x, u, t)
-        hidden = (kind_of(path).along(path, rows) for path in self.paths)
-        return np.column_stack([rows[:, :0], *hidden])
+        """Return the hidden states that follow measured ones, shape (n_samples, n_hidden)."""
+        return hidden_along(self.paths, stack(x, u, t))
 
     def arriving(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return the inputs after their delays."""
@@ -151,7 +149,7 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
         return equations
     n, n_inputs = len(equations.states), len(equations.inputs)
     hidden = [m for m in memories if m.has_state]
-    first = n + len(hidden) + len(paths)
+    first = n + len(hidden) + n_hidden_of(paths)
     acts = [variable(first + j) for j in range(n_inputs)]
     names, rates, rests = list(equations.names), [], []
     for k, memory in enumerate(hidden):
@@ -162,12 +160,14 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
         names.insert(n + k, _new_name(f"{equations.inputs[memory.column]}_{memory.suffix}", names))
     places: dict[int | Call, Sum] = dict(enumerate([*acts, variable(first + n_inputs)], start=n))
     written = dict(places)
-    for k, path in enumerate(paths, start=n + len(hidden)):
-        kind, state, here = kind_of(path), variable(k), moved(path, places)
-        rates.append(path_rate(here, state))
-        rests.append(kind.rest(here))
-        written[path] = kind.term(here, state)
-        names.insert(k, _new_name(f"{source_of(path).name(equations.names)}_{kind.suffix}", names))
+    for path in paths:
+        kind, here, place = kind_of(path), moved(path, places), n + len(rates)
+        states = [variable(k) for k in range(place, place + kind.order)]
+        rates += path_rates(here, states)
+        rests += kind.rests(here)
+        written[path] = kind.term(here, states)
+        for k, source in enumerate(path.args[: kind.order], start=place):
+            names.insert(k, _new_name(f"{source.name(equations.names)}_{kind.suffix}", names))
     sides = [substituted(side, written) for side in equations.sums] + rates
     delays = [0.0] * n_inputs
     for memory in memories:

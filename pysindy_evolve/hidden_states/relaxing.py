@@ -37,7 +37,7 @@ EVEN = 0.01  # of a step, that others of a uniform record may differ from it
 
 
 def relaxing_along(
-    x: np.ndarray, t: np.ndarray, relaxation_time: float, start: float = 0.0
+    x: np.ndarray, t: np.ndarray, relaxation_time: complex, start: complex = 0.0
 ) -> np.ndarray:
     """Return d along a path.
 
@@ -47,16 +47,17 @@ def relaxing_along(
         Values in time order, perhaps of several records, one after the other.
     t : ndarray of shape (n_samples,)
         Times. Pieces may be missing.
-    relaxation_time : float
-        T, units of t.
-    start : float
+    relaxation_time : float or complex
+        T, units of t; a complex one swings while it fades.
+    start : float or complex
         d on the first row, units of x.
 
     Returns
     -------
     ndarray of shape (n_samples,)
     """
-    d, steps, moves = np.empty(len(x)), np.diff(t), np.diff(x)
+    d = np.empty(len(x), dtype=type(start / relaxation_time))
+    steps, moves = np.diff(t), np.diff(x)
     usual = float(np.median(steps)) if len(steps) else 0.0
     breaks = np.flatnonzero(np.abs(steps - usual) > EVEN * abs(usual))
     begins, value = 0, start
@@ -64,12 +65,13 @@ def relaxing_along(
         d[begins : end + 1] = _evenly(moves[begins:end], usual / relaxation_time, value)
         if end < len(steps):
             ratio = float(steps[end]) / relaxation_time
-            value = _evenly(moves[end : end + 1], ratio, d[end])[-1] if ratio > 0.0 else 0.0
+            goes_on = steps[end] > 0.0  # or another record begins
+            value = _evenly(moves[end : end + 1], ratio, d[end])[-1] if goes_on else 0.0
         begins = end + 1
     return d
 
 
-def _evenly(moves: np.ndarray, ratio: float, start: float) -> np.ndarray:
+def _evenly(moves: np.ndarray, ratio: complex, start: complex) -> np.ndarray:
     """Return d on even steps of so many relaxation times, from the changes of x on each."""
     if not len(moves):
         return np.array([start])
@@ -99,6 +101,7 @@ class Relaxation:
     """What a model needs to know of h; see `PathKind`."""
 
     suffix = SUFFIX
+    order = 1
 
     def numbers(self, path: Call) -> tuple[float]:
         """Return T."""
@@ -113,17 +116,17 @@ class Relaxation:
         """Return T from 1 / T."""
         return (1.0 / float(weights[0]),)
 
-    def parts(self, path: Call, state: Sum) -> tuple[Sum, ...]:
+    def parts(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, ...]:
         """Return what 1 / T multiplies in the rate of h."""
-        return (sub(path.args[0], state),)
+        return (self.term(path, states),)
 
-    def term(self, path: Call, state: Sum) -> Sum:
+    def term(self, path: Call, states: Sequence[Sum]) -> Sum:
         """Return d."""
-        return sub(path.args[0], state)
+        return sub(path.args[0], states[0])
 
-    def rest(self, path: Call) -> Sum:
+    def rests(self, path: Call) -> tuple[Sum, ...]:
         """Return h in balance."""
-        return path.args[0]
+        return path.args[:1]
 
     def fades(self, path: Call) -> float:
         """Return some relaxation times."""
@@ -133,17 +136,19 @@ class Relaxation:
         """Return the relaxation time in words."""
         return f"relaxation time {self.numbers(path)[0]:.4g}{sure[0]}"
 
-    def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
+    def along(
+        self, path: Call, rows: np.ndarray, starts: Sequence[float] | None = None
+    ) -> np.ndarray:
         """Return h on rows of a record, from its value on the first one; by default in balance."""
         x, t = (argument.evaluate(rows) for argument in path.args[:2])
-        begun = 0.0 if start is None else float(x[0]) - start
-        return np.asarray(x - relaxing_along(x, t, *self.numbers(path), begun))
+        begun = 0.0 if starts is None else float(x[0]) - starts[0]
+        return (x - relaxing_along(x, t, *self.numbers(path), begun))[:, None]
 
-    def span(self, path: Call, rows: np.ndarray) -> tuple[float, float]:
+    def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
         """Return between which values h may have begun: those of x here, and as far beyond.
 
         A motion that dies out was larger before the record.
         """
         x = path.args[0].evaluate(rows)
         width = float(np.ptp(x))
-        return float(x.min()) - width, float(x.max()) + width
+        return [(float(x.min()) - width, float(x.max()) + width)]

@@ -88,9 +88,9 @@ class SpringHysteresis(Hysteresis):
         """Return L and beta from 1 / L and beta / L."""
         return 1.0 / float(weights[0]), float(np.clip(weights[1] / weights[0], *LOSSES))
 
-    def parts(self, path: Call, state: Sum) -> tuple[Sum, ...]:
+    def parts(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, ...]:
         """Return what 1 / L and beta / L multiply in the rate of w."""
-        v = path.args[1]
+        v, state = path.args[1], states[0]
         held = mul(call(BUILTIN["abs"], v), state)
         led = mul(v, call(BUILTIN["abs"], state))
         return add(v, led), sub(constant(0.0), add(held, led))
@@ -102,11 +102,14 @@ class SpringHysteresis(Hysteresis):
         turns = f"forgets a turn over a length of {length:.4g}{sure[0]}"
         return f"{turns}, grows {way} on the way out, beta = {loss:.3g}{sure[1]}"
 
-    def along(self, path: Call, rows: np.ndarray, start: float | None = None) -> np.ndarray:
+    def along(
+        self, path: Call, rows: np.ndarray, starts: Sequence[float] | None = None
+    ) -> np.ndarray:
         """Return w on rows of a record, from its value on the first one; by default zero."""
-        return springing_along(path.args[0].evaluate(rows), *self.numbers(path), start or 0.0)
+        start = 0.0 if starts is None else starts[0]
+        return springing_along(path.args[0].evaluate(rows), *self.numbers(path), start)[:, None]
 
-    def span(self, path: Call, rows: np.ndarray) -> tuple[float, float]:
+    def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
         """Return between which values w may have begun: those of these rows, and beyond."""
         largest = WIDER * float(np.max(np.abs(self.along(path, rows))))
-        return -largest, largest
+        return [(-largest, largest)]

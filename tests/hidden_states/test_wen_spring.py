@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.boucwen import yielding_along
-from pysindy_evolve.hidden_states.path_states import kind_of, path_rate, paths_in
+from pysindy_evolve.hidden_states.path_states import kind_of, path_rates, paths_in
 from pysindy_evolve.hidden_states.wen_spring import springing, springing_along
 from pysindy_evolve.terms import variable
 
@@ -42,7 +42,8 @@ def test_rate_of_the_hidden_state_is_what_its_docstring_says():
     w, v = 1.3, -2.0
     rows = np.array([[0.0, v, w]])
     expected = (v - 0.4 * abs(v) * w + 0.6 * v * abs(w)) / 0.7
-    assert path_rate(PATH, variable(2)).evaluate(rows) == pytest.approx([expected])
+    (rate,) = path_rates(PATH, [variable(2)])
+    assert rate.evaluate(rows) == pytest.approx([expected])
 
 
 def test_numbers_come_back_from_their_weights_within_limits():

@@ -11,14 +11,13 @@ from dataclasses import dataclass
 
 from ...hidden_states.memory import DELAY, LAG
 from ...hidden_states.path_states import kind_of
-from ...hidden_states.relaxing import RELAXING, relaxing
+from ...hidden_states.relaxing import relaxing
 from ...signals import Record
 from ...terms import Call, Sum, variable
-from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape
 from .hysteresis import SIMPLER
 
-__all__ = ["longest_relaxation", "relaxations_of", "relaxed_ways", "within_reach"]
+__all__ = ["longest_relaxation", "relaxed_ways", "within_reach"]
 
 # A shorter one looks like one more derivative of the state, in which noise of the target, and any
 # late or lagging input, can be told from the measured state itself.
@@ -97,9 +96,3 @@ def within_reach(path: Call, record: Record) -> bool:
     """
     (relaxation_time,), (shortest, longest) = kind_of(path).numbers(path), _span(record)
     return CLEAR * shortest < relaxation_time < longest
-
-
-def relaxations_of(design: Design) -> tuple[Call, ...]:
-    """Return the different relaxations that a design holds."""
-    paths = design.paths
-    return tuple(path for path in paths if path.operator == RELAXING)

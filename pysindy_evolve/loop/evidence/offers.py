@@ -11,19 +11,22 @@ from dataclasses import dataclass
 
 from ...equations import Equations
 from ...hidden_states.boucwen import BOUC_WEN
+from ...hidden_states.flexible_mode import FLEXIBLE_MODE
 from ...hidden_states.path_states import source_of
+from ...hidden_states.relaxing import RELAXING
 from ...hidden_states.wen_spring import WEN_SPRING
 from ...signals import Record
-from ...terms import variable
+from ...terms import Call, variable
 from ..effects.candidate import Candidate
+from ..effects.flexible import flexible_ways
 from ..effects.hysteresis import remembered_ways
-from ..effects.relaxation import relaxations_of, relaxed_ways
+from ..effects.relaxation import relaxed_ways
 from ..fitting.unfolding import paths_of
 from ..given.design import Design
 from ..given.segments import Segments
 from .scoring import LEAD, columns_of, propose, quick_fit, score
 
-__all__ = ["Offer", "awaited", "leading", "offer_for", "relaxations_for"]
+__all__ = ["Offer", "awaited", "followers_for", "leading", "offer_for"]
 
 SETTLING = 0.125  # of a record, until a relaxation knows where it is
 
@@ -76,7 +79,7 @@ def offer_for(
     yields = [] if design.algebraic else _hystereses_for(design, part, springs=springs)
     relaxes, late = [], _late(part)
     if relaxing and not part.has_gaps:  # over which a slow state would have to be guessed
-        relaxes = relaxations_for(design, part.records)
+        relaxes = followers_for(design, part.records)
     if leading(relaxes, (), design, late):  # mostly none is worth it, and all else takes longer
         others = [*propose(design, quick_fit(design, late), late), *yields]
         relaxes = [w for w in relaxes if design.algebraic or _opposes(w, design, late)]
@@ -102,13 +105,14 @@ def _hystereses_for(design: Design, part: Segments, *, springs: bool) -> list[Ca
     return found
 
 
-def relaxations_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
-    """Return the relaxations that a design does not hold yet.
+def followers_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
+    """Return what may follow a state of the design, which it does not hold yet.
 
-    Of a position, or of a state of the first order; in an algebraic target, of any input.
+    Relaxations of a position, or of a state of the first order; in an algebraic target, of any
+    input. And masses that swing behind a position.
     """
     longest, n = max(records, key=len), len(design.states)
-    taken = {source_of(path) for path in relaxations_of(design)}
+    taken = {source_of(path) for path in _followers_of(design)}
     found = []
     for state in design.open_states:
         position = design.position_of(state)
@@ -117,7 +121,14 @@ def relaxations_for(design: Design, records: Sequence[Record]) -> list[Candidate
             sources = list(range(n, n + len(design.inputs)))
         for source in (s for s in sources if variable(s) not in taken):
             found += relaxed_ways(state, source, longest)
+            if source == position:
+                found += flexible_ways(state, source, longest)
     return found
+
+
+def _followers_of(design: Design) -> list[Call]:
+    """Return what follows a state in a design, and has to learn where it is."""
+    return [path for path in design.paths if path.operator in (RELAXING, FLEXIBLE_MODE)]
 
 
 def leading(
@@ -148,8 +159,8 @@ def _opposes(way: Candidate, design: Design, part: Segments) -> bool:
 
 
 def awaited(design: Design, part: Segments) -> Segments:
-    """Return pieces with weight only where each relaxation of a design knows where it is."""
-    return _late(part) if relaxations_of(design) else part
+    """Return pieces with weight only where what follows a state of a design knows where it is."""
+    return _late(part) if _followers_of(design) else part
 
 
 def _late(part: Segments) -> Segments:

@@ -10,9 +10,8 @@ from scipy.optimize import minimize_scalar
 from ...equations import Equations, stack
 from ...hidden_states.hidden import MemoryEquations, with_memories
 from ...hidden_states.memory import preceded
-from ...hidden_states.path_states import kind_of
+from ...hidden_states.path_states import hidden_along, kind_of
 from ...signals import Record
-from ...terms import Call
 from ..given.design import Design
 from ..given.segments import scale_of
 from ..given.sticking import noise_of
@@ -109,10 +108,12 @@ def first_state(equations: Equations, record: Record) -> np.ndarray:
     if not isinstance(equations, MemoryEquations) or not equations.paths:
         return np.asarray(record.x[0])
     rows = stack(record.x, record.u, record.t)
-    spans = [kind_of(path).span(path, rows) for path in equations.paths]
-    starts = [kind_of(path).along(path, rows[:1])[0] for path in equations.paths]
-    for k, span in enumerate(spans):
-        starts[k] = _remembered(equations, record, starts, k, span)
+    paths = equations.paths
+    spans = [span for path in paths for span in kind_of(path).spans(path, rows)]
+    starts = hidden_along(paths, rows[:1])[0].tolist()
+    for _ in range(max(kind_of(path).order for path in paths)):  # those of one path go together
+        for k, span in enumerate(spans):
+            starts[k] = _remembered(equations, record, starts, k, span)
     return np.concatenate([record.x[0], starts])
 
 
@@ -133,9 +134,9 @@ def rates_on(equations: Equations, record: Record) -> np.ndarray:
     full = with_memories(equations, ())
     if not isinstance(full, MemoryEquations) or full.n_algebraic:
         return equations.evaluate(record.x, record.u, record.t)
-    rows, starts = stack(record.x, record.u, record.t), first_state(full, record)[record.n_states :]
-    hidden = [_along(path, rows, w) for path, w in zip(full.paths, starts, strict=True)]
-    x = np.column_stack([record.x, *hidden])
+    starts = first_state(full, record)[record.n_states :].tolist()
+    hidden = hidden_along(full.paths, stack(record.x, record.u, record.t), starts)
+    x = np.column_stack([record.x, hidden])
     return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
 
 
@@ -170,23 +171,24 @@ def _remembered(
     """Return one hidden state at the first row, given the others, within a span."""
     head = record[: max(_SHORTEST, len(record) // LONGEST)]
     rows = stack(head.x, head.u, head.t)
-    low, high = (_along(equations.paths[place], rows, end) for end in span)
-    n = max(_SHORTEST, int(np.sum(high - low > FADED * (span[1] - span[0]))))  # it only falls
-    rows, scale = rows[:n], scale_of([record.x_dot])
+
+    def along(start: float, n: int) -> np.ndarray:
+        begun = [*starts[:place], start, *starts[place + 1 :]]
+        return hidden_along(equations.paths, rows[:n], begun)
+
+    low, high = (along(end, len(rows))[:, place] for end in span)
+    felt = np.flatnonzero(np.abs(high - low) > FADED * (span[1] - span[0]))
+    n, scale = max(_SHORTEST, int(felt[-1]) + 1), scale_of([record.x_dot])
 
     def miss(start: float) -> float:
-        at = [*starts[:place], start, *starts[place + 1 :]]
-        hidden = [_along(path, rows, w) for path, w in zip(equations.paths, at, strict=True)]
-        rates = equations.evaluate(np.column_stack([head.x[:n], *hidden]), *_acting(head, n))
+        rates = equations.evaluate(
+            np.column_stack([head.x[:n], along(start, n)]), *_acting(head, n)
+        )
         error = head.x_dot[:n] - rates[:, : record.n_states]
         return float(np.sum((error / scale) ** 2))
 
     options = {"xatol": 1e-5 * (span[1] - span[0])}
     return float(minimize_scalar(miss, bounds=span, method="bounded", options=options).x)
-
-
-def _along(path: Call, rows: np.ndarray, start: float) -> np.ndarray:
-    return kind_of(path).along(path, rows, start)
 
 
 def _acting(record: Record, n: int) -> tuple[np.ndarray | None, np.ndarray]:

@@ -15,7 +15,14 @@ import numpy as np
 
 from ...equations import stack
 from ...hidden_states.hidden import with_memories
-from ...hidden_states.path_states import kind_of, moved, path_rate
+from ...hidden_states.path_states import (
+    hidden_along,
+    kind_of,
+    moved,
+    n_hidden_of,
+    own_states,
+    path_rates,
+)
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Call, Sum, as_sum, variable
@@ -54,26 +61,32 @@ def unfolded(design: Design, *, free: bool = False) -> Design:
     paths = paths_of(design)
     if not paths:
         return design
-    n, m = len(design.states), len(paths)
+    n, m = len(design.states), n_hidden_of(paths)
     later = range(n, design.time + 1)  # inputs and time, numbered after the hidden states
     places: dict[int | Call, Sum] = {place: variable(place + m) for place in later}
-    own = [(kind_of(p), moved(p, places), variable(k)) for k, p in enumerate(paths, start=n)]
-    written = places | {
-        path: kind.term(here, state) for path, (kind, here, state) in zip(paths, own, strict=True)
-    }
+    hidden = [variable(k) for k in range(n, n + m)]
+    own = [(path, moved(path, places), own_states(hidden, paths, path)) for path in paths]
+    written = places | {path: kind_of(path).term(here, states) for path, here, states in own}
     fixed = [substituted(side, written) for side in design.fixed]
     nothing = (Sum(()),) * m
     columns = [
         Column(c.name, (*(substituted(part, written) for part in c.parts), *nothing))
         for c in design.columns
     ]
-    for k, (kind, here, state) in enumerate(own, start=n):
+    for _, here, states in own:
+        fixed += path_rates(here, states)
         if free:
-            parts = kind.parts(here, state)
-            columns += [in_state("weight", part, k, n + m) for part in parts]
-        fixed.append(Sum(()) if free else path_rate(here, state))
-    states = (*design.states, *(f"w{k}" for k in range(m)))
-    return replace(design, states=states, fixed=tuple(fixed), columns=tuple(columns), n_hidden=m)
+            last, fixed[-1] = len(fixed) - 1, Sum(())
+            parts = kind_of(here).parts(here, states)
+            columns += [in_state("weight", part, last, n + m) for part in parts]
+    return replace(
+        design,
+        states=(*design.states, *(f"w{k}" for k in range(m))),
+        fixed=tuple(fixed),
+        columns=tuple(columns),
+        n_hidden=m,
+        doubted=(*design.doubted, *range(n, n + m)),  # nobody measured their motion
+    )
 
 
 def with_paths(
@@ -98,24 +111,25 @@ def with_paths(
     if not paths:
         return list(records)
     if coef is None:
-        return [_with_paths(paths, record, [None] * len(paths)) for record in records]
+        return [_with_paths(paths, record, None) for record in records]
     full = with_memories(design.equations(coef), ())
     starts = [first_state(full, record)[record.n_states :].tolist() for record in records]
     return [_with_paths(paths, r, own) for r, own in zip(records, starts, strict=True)]
 
 
-def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float | None]) -> Record:
-    rows, x, x_dot = stack(record.x, record.u, record.t), [record.x], [record.x_dot]
-    n = rows.shape[1]
-    for path, start in zip(paths, starts, strict=True):
-        w = kind_of(path).along(path, rows, start)
-        rate = path_rate(path, variable(n))
-        x.append(w[:, None])
-        x_dot.append(rate.evaluate(np.column_stack([rows, w]))[:, None])
+def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float] | None) -> Record:
+    rows, n = stack(record.x, record.u, record.t), n_hidden_of(paths)
+    hidden = hidden_along(paths, rows, starts)
+    states = [variable(rows.shape[1] + k) for k in range(n)]
+    rates = [rate for path in paths for rate in path_rates(path, own_states(states, paths, path))]
+    both = np.column_stack([rows, hidden])
+    x = np.column_stack([record.x, hidden])
+    x_dot = np.column_stack([record.x_dot, *(rate.evaluate(both) for rate in rates)])
     seen = record.seen
     if seen is not None:  # what remembers a motion that nobody saw is not known either
-        seen = np.hstack([seen, np.repeat(np.all(seen, axis=1)[:, None], len(paths), axis=1)])
-    return replace(record, x=np.hstack(x), x_dot=np.hstack(x_dot), states=None, seen=seen)
+        known = np.all(seen, axis=1)[:, None]
+        seen = np.hstack([seen, np.repeat(known, n, axis=1)])
+    return replace(record, x=x, x_dot=x_dot, states=None, seen=seen)
 
 
 def square_left(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:

@@ -14,11 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...hidden_states.flexible_mode import FLEXIBLE_MODE
 from ...hidden_states.path_states import kind_of
 from ...hidden_states.relaxing import RELAXING
 from ...hidden_states.wen_spring import WEN_SPRING
 from ...signals import Record
 from ...terms import Call
+from ..effects.flexible import within_band
 from ..effects.relaxation import within_reach
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import LEAD, columns_of, tuned
@@ -32,7 +34,11 @@ from .revise import exchange
 __all__ = ["needed_by_runs", "smooth_in", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
-SMOOTH = (RELAXING, WEN_SPRING)  # without the jumps of a friction: a filter may look like them
+SMOOTH = (
+    RELAXING,
+    WEN_SPRING,
+    FLEXIBLE_MODE,
+)  # without the jumps of a friction: a filter may look like them
 
 
 def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
@@ -133,12 +139,19 @@ def needed_by_runs(
         rest = [f for f in kept if f is not finding]
         few, many = (with_findings(declared, those) for those in (rest, kept))
         new = set(smooth_in(many)) - set(smooth_in(few))
-        sound = all(within_reach(path, longest) for path in new if path.operator == RELAXING)
+        sound = all(_is_sound(path, longest) for path in new)
         if new and not (
             sound and _opposes(finding, many, records) and _better_runs(few, many, records)
         ):
             kept = rest
     return kept
+
+
+def _is_sound(path: Call, record: Record) -> bool:
+    """Tell whether a record can tell the time or the frequency of what follows a state."""
+    if path.operator == RELAXING:
+        return within_reach(path, record)
+    return path.operator != FLEXIBLE_MODE or within_band(path, record)
 
 
 def _opposes(finding: Finding, design: Design, records: Sequence[Record]) -> bool:

@@ -18,7 +18,7 @@ from pysindy_evolve.hidden_states.path_states import sayings
 from pysindy_evolve.hidden_states.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, rewritten
 from pysindy_evolve.loop.effects.relaxation import relaxed_ways
-from pysindy_evolve.loop.evidence.offers import offer_for, relaxations_for
+from pysindy_evolve.loop.evidence.offers import followers_for, offer_for
 from pysindy_evolve.loop.evidence.scoring import score
 from pysindy_evolve.loop.fitting.past import first_state, rates_on
 from pysindy_evolve.loop.fitting.shooting import gains_of_runs
@@ -282,7 +282,7 @@ def test_what_is_remembered_must_lead_late_inputs():
     design = design_of(DECLARED, [record])
     for one, leads in ((record, True), (replace(other, u=np.roll(other.u, 9, axis=0)), False)):
         part = segments([one], (1,))
-        ways, memories = relaxations_for(design, [one]), grid_of(design, part)
+        ways, memories = followers_for(design, [one]), grid_of(design, part)
         assert outdoes_memories(ways, design, part, memories) is leads
 
 
