@@ -190,7 +190,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         times = "" if effect.expressions[k] == OFFSET else f" times {shown}"
         lines.append(f"{value:.4g}{times}   {interval(low, high)}")
         if low < 0.0 < high:
-            lines.append("the interval contains zero: this record alone does not fix its sign")
+            lines.append("the interval contains zero: its sign is not known apart from other terms")
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
     paths = sayings(effect.expressions, [str(symbol) for symbol in symbols], _sure(effect))
