@@ -33,11 +33,7 @@ def benchmark(repository):
         yield importlib.import_module("measured")
 
 
-# All that is asked of a case runs in the same worker, which measures it once.
-GROUPED = [pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in NAMES]
-
-
-@pytest.fixture(scope="module", params=GROUPED)
+@pytest.fixture(scope="module", params=NAMES)
 def measured(request, benchmark, data_dir):
     """Name of a case and what came out of it, in a process of its own."""
     return request.param, benchmark.in_new_process(request.param, data_dir)
