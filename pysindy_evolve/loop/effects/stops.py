@@ -12,7 +12,7 @@ import numpy as np
 
 from ...operators import BUILTIN
 from ...reading.extremes import EXTREMES
-from ...terms import Call, Product, Sum, add, call, constant, mul, sub
+from ...terms import Call, Product, Sum, add, call, constant, mul, power, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
 from .varying import parts_of
@@ -25,6 +25,7 @@ __all__ = [
     "ends_of",
     "has_two_ends",
     "is_stop",
+    "pressed",
     "stops",
 ]
 
@@ -99,6 +100,16 @@ def is_stop(candidate: Candidate) -> bool:
     """Tell whether an effect is a dead zone with one end."""
     is_whole = candidate.name == "dead zone" and candidate.whole and candidate.shape is not None
     return is_whole and len(candidate.terms) == 1
+
+
+def pressed(stop: Candidate) -> Candidate:
+    """Return an end stop whose force grows with the depth as between curved bodies.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), ISBN 978-0-521-34796-9, chapter 4: Hertz's depth^(3/2).
+    """
+    return rewritten(stop, _to_three_halves)
 
 
 def has_two_ends(candidate: Candidate) -> bool:
@@ -217,6 +228,10 @@ def _to_the_other_side(expression: Sum) -> Sum:
     """Return (|a| - a) / 2 of (|a| + a) / 2: all but the magnitude changes its sign."""
     parts = expression.parts
     return Sum(tuple((c if _is_magnitude(term) else -c, term) for c, term in parts))
+
+
+def _to_three_halves(depth: Sum) -> Sum:
+    return power(call(BUILTIN["sqrt"], depth), 3)
 
 
 def _is_magnitude(term: Product) -> bool:

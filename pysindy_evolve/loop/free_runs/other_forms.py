@@ -8,12 +8,14 @@ the exponential alone as close as a worse form is.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from ...terms import Call, Product, Sum, mul, power
 from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import standing
+from ..effects.stops import is_stop, pressed
 from ..evidence.trace import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments, ranges
@@ -26,10 +28,12 @@ BENT = ("sin", "tanh", "softsign")  # straight lines near zero
 def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
     """Return a grown term without each of its factors, with each straight, and beside an offset.
 
+    Of an end stop, the contact of curved bodies.
+
     Parameters
     ----------
     candidate : Candidate
-        Grown, or of the vocabulary, which knows its forms.
+        Grown, or of the vocabulary, which mostly knows its forms.
     design : Design
         The model without it; what stands there is not offered again.
     part : Segments
@@ -39,6 +43,8 @@ def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Ca
     -------
     list of Candidate
     """
+    if is_stop(candidate):
+        return [replace(pressed(candidate), name=EVOLVED)]
     if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
         return []
     ((_, product),) = candidate.terms[0].parts

@@ -94,9 +94,13 @@ def varied(
     wholes = [Sum(((1.0, term),)) for term in able]
     straight, _ = _of_one_variable(operators, x)
     squares = [power(f, 2) for f in straight if _is_power(f)]  # of a sign or a root: nothing new
-    below = list(_below_the_line(x)) if any(o.name == "div" for o in operators) else []
-    products = [mul(whole, factor) for whole in wholes for factor in (*straight, *squares, *below)]
-    products += below
+    known = {operator.name: operator for operator in operators}
+    distant = list(_below_the_line(x)) if "div" in known else []
+    if "log" in known:
+        distant += [call(known["log"], away) for away in _distances(x)]
+    factors = (*straight, *squares, *distant)
+    products = [mul(whole, factor) for whole in wholes for factor in factors]
+    products += distant
     found = dict.fromkeys(term for product in products for _, term in product.parts)
     return [term for term in found if term.variables and term not in declared]
 
@@ -181,19 +185,26 @@ def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iter
 
 def _below_the_line(x: np.ndarray) -> Iterator[Sum]:
     """Go through reciprocals of a distance to a place out of range, and of what saturates."""
+    for away in _distances(x):
+        yield from (power(away, -1), power(away, -2))
     for i, column in enumerate(x.T):
-        one, low, high = variable(i), float(column.min()), float(column.max())
-        for share in GAPS:
-            for place in (low - share * (high - low), high + share * (high - low)):
-                if is_away(column - place):
-                    away = sub(one, constant(place))
-                    yield from (power(away, -1), power(away, -2))
-        square = power(one, 2)
+        square = power(variable(i), 2)
         for scale in SCALES:
             size = scale**2 * float(np.mean(column**2))
             if size > 0.0:
                 reciprocal = power(add(constant(size), square), -1)
                 yield from (reciprocal, mul(square, reciprocal))
+
+
+def _distances(x: np.ndarray) -> Iterator[Sum]:
+    """Go through distances of a variable to places out of its range, all of them positive."""
+    for i, column in enumerate(x.T):
+        low, high = float(column.min()), float(column.max())
+        for gap in (share * (high - low) for share in GAPS):
+            if is_away(column - low + gap):
+                yield sub(variable(i), constant(low - gap))
+            if is_away(column - high - gap):
+                yield sub(constant(high + gap), variable(i))
 
 
 def _curved(operators: Sequence[Operator], x: Sum, size: float) -> Iterator[Sum]:

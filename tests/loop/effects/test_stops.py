@@ -14,6 +14,7 @@ from pysindy_evolve.loop.effects.stops import (
     begun_at_same,
     damped_contacts,
     is_stop,
+    pressed,
     stops,
 )
 from pysindy_evolve.loop.evidence.scoring import columns_of
@@ -104,6 +105,25 @@ def test_an_end_stop_is_found_with_its_place_and_no_offset_beside_it():
     assert effect.coefficients == pytest.approx([-300.0], rel=0.02)
     assert effect.term.func is sympy.Max
     assert f"max(q - {effect.numbers['end']:.4g}, 0)" in str(report)
+
+
+def test_curved_bodies_resist_by_the_depth_to_three_halves():
+    for stop in ONE_SIDED:
+        depth, force = (one.terms[0].evaluate(Q) for one in (stop, pressed(stop)))
+        assert force == pytest.approx(depth**1.5)
+        moved = pressed(stop).at([1.1 * value for value in stop.shape.values]).terms[0]
+        assert moved.evaluate(Q) != pytest.approx(force)
+
+
+@pytest.mark.slow
+def test_contact_of_curved_bodies_is_told_from_a_spring():
+    force = "- 400*sqrt(max(q - 0.4, 0))^3"
+    rig = oscillator("evolved term", force, "-k*q - c*v + b*F")
+    report = pse.close_loop(rig.model, rig.record(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.numbers["end"] == pytest.approx(0.4, rel=0.05)
+    assert effect.coefficients == pytest.approx([-400.0], rel=0.05)
+    assert ", 0)^(3/2)" in str(report)
 
 
 @pytest.mark.slow

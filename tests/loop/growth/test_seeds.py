@@ -110,6 +110,17 @@ def test_what_is_below_the_line_keeps_away_from_zero_and_may_stand_alone():
     assert not any("/(" in name for name in varied_names(("mul",), [only(THRUST)]))
 
 
+def test_logarithms_are_of_distances_to_places_out_of_range():
+    x = np.random.default_rng(0).uniform(-0.4, 0.6, (400, 1))
+    found = varied([only(variable(0))], resolve(("mul", "log"), "test"), x)
+    logs = [term for term in found if term.name(("q",)).startswith("log(")]
+    assert len(logs) == 6  # three to each side
+    for term in logs:
+        assert np.isfinite(term.evaluate(x)).all()
+    names = [term.name(("q",)) for term in varied([only(variable(0))], resolve(("mul",), "t"), x)]
+    assert not any("log" in name for name in names)
+
+
 def test_magnitudes_of_what_is_positive_are_nothing_but_itself():
     rows = np.random.default_rng(0).uniform([1.0, -1.0], [2.0, 1.0], (50, 2))
     size, speed = call(BUILTIN["abs"], variable(0)), call(BUILTIN["abs"], variable(1))
