@@ -79,6 +79,8 @@ class Candidate:
     alone : bool
         Whether it is scored in no pair: it bends so far that any other effect beside it would seem
         to be worth something, or there are too many of its kind.
+    passive : bool
+        Whether it can only take energy, so that the coefficient of its one term is negative.
     partners : tuple of Candidate
         Effects of other equations that are tuned with it, and that it stands for. They have
         coefficients of their own, see partners.py.
@@ -95,6 +97,7 @@ class Candidate:
     whole: bool = field(default=False, compare=False)
     refines: tuple[str, ...] = field(default=(), compare=False)
     alone: bool = field(default=False, compare=False)
+    passive: bool = field(default=False, compare=False)
     partners: tuple[Candidate, ...] = ()
     spared: int = field(default=0, compare=False)
 
@@ -173,7 +176,8 @@ class CandidateMaker:
         whole: bool = False,
         refines: tuple[str, ...] = (),
         alone: bool = False,
+        passive: bool = False,
     ) -> Candidate:
         """Return a candidate; the columns of one with a shape are built from it."""
         columns = terms if shape is None else shape.terms
-        return Candidate(name, self.state, columns, parents, shape, whole, refines, alone)
+        return Candidate(name, self.state, columns, parents, shape, whole, refines, alone, passive)

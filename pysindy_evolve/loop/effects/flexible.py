@@ -48,8 +48,8 @@ class Flexible:
     def __call__(self, frequency: float, damping: float) -> Sum:
         """Return the term."""
         low, high = DAMPINGS
-        ratio = min(max(damping, low), high)
-        return flexible_mode(self.x, self.v, self.time, min(frequency, self.fastest), ratio)
+        numbers = min(frequency, self.fastest), min(max(damping, low), high)
+        return flexible_mode(self.x, self.v, self.time, *numbers)
 
 
 def flexible_ways(state: int, position: int, record: Record) -> list[Candidate]:
@@ -65,14 +65,19 @@ def flexible_ways(state: int, position: int, record: Record) -> list[Candidate]:
     Returns
     -------
     list of Candidate
+        None where nothing drives the motion: two frequencies and how fast each dies away are four
+        numbers, and two masses have five.
     """
+    if record.u is None:
+        return []
     effect, time = CandidateMaker(state), record.n_states + record.n_inputs
     frequency, fastest = _band(record)
-    build = Flexible(variable(position), variable(state), variable(time), fastest)
-    found = []
+    places = variable(position), variable(state), variable(time)
+    build, found = Flexible(*places, fastest), []
     while frequency < fastest:
-        shape = Shape((frequency, DAMPING), (build,), meanings=NUMBERS)
-        found.append(effect("hidden state", shape=shape, refines=PLAINER, alone=True))
+        shape = Shape((frequency, DAMPING), (build,), meanings=NUMBERS, branch=1)
+        own = effect("hidden state", shape=shape, refines=PLAINER, alone=True, passive=True)
+        found.append(own)
         frequency *= RATIO
     return found
 

@@ -50,7 +50,9 @@ class Relaxed:
         return relaxing(self.source, self.time, max(relaxation_time, self.shortest))
 
 
-def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
+def relaxed_ways(
+    state: int, source: int, record: Record, *, passive: bool = True
+) -> list[Candidate]:
     """Return the relaxations that an equation may lack.
 
     Parameters
@@ -61,6 +63,8 @@ def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
         The state that a hidden one follows: a position, or the state itself.
     record : Record
         The longest of the training records.
+    passive : bool
+        Whether it can only take energy, as in an equation of motion.
 
     Returns
     -------
@@ -71,7 +75,8 @@ def relaxed_ways(state: int, source: int, record: Record) -> list[Candidate]:
     build, found = Relaxed(variable(source), variable(time), value), []
     while value < longest:
         shape = Shape((value,), (build,), meanings=("relaxation time",))
-        found.append(effect("hidden state", shape=shape, refines=PLAINER, alone=True))
+        own = effect("hidden state", shape=shape, refines=PLAINER, alone=True, passive=passive)
+        found.append(own)
         value *= RATIO
     return found
 

@@ -24,7 +24,7 @@ from ..effects.relaxation import relaxed_ways
 from ..fitting.unfolding import paths_of
 from ..given.design import Design
 from ..given.segments import Segments
-from .scoring import LEAD, columns_of, propose, quick_fit, score
+from .scoring import LEAD, propose, quick_fit, score, sharpened, takes_energy
 
 __all__ = ["Offer", "awaited", "followers_for", "leading", "offer_for"]
 
@@ -80,9 +80,9 @@ def offer_for(
     relaxes, late = [], _late(part)
     if relaxing and not part.has_gaps:  # over which a slow state would have to be guessed
         relaxes = followers_for(design, part.records)
-    if leading(relaxes, (), design, late):  # mostly none is worth it, and all else takes longer
+    relaxes = _worth_it(relaxes, design, late)
+    if relaxes:  # mostly none is, and all else takes longer
         others = [*propose(design, quick_fit(design, late), late), *yields]
-        relaxes = [w for w in relaxes if design.algebraic or _opposes(w, design, late)]
         if leading(relaxes, others, design, late) and not _begins_with_more(relaxes, design, part):
             return Offer(late, tuple(relaxes), relaxes=True)
     if yields:
@@ -120,7 +120,7 @@ def followers_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
         if design.algebraic:
             sources = list(range(n, n + len(design.inputs)))
         for source in (s for s in sources if variable(s) not in taken):
-            found += relaxed_ways(state, source, longest)
+            found += relaxed_ways(state, source, longest, passive=not design.algebraic)
             if source == position:
                 found += flexible_ways(state, source, longest)
     return found
@@ -151,11 +151,17 @@ def _begins_with_more(ways: Sequence[Candidate], design: Design, part: Segments)
     return bool(whole) and whole[0].value > later[0].value + LEAD
 
 
-def _opposes(way: Candidate, design: Design, part: Segments) -> bool:
-    """Tell whether a relaxation takes energy: the coefficient of its one term is negative."""
-    equations = quick_fit(design.adding(columns_of(way, design)), part)
-    ((_, term),) = way.terms[0].parts
-    return bool(equations.coef[way.state, equations.terms.index(term)] < 0.0)
+def _worth_it(ways: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
+    """Return what follows a state and does better than nothing, with the best of them tuned.
+
+    A narrow resonance does not show between two places of the grid.
+    """
+    able = [
+        way
+        for way in leading(ways, (), design, part)
+        if not way.passive or takes_energy(way, design, part)
+    ]
+    return sharpened(design, part, able) if able else []
 
 
 def awaited(design: Design, part: Segments) -> Segments:

@@ -41,6 +41,7 @@ __all__ = [
     "quick_fit",
     "score",
     "sharpened",
+    "takes_energy",
     "tuned",
 ]
 
@@ -168,6 +169,8 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
         there = at(np.atleast_1d(logs))
         if candidate.whole and not begins_within(there, part.rows):
             return 0.0
+        if candidate.passive and not takes_energy(there, design, part):
+            return 0.0
         scores = score(design, part, [there], pairs=False)
         return -scores[0].value if scores else 0.0
 
@@ -180,6 +183,13 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
         options = {"maxfev": LOOKS * len(start), "initial_simplex": simplex}
         best = minimize(loss, start, method="Nelder-Mead", bounds=bounds, options=options)
     return at(np.atleast_1d(best.x)) if best.fun < loss(start) else candidate
+
+
+def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
+    """Tell whether the coefficient of the one term of a candidate is negative beside a design."""
+    equations = quick_fit(design.adding(columns_of(candidate, design)), part)
+    ((_, term),) = candidate.terms[0].parts
+    return bool(equations.coef[candidate.state, equations.terms.index(term)] < 0.0)
 
 
 def plainest(scores: Sequence[Score]) -> Score:
