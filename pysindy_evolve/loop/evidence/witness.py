@@ -18,6 +18,7 @@ from ..effects.stops import has_two_ends
 from ..fitting.trajectory import followable
 from ..given.design import Design
 from ..given.segments import Segments, ranges, segments, variables_of
+from ..given.sticking import may_rest
 from .spectral import n_frequencies
 
 __all__ = ["witnessed"]
@@ -37,7 +38,7 @@ def witnessed(design: Design, records: Sequence[Record]) -> Segments:
     -------
     Segments
     """
-    part = segments(records, design.velocities)
+    part = segments(records, may_rest(design, records))
     if not followable(design, records) or _says_enough(design, part):
         return part
     return part.tracked()

@@ -17,7 +17,7 @@ from ...signals import Record, Windows, choose_windows, project
 from ...terms import Cache
 from ..given.design import Design
 from ..given.segments import places_of, scale_of, segments, variables_of
-from ..given.sticking import moving
+from ..given.sticking import may_rest, moving
 from .linear import solve_gram
 from .past import rates_on, settled_rows
 from .residual import forces, jacobian, simulation_rows
@@ -171,7 +171,9 @@ def simulation_grams(
     """Return, for each number of stretches, inner products of the deviations in each stretch."""
     equations, dt = design.equations(coef), records[0].dt
     scale = scale_of([record.x for record in records])
-    wholes = [segments([record], design.velocities, 1, max_rows=None) for record in records]
+    wholes = [
+        segments([record], may_rest(design, [record]), 1, max_rows=None) for record in records
+    ]
     force = [forces(whole, design, design.columns)[0] for whole in wholes]
     slopes = [jacobian(equations, whole.z, scale)[0] for whole in wholes]
     grams = {}
@@ -192,7 +194,7 @@ def _rows(design: Design, record: Record, windows: Windows, scale: np.ndarray) -
     cache: Cache = {}
     target = record.x_dot - design.known(variables)
     values = [column.evaluate(variables, cache) for column in design.columns]
-    stacked, weights = [], moving(record, design.velocities) * settled_rows(design, record)
+    stacked, weights = [], moving(record, may_rest(design, [record])) * settled_rows(design, record)
     for state in design.open_states:
         columns = np.column_stack([*(v[:, state] for v in values), target[:, state]])
         stacked.append(project(columns * weights[:, state, None], windows) / scale[state])
@@ -231,7 +233,10 @@ def derivative_errors(
         error = record.x_dot - rates_on(equations, record)
         valued = np.isfinite(error)
         known |= valued.any(axis=0)
-        weight, error = moving(record, design.velocities) * valued, np.where(valued, error, 0.0)
+        weight, error = (
+            moving(record, may_rest(design, [record])) * valued,
+            np.where(valued, error, 0.0),
+        )
         squares.append(project(error * weight, wide) ** 2)
         samples.append(project(record.x_dot, wide))
         weights.append(project(weight, wide) ** 2)

@@ -18,6 +18,7 @@ from ...signals import Record
 from ..given.band import driven
 from ..given.design import Design
 from ..given.segments import segments
+from ..given.sticking import may_rest
 from .fit import Fit, refit
 from .linear import log_ratio
 from .runs import free_run
@@ -145,7 +146,7 @@ def _begun(
     """Run over the longest stretches that a model can follow; None if there are none."""
     length = 0
     for n_stretches in numbers:
-        part = segments(records, design.velocities, n_stretches, max_rows=None)
+        part = segments(records, may_rest(design, records), n_stretches, max_rows=None)
         if part.z.shape[1] == length:
             continue  # many short records are cut alike
         length, x = part.z.shape[1], part.z[:, :, : part.n_states]

@@ -23,6 +23,7 @@ from ..fitting.residual import MAX_GROWTH
 from ..fitting.trial import Trial, settled
 from ..given.design import Column
 from ..given.segments import Segments, segments
+from ..given.sticking import may_rest
 from .heldout import HeldOut
 from .variants import Model
 from .whitening import Whitener
@@ -120,7 +121,7 @@ def drift_of(
     Drift or None
     """
     for n in n_stretches:
-        part = segments(records, model.design.velocities, n, MAX_ROWS)
+        part = segments(records, may_rest(model.design, records), n, MAX_ROWS)
         (trial,) = settled([model.trial(coef, part.state_scale, part)])
         rows = trial.rows(most_growth)
         with np.errstate(over="ignore"):  # of runs that leave the record

@@ -23,6 +23,7 @@ from tqdm.auto import tqdm
 
 from ...signals import Record
 from ..effects.candidate import Candidate
+from ..effects.missing import beside
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, is_needed, with_columns
@@ -96,8 +97,8 @@ def _winner(
     if plain is not None:  # sin(q), unless another number than one in it does clearly better
         (trial,) = settled([begun_with(model, [plain], drift)])
         best = Contender(plain, trial) if trial.error <= np.exp(pool.matter) * best.error else best
-    columns = columns_of(best.candidate, model.design)
-    return replace(finding, candidate=best.candidate, columns=columns)
+    candidate = beside(best.candidate, model.design)
+    return replace(finding, candidate=candidate, columns=columns_of(candidate, model.design))
 
 
 def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:

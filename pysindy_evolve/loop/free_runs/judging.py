@@ -25,7 +25,7 @@ from ..given.design import Design
 from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import ranges, segments, variables_of
-from ..given.sticking import noise_of
+from ..given.sticking import may_rest, noise_of
 from ..memories.reach import exchanged
 from ..twins.chance import draws_for, p_value_of
 from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models
@@ -182,7 +182,7 @@ def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
     """Tell whether the derivative is predicted worse with a variant than without it."""
     design = drift.model.design
     acted = drift.model.acted(wide)
-    part = off_limits(segments(acted, design.velocities), drift.model.limits)
+    part = off_limits(segments(acted, may_rest(design, acted)), drift.model.limits)
     if variant.memory is not None:
         gain = exchanged([variant.memory], design, part)[0].gain
     elif variant.columns:

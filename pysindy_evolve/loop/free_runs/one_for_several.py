@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...signals import Record
+from ..effects.missing import beside
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of
 from ..evidence.trace import EVOLVED
@@ -101,5 +102,5 @@ def _single(
     ]
     if not able:
         return None
-    best = min(able, key=lambda one: one.error).candidate
+    best = beside(min(able, key=lambda one: one.error).candidate, without.design)
     return replace(first, candidate=best, columns=columns_of(best, without.design))

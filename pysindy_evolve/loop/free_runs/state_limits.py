@@ -20,6 +20,7 @@ from ..given.design import Design
 from ..given.limits import LIMITED, Limit, limits_of
 from ..given.rules import Rules
 from ..given.segments import segments
+from ..given.sticking import may_rest
 from .drift import Drift, drift_of, gains_of_models
 from .plateaus import tested
 from .variants import Model
@@ -99,6 +100,7 @@ def notable(rules: Rules) -> float:
 def drift_from(model: Model, records: Sequence[Record]) -> Drift | None:
     """Return the drift of a model; None where there is none to explain."""
     acted = model.acted(records)
-    if not model.design.columns or is_exact(model.design, segments(acted, model.design.velocities)):
+    part = segments(acted, may_rest(model.design, acted))
+    if not model.design.columns or is_exact(model.design, part):
         return None
     return drift_of(model, refit(model.design, acted, "derivative"), records)

@@ -43,7 +43,7 @@ class Segments:
         Derivatives of the states, units of x per unit of t.
     weight : ndarray of shape (n_segments, n, n_states)
         What a row counts in the equation of each state, from 0 to 1 (dimensionless).
-    velocities : tuple of int
+    resting : tuple of int
         States whose equations are looked at only where the body moves.
     dt : float
         Sampling time, units of t.
@@ -73,7 +73,7 @@ class Segments:
     z: np.ndarray
     x_dot: np.ndarray
     weight: np.ndarray
-    velocities: tuple[int, ...]
+    resting: tuple[int, ...]
     dt: float
     windows: Windows
     state_scale: np.ndarray
@@ -154,7 +154,7 @@ class Segments:
     def of(self, records: Sequence[Record]) -> Segments:
         """Return the same pieces of other records of the same shape, such as twins."""
         length = self.z.shape[1]
-        z, x_dot, weight = _cut(records, self.velocities, self.places, length)
+        z, x_dot, weight = _cut(records, self.resting, self.places, length)
         weight = self._late(weight, self.settling) if self.settling else weight
         seen, own = _seen(records, self.places, length), tuple(records)
         band = Band(own, self.places, length)
@@ -177,7 +177,7 @@ class Segments:
 
 def segments(
     records: Sequence[Record],
-    velocities: Sequence[int] = (),
+    resting: Sequence[int] = (),
     n_segments: int = N_SEGMENTS,
     max_rows: int | None = MAX_ROWS,
 ) -> Segments:
@@ -187,7 +187,7 @@ def segments(
     ----------
     records : sequence of Record
         Training records of equal sampling time.
-    velocities : sequence of int
+    resting : sequence of int
         States whose equations are looked at only where the body moves.
     n_segments : int
         About how many pieces; no piece crosses from one record into the next.
@@ -200,7 +200,7 @@ def segments(
     """
     own = tuple(records)
     places, length = places_of(records, n_segments, max_rows)
-    z, x_dot, weight = _cut(records, velocities, places, length)
+    z, x_dot, weight = _cut(records, resting, places, length)
     state_scale = scale_of([record.x for record in records])
     rate_scale = scale_of([record.x_dot for record in records])
     windows = choose_windows(list(records))
@@ -213,7 +213,7 @@ def segments(
         z,
         x_dot,
         weight,
-        tuple(velocities),
+        tuple(resting),
         records[0].dt,
         windows,
         state_scale,
@@ -286,12 +286,12 @@ def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
 
 def _cut(
     records: Sequence[Record],
-    velocities: Sequence[int],
+    resting: Sequence[int],
     places: Sequence[tuple[int, int]],
     length: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     stacked = [variables_of(record) for record in records]
-    weights = [moving(record, velocities) for record in records]
+    weights = [moving(record, resting) for record in records]
     z = np.stack([stacked[i][start : start + length] for i, start in places])
     x_dot = np.stack([records[i].x_dot[start : start + length] for i, start in places])
     weight = np.stack([weights[i][start : start + length] for i, start in places])

@@ -12,9 +12,12 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import ndimage
 
+from ...operators import BUILTIN
 from ...signals import Record
+from ...terms import Call, variable
+from .design import Design
 
-__all__ = ["moving", "noise_of"]
+__all__ = ["may_rest", "moving", "noise_of"]
 
 AT_REST = 4.0  # standard deviations of the velocity noise below which a row has no weight ...
 IN_MOTION = 8.0  # ... and above which it has all
@@ -26,15 +29,50 @@ MIXED, FORGOTTEN = 0.75, 1.5  # periods of it next to a rest, in which the low-p
 ENOUGH = 0.2  # share of the weight that must be left; a body that hardly moves is looked at whole
 
 
-def moving(record: Record, velocities: Sequence[int]) -> np.ndarray:
+def may_rest(design: Design, records: Sequence[Record]) -> tuple[int, ...]:
+    """Return the open states that a friction may hold at rest.
+
+    Parameters
+    ----------
+    design : Design
+        Says which states are velocities, and which have a friction in their equation: a speed may
+        be a state of the first order.
+    records : sequence of Record
+        Say which states rest again and again, whatever it is that holds them.
+
+    Returns
+    -------
+    tuple of int
+    """
+    if design.algebraic:
+        return design.velocities
+    return tuple(
+        state
+        for state in design.open_states
+        if state in design.velocities
+        or _has_sign(design, state)
+        or any(_rests_often(record, state) for record in records)
+    )
+
+
+def _has_sign(design: Design, state: int) -> bool:
+    sign = Call(BUILTIN["sgn"], (variable(state),))
+    return any(sign in dict(term.factors) for term in design.terms_of(state))
+
+
+def _rests_often(record: Record, state: int) -> bool:
+    return not np.all(_away_from_rest(record, _speed(record, state)) == 1.0)
+
+
+def moving(record: Record, resting: Sequence[int]) -> np.ndarray:
     """Return the weight of each row in the equation of each state.
 
     Parameters
     ----------
     record : Record
         What was measured.
-    velocities : sequence of int
-        States that are velocities; the others have weight one everywhere.
+    resting : sequence of int
+        States that may be at rest; the others have weight one everywhere.
 
     Returns
     -------
@@ -42,19 +80,23 @@ def moving(record: Record, velocities: Sequence[int]) -> np.ndarray:
         Between 0 (at rest) and 1 (in motion); 0 where a sensor was at an end of its range.
     """
     weights = np.ones_like(record.x)
-    for state in velocities:
-        speed = np.abs(record.x[:, state])
-        noise = noise_of(record, state)
-        low = max(AT_REST * noise, LEAST * float(np.sqrt(np.mean(speed**2))))
-        high = low * IN_MOTION / AT_REST
-        share = np.clip((speed - low) / max(high - low, 1e-300), 0.0, 1.0)
-        apart = share * _away_from_rest(record, speed / max(low, 1e-300))
+    for state in resting:
+        speed = _speed(record, state)
+        share = np.clip((speed - 1.0) / (IN_MOTION / AT_REST - 1.0), 0.0, 1.0)
+        apart = share * _away_from_rest(record, speed)
         share = apart if apart.mean() >= ENOUGH else share
         if share.mean() >= ENOUGH:
             weights[:, state] = share * share * (3.0 - 2.0 * share)
     if record.seen is not None:  # each equation may hold every state
         weights *= np.all(record.seen, axis=1)[:, None]
     return weights
+
+
+def _speed(record: Record, state: int) -> np.ndarray:
+    """Return the magnitude of a state, relative to what counts as slow."""
+    speed = np.abs(record.x[:, state])
+    low = max(AT_REST * noise_of(record, state), LEAST * float(np.sqrt(np.mean(speed**2))))
+    return speed / max(low, 1e-300)
 
 
 def _away_from_rest(record: Record, speed: np.ndarray) -> np.ndarray:

@@ -30,6 +30,7 @@ from ..fitting.linear import solve_gram
 from ..fitting.residual import forces
 from ..given.design import Design, in_state
 from ..given.segments import Segments, segments
+from ..given.sticking import may_rest
 from .advice import ENOUGH, as_sentences
 from .effect import Alternative, Effect
 from .motions import Motion, Motions
@@ -125,7 +126,7 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
     if report.design is None or not any(effect.rivals for effect in report.effects):
         return Plan((), units)
     equations, records = _acting(report)
-    part = segments(records, report.design.velocities, max_rows=MAX_ROWS)
+    part = segments(records, may_rest(report.design, records), max_rows=MAX_ROWS)
     judge = _Judge(equations, part)
     experiments = []
     in_time = tuple(one for one in report.effects if one.memory is not None and one.alternatives)
