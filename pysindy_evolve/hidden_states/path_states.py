@@ -32,7 +32,7 @@ from .relaxing import RELAXING, Relaxation
 from .wen_spring import WEN_SPRING, SpringHysteresis
 
 __all__ = ["PathKind", "hidden_along", "kind_of", "moved", "n_hidden_of", "own_states"]
-__all__ += ["path_rates", "paths_in", "sayings", "source_of"]
+__all__ += ["path_rates", "paths_in", "paths_within", "sayings", "source_of"]
 
 
 class PathKind(Protocol):
@@ -119,6 +119,12 @@ def paths_in(equations: Equations) -> tuple[Call, ...]:
     return tuple(found)
 
 
+def paths_within(expressions: Sequence[Sum]) -> tuple[Call, ...]:
+    """Return the different paths that expressions hold."""
+    products = (product for expression in expressions for _, product in expression.parts)
+    return tuple(dict.fromkeys(a for p in products for a, _ in p.factors if _is_path(a)))
+
+
 def sayings(
     expressions: Sequence[Sum], names: Sequence[str], sure: Sequence[str] = ()
 ) -> list[str]:
@@ -126,11 +132,9 @@ def sayings(
 
     `sure` is said after each number.
     """
-    products = (product for expression in expressions for _, product in expression.parts)
-    paths = dict.fromkeys(a for product in products for a, _ in product.factors if _is_path(a))
     return [
         f"{source_of(path).name(names)}_{kind.suffix}: {kind.said(path, sure or UNSAID)}"
-        for path, kind in ((path, kind_of(path)) for path in paths)
+        for path, kind in ((path, kind_of(path)) for path in paths_within(expressions))
     ]
 
 

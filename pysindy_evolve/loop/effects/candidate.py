@@ -107,6 +107,11 @@ class Candidate:
         return False
 
     @property
+    def branch(self) -> int:
+        """The branch that its numbers are tuned on; 0 without any."""
+        return 0 if self.shape is None else self.shape.branch
+
+    @property
     def variables(self) -> frozenset[int]:
         """What acts in it."""
         return frozenset().union(*(term.variables for term in self.terms))

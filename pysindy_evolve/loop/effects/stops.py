@@ -29,7 +29,16 @@ __all__ = [
     "stops",
 ]
 
-PLACES = (-0.9, -0.75, -0.6, -0.2, 0.2, 0.6, 0.75, 0.9)  # of half the range, from its middle: mostly ends
+PLACES = (
+    -0.9,
+    -0.75,
+    -0.6,
+    -0.2,
+    0.2,
+    0.6,
+    0.75,
+    0.9,
+)  # of half the range, from its middle
 WIDTHS = (0.3, 0.7)  # of the range, between two stops
 SIGNS = {2: (-1, 1), 4: (1, 1), -4: (-1, -1)}  # of a lower and an upper end, by branch
 LEAST = 0.02  # of the largest magnitude: nearer to zero it is a magnitude, as |q|

@@ -11,22 +11,18 @@ from dataclasses import dataclass
 
 from ...equations import Equations
 from ...hidden_states.boucwen import BOUC_WEN
-from ...hidden_states.flexible_mode import FLEXIBLE_MODE
-from ...hidden_states.path_states import source_of
-from ...hidden_states.relaxing import RELAXING
+from ...hidden_states.path_states import paths_within, source_of
 from ...hidden_states.wen_spring import WEN_SPRING
-from ...signals import Record
-from ...terms import Call, variable
+from ...terms import variable
 from ..effects.candidate import Candidate
-from ..effects.flexible import flexible_ways
+from ..effects.followers import followers_for, followers_of, is_sound
 from ..effects.hysteresis import remembered_ways
-from ..effects.relaxation import relaxed_ways
 from ..fitting.unfolding import paths_of
 from ..given.design import Design
 from ..given.segments import Segments
 from .scoring import LEAD, propose, quick_fit, score, sharpened, takes_energy
 
-__all__ = ["Offer", "awaited", "followers_for", "leading", "offer_for"]
+__all__ = ["Offer", "awaited", "leading", "offer_for"]
 
 SETTLING = 0.125  # of a record, until a relaxation knows where it is
 
@@ -105,32 +101,6 @@ def _hystereses_for(design: Design, part: Segments, *, springs: bool) -> list[Ca
     return found
 
 
-def followers_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
-    """Return what may follow a state of the design, which it does not hold yet.
-
-    Relaxations of a position, or of a state of the first order; in an algebraic target, of any
-    input. And masses that swing behind a position.
-    """
-    longest, n = max(records, key=len), len(design.states)
-    taken = {source_of(path) for path in _followers_of(design)}
-    found = []
-    for state in design.open_states:
-        position = design.position_of(state)
-        sources = [state if position is None else position]
-        if design.algebraic:
-            sources = list(range(n, n + len(design.inputs)))
-        for source in (s for s in sources if variable(s) not in taken):
-            found += relaxed_ways(state, source, longest, passive=not design.algebraic)
-            if source == position:
-                found += flexible_ways(state, source, longest)
-    return found
-
-
-def _followers_of(design: Design) -> list[Call]:
-    """Return what follows a state in a design, and has to learn where it is."""
-    return [path for path in design.paths if path.operator in (RELAXING, FLEXIBLE_MODE)]
-
-
 def leading(
     ways: Sequence[Candidate], others: Sequence[Candidate], design: Design, part: Segments
 ) -> list[Candidate]:
@@ -154,19 +124,26 @@ def _begins_with_more(ways: Sequence[Candidate], design: Design, part: Segments)
 def _worth_it(ways: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
     """Return what follows a state and does better than nothing, with the best of them tuned.
 
-    A narrow resonance does not show between two places of the grid.
+    A narrow resonance does not show between two places of the grid; and where the best relaxation
+    is shorter, or the best frequency higher, than a record can tell, there is none.
     """
     able = [
         way
         for way in leading(ways, (), design, part)
         if not way.passive or takes_energy(way, design, part)
     ]
-    return sharpened(design, part, able) if able else []
+    longest, found = max(part.records, key=len), []
+    for kind in dict.fromkeys((way.state, way.branch) for way in able):
+        own = [way for way in able if (way.state, way.branch) == kind]
+        tuned = sharpened(design, part, own)[len(own) :]
+        if all(is_sound(path, longest) for way in tuned for path in paths_within(way.terms)):
+            found += [*own, *tuned]
+    return found
 
 
 def awaited(design: Design, part: Segments) -> Segments:
     """Return pieces with weight only where what follows a state of a design knows where it is."""
-    return _late(part) if _followers_of(design) else part
+    return _late(part) if followers_of(design) else part
 
 
 def _late(part: Segments) -> Segments:

@@ -20,8 +20,7 @@ from ...hidden_states.relaxing import RELAXING
 from ...hidden_states.wen_spring import WEN_SPRING
 from ...signals import Record
 from ...terms import Call
-from ..effects.flexible import within_band
-from ..effects.relaxation import within_reach
+from ..effects.followers import is_sound
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import LEAD, columns_of, tuned
 from ..fitting.fit import refit
@@ -139,19 +138,12 @@ def needed_by_runs(
         rest = [f for f in kept if f is not finding]
         few, many = (with_findings(declared, those) for those in (rest, kept))
         new = set(smooth_in(many)) - set(smooth_in(few))
-        sound = all(_is_sound(path, longest) for path in new)
+        sound = all(is_sound(path, longest) for path in new)
         if new and not (
             sound and _opposes(finding, many, records) and _better_runs(few, many, records)
         ):
             kept = rest
     return kept
-
-
-def _is_sound(path: Call, record: Record) -> bool:
-    """Tell whether a record can tell the time or the frequency of what follows a state."""
-    if path.operator == RELAXING:
-        return within_reach(path, record)
-    return path.operator != FLEXIBLE_MODE or within_band(path, record)
 
 
 def _opposes(finding: Finding, design: Design, records: Sequence[Record]) -> bool:

@@ -17,8 +17,9 @@ from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.path_states import sayings
 from pysindy_evolve.hidden_states.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, rewritten
+from pysindy_evolve.loop.effects.followers import followers_for
 from pysindy_evolve.loop.effects.relaxation import relaxed_ways
-from pysindy_evolve.loop.evidence.offers import followers_for, offer_for
+from pysindy_evolve.loop.evidence.offers import offer_for
 from pysindy_evolve.loop.evidence.scoring import score
 from pysindy_evolve.loop.fitting.past import first_state, rates_on
 from pysindy_evolve.loop.fitting.shooting import gains_of_runs
