@@ -29,16 +29,8 @@ __all__ = [
     "stops",
 ]
 
-PLACES = (
-    -0.9,
-    -0.75,
-    -0.6,
-    -0.2,
-    0.2,
-    0.6,
-    0.75,
-    0.9,
-)  # of half the range, from its middle
+PLACES = (-0.6, -0.2, 0.2, 0.6)  # of half the range, from its middle
+ENDS = (0.75, 0.9)  # of it, where only what comes next is a stop: most of the motion is free
 WIDTHS = (0.3, 0.7)  # of the range, between two stops
 SIGNS = {2: (-1, 1), 4: (1, 1), -4: (-1, -1)}  # of a lower and an upper end, by branch
 LEAST = 0.02  # of the largest magnitude: nearer to zero it is a magnitude, as |q|
@@ -65,9 +57,9 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
         offset has.
     """
     half, least = largest - abs(middle), LEAST * largest
-    for place in (middle + share * half for share in PLACES):
-        if abs(place) >= least:
-            yield from _on_both_sides(effect, q, place)
+    begun = [(middle + share * half, side) for share in PLACES for side in (1.0, -1.0)]
+    begun += [(middle + side * share * half, side) for share in ENDS for side in (1.0, -1.0)]
+    yield from (_at(effect, q, place, side) for place, side in begun if abs(place) >= least)
     yield from _between_ends(effect, "dead zone", q, largest, middle)
 
 
@@ -147,7 +139,7 @@ def begun_at_same(candidate: Candidate) -> list[Candidate]:
     kink = _kink_of(candidate.terms)
     if kink is None:
         return []
-    return list(_on_both_sides(CandidateMaker(candidate.state), *kink))
+    return [_at(CandidateMaker(candidate.state), *kink, side) for side in (1.0, -1.0)]
 
 
 def _between_ends(
@@ -183,12 +175,12 @@ def _below(q: Sum, toward: int, low: float, high: float) -> Sum:
     return _beyond(q, -1.0, toward, low)
 
 
-def _on_both_sides(effect: CandidateMaker, q: Sum, place: float) -> Iterator[Candidate]:
+def _at(effect: CandidateMaker, q: Sum, place: float, side: float) -> Candidate:
+    """Return a dead zone that ends at a place, above it (side 1) or below."""
     toward = _toward(place)
-    for side in (1.0, -1.0):
-        build = partial(_beyond, q, side, toward)
-        shape = Shape((abs(place),), (build,), meanings=(_said("end", toward),), branch=toward)
-        yield effect("dead zone", shape=shape, parents=(OFFSET,), whole=True)
+    build = partial(_beyond, q, side, toward)
+    shape = Shape((abs(place),), (build,), meanings=(_said("end", toward),), branch=toward)
+    return effect("dead zone", shape=shape, parents=(OFFSET,), whole=True)
 
 
 def _kink_of(terms: Sequence[Sum]) -> tuple[Sum, float] | None:

@@ -60,7 +60,8 @@ def test_two_ends_that_overlap_are_a_straight_line():
 
 def test_a_contact_may_lose_energy_by_how_deep_it_is_or_wherever_it_is_closed():
     q, v = variable(0), variable(1)
-    (stop,) = (c.at([0.4]) for c in ONE_SIDED[-1:])
+    kink = call(BUILTIN["abs"], sub(q, constant(0.4)))
+    _, stop = begun_at_same(Candidate("evolved term", 0, (kink,)))
     columns = [in_state("v", v, 1, 2), *columns_of(replace(stop, state=1), FREE)]
     offered = damped_contacts(CandidateMaker(1), FREE.adding(columns), q, v)
     rows = np.column_stack([Q[:, 0], np.linspace(2.0, -2.0, 61)])
@@ -113,6 +114,16 @@ def test_curved_bodies_resist_by_the_depth_to_three_halves():
         assert force == pytest.approx(depth**1.5)
         moved = pressed(stop).at([1.1 * value for value in stop.shape.values]).terms[0]
         assert moved.evaluate(Q) != pytest.approx(force)
+
+
+@pytest.mark.slow
+def test_a_stop_that_only_the_end_of_the_stroke_meets_is_found():
+    record = STOP.record()
+    place = 0.9 * record.x[:, 0].max()
+    rig = oscillator("dead zone", f"- 300*max(q - {place:.3g}, 0)", "-k*q - c*v + b*F")
+    report = pse.close_loop(rig.model, rig.record(), operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.numbers["end"] == pytest.approx(place, rel=0.05)
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 from loop_systems import measured, oscillator
 
 import pysindy_evolve as pse
@@ -103,6 +104,33 @@ def test_a_grown_term_is_tried_without_a_factor_straight_and_beside_an_offset():
     diode = call(BUILTIN["exp"], mul(constant(6.0), Q))
     assert (diode, OFFSET) in [one.terms for one in other_forms(evolved(diode), design, part)]
     assert other_forms(Candidate("cubic stiffness", 1, (power(Q, 3),)), design, part) == []
+
+
+@pytest.mark.slow
+def test_an_exponential_that_takes_the_place_of_an_offset_needs_none():
+    """It was found, and then dropped for want of the offset that it had replaced."""
+    rng = np.random.default_rng(9506)
+    train, test = reactor(rng), reactor(rng)
+    declared = pse.DeclaredModel({"T": "b*u - a*T"}, inputs=["u"])
+    report = pse.close_loop(declared, train, test=test, random_state=1)
+    (effect,) = report.effects
+    assert effect.term.has(sympy.exp)
+    assert effect.coefficients == pytest.approx([0.25], rel=0.05)
+    assert report.after.simulation_error[0] < 0.3
+
+
+def reactor(rng):
+    """Measure the temperature of a reaction that heats itself, of a heater with five levels."""
+    t = np.arange(0.0, 60.0, 0.02)
+    heater = np.repeat(rng.choice([-1.0, -0.5, 0.0, 0.5, 1.0], 62), 50)[: len(t)]
+    temperature = np.zeros(len(t))
+    for i in range(len(t) - 1):  # by the rule of the midpoint: the heater is held
+        middle, now = temperature[i], temperature[i]
+        for share in (0.01, 0.02):
+            middle = now + share * (1.5 * heater[i] - 1.6 * middle + 0.25 * np.exp(0.8 * middle))
+        temperature[i + 1] = middle
+    noise = 0.005 * temperature.std() * rng.standard_normal(temperature.shape)
+    return pse.prepare(t, temperature + noise, heater, order=1, held=True)
 
 
 @pytest.mark.slow
