@@ -25,13 +25,16 @@ if TYPE_CHECKING:
     from .report import LoopReport
 
 __all__ = ["added_up", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
-__all__ += ["named_together", "numbers_inside", "verdict_of", "without_rivals"]
+__all__ += ["named_together", "numbers_inside", "value_within"]
+__all__ += ["verdict_of", "without_rivals"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
     "traced": "traced: the model lacked the effects below, which have been added.",
     "untraced": "untraced: the residual has structure that none of the tried effects explains.",
 }
+
+WAVES = ("periodic forcing", "position-periodic ripple")  # each a sine and a cosine
 
 MUCH_LEFT = (
     "complete: none of the effects that were tried passes, but the model misses the record by more "
@@ -111,9 +114,11 @@ def free_parameters(errors: Errors) -> str:
     """
     if not all(name.isidentifier() for name in errors.parameters):
         return ""
-    sure = {name: f" ({_ends(*ends)})" for name, ends in errors.parameter_intervals.items()}
+    sure = errors.parameter_intervals
     shown = (
-        f"{name} = {format_number(value)}{sure.get(name, '')}"
+        f"{name} = {value_within(value, *sure[name])} ({_ends(*sure[name])})"
+        if name in sure
+        else f"{name} = {format_number(value)}"
         for name, value in errors.parameters.items()
     )
     what = "Free parameters, with 95 % intervals" if sure else "Free parameters"
@@ -163,11 +168,22 @@ def interval(low: float, high: float) -> str:
 
 
 def _ends(low: float, high: float) -> str:
+    digits = _digits(low, high)
+    return f"{low:.{digits}g} to {high:.{digits}g}"
+
+
+def value_within(value: float, low: float, high: float) -> str:
+    """Return a number, with as many digits as its interval where fewer round it out of that."""
+    shown = format_number(value)
+    is_out = low <= value <= high and not low <= float(f"{value:.4g}") <= high
+    return format_number(value, _digits(low, high)) if is_out else shown
+
+
+def _digits(low: float, high: float) -> int:
     size, width = max(abs(low), abs(high)), high - low
     usable = np.isfinite(size) and np.isfinite(width) and width > 0.0
     needed = 2 + int(np.ceil(np.log10(size / width))) if usable else 4
-    digits = min(max(needed, 4), 12)
-    return f"{low:.{digits}g} to {high:.{digits}g}"
+    return min(max(needed, 4), 12)
 
 
 def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
@@ -188,8 +204,8 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
             continue
         shown = _factor(as_written(effect.expressions[k], symbols))
         times = "" if effect.expressions[k] == OFFSET else f" times {shown}"
-        lines.append(f"{value:.4g}{times}   {interval(low, high)}")
-        if low < 0.0 < high:
+        lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
+        if low < 0.0 < high and not _is_phase(effect):
             lines.append("the interval contains zero: its sign is not known apart from other terms")
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
@@ -208,6 +224,12 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     else:
         lines.append(without_rivals(effect))
     return [*lines, *named_together(effect)]
+
+
+def _is_phase(effect: Effect) -> bool:
+    """Tell whether a coefficient near zero only says where a wave begins."""
+    low, high = effect.confidence_intervals.T
+    return effect.name in WAVES and bool(np.any(low * high > 0.0))
 
 
 def named_together(effect: Effect) -> list[str]:

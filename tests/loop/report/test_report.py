@@ -20,7 +20,7 @@ from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.doubtful import most_doubtful
 from pysindy_evolve.loop.report.quantities import with_share_of_runs
 from pysindy_evolve.loop.report.start_noise import moved_by_starts
-from pysindy_evolve.loop.report.text import interval
+from pysindy_evolve.loop.report.text import evidence, interval, value_within
 from pysindy_evolve.loop.report.units import percent
 from pysindy_evolve.terms import power, variable
 
@@ -460,3 +460,28 @@ def test_a_wrong_weight_is_no_gravity_of_an_angle():
     assert "gravity" not in found.effects[0].alternatives
     said = " ".join(str(found).split())
     assert "holds the known constant -9.81; the record asks for -14.8" in said
+
+
+@pytest.mark.parametrize(
+    ("value", "ends", "shown"),
+    [
+        (100.026, (100.003, 100.049), "100.026"),  # 100 is not between them
+        (3.0012, (2.9963, 3.0045), "3.001"),
+        (-1.5e-7, (-1.6e-7, -1.4e-7), "-1.5e-7"),
+        (0.2, (0.3, 0.4), "0.2"),  # nor is the number itself
+    ],
+)
+def test_a_number_is_printed_within_its_interval(value, ends, shown):
+    assert value_within(value, *ends) == shown
+
+
+def test_a_wave_with_a_phase_of_zero_is_not_said_to_be_unknown():
+    known = {"confidence_intervals": np.array([[1.0, 3.0], [-0.5, 0.5]])}
+    values = {"coefficients": np.array([2.0, 0.0]), "quantities": (), "entry": ""}
+    rest = {"numbers": {}, "number_intervals": np.empty((0, 2)), "by_runs": False, "explained": 0.5}
+    rest |= {"p_value": 0.01, "twin_scores": np.zeros(9), "rivals": (), "contested": True}
+    rest |= {"together": (), "expressions": (variable(0), power(variable(0), 2))}
+    symbols = [sympy.Symbol("q", real=True)]
+    for name, said in (("periodic forcing", False), ("quadratic stiffness", True)):
+        lines = evidence(SimpleNamespace(name=name, **known, **values, **rest), symbols)
+        assert any("contains zero" in line for line in lines) is said
