@@ -10,7 +10,7 @@ fitting        coefficients, from derivatives, trajectories and free runs
 twins          machines in which nothing is missing
 evidence       one step: effects scored, tested on twins, held against rivals
 memories       what an input goes through before it acts
-free_runs      what only free runs show: slow memories, limits, duels of effects
+free_runs      what only free runs show: slow memories, limits, effects held against each other
 growth         terms that no name fits, by genetic programming
 revision       what was found, exchanged, tuned again or dropped
 report         equations, errors, evidence, pictures, experiments

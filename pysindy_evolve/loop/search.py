@@ -28,8 +28,8 @@ from .evidence.structure import structure_chance
 from .evidence.trace import EVOLVED
 from .fitting.unfolding import paths_of
 from .free_runs.by_runs import find_by_runs
+from .free_runs.comparison import held_against
 from .free_runs.contenders import Pool
-from .free_runs.duels import held_against
 from .free_runs.one_for_several import one_for_several
 from .free_runs.sensor_limits import clipped_sensors
 from .free_runs.shared_tuning import numbers_by_runs, shared_by_runs
@@ -45,15 +45,15 @@ from .growth.grow import TermGrower
 from .growth.naming import small_candidates
 from .growth.short import find_small, is_better
 from .memories.chains import Traded, untraded
+from .memories.find import find_with_memories, resettled
 from .memories.holds import memory_beside_hold
-from .memories.recall import find_or_recall, resettled
 from .revision.beginnings import settled_beginning
 from .revision.errors_in_inputs import without_errors_in_inputs
+from .revision.hidden_numbers import needed_by_runs, smooth_in, with_numbers, with_numbers_of_runs
 from .revision.revise import exchange, merged, prune
 from .revision.sharing import with_shared_numbers
 from .revision.superseded import without_outlived
 from .revision.thinning import thinned
-from .revision.yielding import needed_by_runs, smooth_in, with_numbers, with_numbers_of_runs
 
 __all__ = ["Search"]
 
@@ -190,7 +190,7 @@ class Search:
         """Look once for what has a name, or remembers."""
         relaxing, springs = self.relaxing and not memories, self.relaxing
         given = self.declared, self.design, self.part, self.rules, self.rng, memories
-        look = find_or_recall(*given, relaxing=relaxing, springs=springs)
+        look = find_with_memories(*given, relaxing=relaxing, springs=springs)
         self.rejected = look.rejected or self.rejected
         return look.found
 
@@ -323,7 +323,7 @@ class Search:
         found = one_for_several(model, found, pool, self.plain)
         found = two_for_one(model, found, self.plain, self.part, self.rules)
         kept = held_against(model, found, pool, self.plain, self.rules)
-        kept = shared_by_runs(model, kept, self.plain)  # a duel may have made partners of them
+        kept = shared_by_runs(model, kept, self.plain)  # what won may have partners
         self.findings = prune(self.declared, kept, self.part)
 
     def _doubt_inputs(self) -> None:

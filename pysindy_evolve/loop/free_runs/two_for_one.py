@@ -25,9 +25,9 @@ from ..fitting.trial import settled
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments, ranges
+from .comparison import is_closer
 from .contenders import STEADY, STRETCHES, begun_with, fitted_with
 from .drift import drift_of
-from .duels import is_closer
 from .variants import Model
 
 __all__ = ["two_for_one"]

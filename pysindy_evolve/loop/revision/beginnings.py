@@ -20,7 +20,7 @@ from ..evidence.scoring import quick_fit
 from ..fitting.past import begun
 from ..given.design import Design
 from ..given.segments import Segments
-from ..memories.recall import resettled
+from ..memories.find import resettled
 
 __all__ = ["Beginning", "settled_beginning"]
 

@@ -10,8 +10,8 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.partners import are_partners, partnerships, shares_number
 from pysindy_evolve.loop.evidence.findings import Finding, with_columns
 from pysindy_evolve.loop.evidence.scoring import columns_of, tuned
+from pysindy_evolve.loop.free_runs.comparison import held_against
 from pysindy_evolve.loop.free_runs.contenders import Pool
-from pysindy_evolve.loop.free_runs.duels import held_against
 from pysindy_evolve.loop.free_runs.shared_tuning import shared_by_runs
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
@@ -94,7 +94,7 @@ def test_a_gap_is_found_along_both_equations_and_along_neither_of_them(clutch):
 
 
 @pytest.mark.slow
-def test_a_gap_that_equations_share_is_tuned_by_free_runs_and_kept_in_duels(clutch):
+def test_a_gap_that_equations_share_is_tuned_by_free_runs_and_kept_against_others(clutch):
     record, design, effects = clutch
     findings = planted([one.at([1.15 * GAP]) for one in effects], design)
     kept = shared_by_runs(Model(design), findings, [record])

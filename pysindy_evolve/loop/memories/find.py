@@ -26,10 +26,10 @@ from .memories_first import memory_instead, outdoes_memories
 from .probes import MemoryCandidate, Probes, grid_of, users_of
 from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
 
-__all__ = ["find_or_recall", "resettled"]
+__all__ = ["find_with_memories", "resettled"]
 
 
-def find_or_recall(
+def find_with_memories(
     declared: Design,
     design: Design,
     part: Segments,

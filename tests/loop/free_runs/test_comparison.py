@@ -10,8 +10,8 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.shaping import with_units
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.free_runs.comparison import held_against
 from pysindy_evolve.loop.free_runs.contenders import Pool
-from pysindy_evolve.loop.free_runs.duels import held_against
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
