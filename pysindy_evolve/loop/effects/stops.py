@@ -22,6 +22,7 @@ __all__ = [
     "begins_within",
     "begun_at_same",
     "damped_contacts",
+    "end_stops",
     "ends_of",
     "has_two_ends",
     "is_stop",
@@ -30,7 +31,7 @@ __all__ = [
 ]
 
 PLACES = (-0.6, -0.2, 0.2, 0.6)  # of half the range, from its middle
-ENDS = (0.75, 0.9)  # of it, where only what comes next is a stop: most of the motion is free
+ENDS = (0.75, 0.9)  # of it, in which most of the motion is free
 WIDTHS = (0.3, 0.7)  # of the range, between two stops
 SIGNS = {2: (-1, 1), 4: (1, 1), -4: (-1, -1)}  # of a lower and an upper end, by branch
 LEAST = 0.02  # of the largest magnitude: nearer to zero it is a magnitude, as |q|
@@ -57,10 +58,18 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
         offset has.
     """
     half, least = largest - abs(middle), LEAST * largest
-    begun = [(middle + share * half, side) for share in PLACES for side in (1.0, -1.0)]
-    begun += [(middle + side * share * half, side) for share in ENDS for side in (1.0, -1.0)]
-    yield from (_at(effect, q, place, side) for place, side in begun if abs(place) >= least)
+    for place in (middle + share * half for share in PLACES):
+        if abs(place) >= least:
+            yield from (_at(effect, q, place, side) for side in (1.0, -1.0))
     yield from _between_ends(effect, "dead zone", q, largest, middle)
+
+
+def end_stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iterator[Candidate]:
+    """Go through what a state meets only near the ends of its range, as in `stops`."""
+    half, least = largest - abs(middle), LEAST * largest
+    for place, side in ((middle + s * share * half, s) for share in ENDS for s in (1.0, -1.0)):
+        if abs(place) >= least:
+            yield _at(effect, q, place, side)
 
 
 def asymmetric_limits(

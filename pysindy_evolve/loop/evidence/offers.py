@@ -7,19 +7,20 @@ explain of the noise does not change what other effects are worth.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ...equations import Equations
 from ...hidden_states.boucwen import BOUC_WEN
 from ...hidden_states.path_states import paths_within, source_of
 from ...hidden_states.wen_spring import WEN_SPRING
 from ...terms import variable
-from ..effects.candidate import Candidate
+from ..effects.candidate import Candidate, CandidateMaker
 from ..effects.followers import followers_for, followers_of, is_sound
 from ..effects.hysteresis import remembered_ways
+from ..effects.stops import end_stops, is_stop
 from ..fitting.unfolding import paths_of
 from ..given.design import Design
-from ..given.segments import Segments
+from ..given.segments import Segments, ranges
 from .scoring import LEAD, propose, quick_fit, score, sharpened, takes_energy
 
 __all__ = ["Offer", "awaited", "leading", "offer_for"]
@@ -85,7 +86,7 @@ def offer_for(
         others = propose(design, quick_fit(design, part), part)
         if leading(yields, others, design, part):
             return Offer(part, tuple(yields))
-    return Offer(part)
+    return Offer(part, tuple(_end_stops_for(design, part)))
 
 
 def _hystereses_for(design: Design, part: Segments, *, springs: bool) -> list[Candidate]:
@@ -99,6 +100,26 @@ def _hystereses_for(design: Design, part: Segments, *, springs: bool) -> list[Ca
         if position is not None and variable(position) not in taken:
             found += remembered_ways(state, position, longest.x[:, position], springs=springs)
     return found
+
+
+def _end_stops_for(design: Design, part: Segments) -> list[Candidate]:
+    """Return the stops that only the ends of a stroke meet, where one of them leads all else.
+
+    They meet little of a record, and would stand in for much where nothing of the kind is there.
+    """
+    largest, _, _, middle = ranges(part.rows)
+    found: list[Candidate] = []
+    for state in design.velocities:
+        place = design.position_of(state)
+        if place is not None:
+            size, center = float(largest[place]), float(middle[place])
+            found += end_stops(CandidateMaker(state), variable(place), size, center)
+    alone = [replace(stop, parents=()) for stop in found]
+    if not leading(alone, (), design, part):
+        return []
+    proposed = sharpened(design, part, propose(design, quick_fit(design, part), part))
+    others = [one for one in proposed if not is_stop(one)]
+    return found if leading(sharpened(design, part, alone), others, design, part) else []
 
 
 def leading(

@@ -43,9 +43,9 @@ def test_friction_of_a_machine_that_sticks_is_fitted_without_bias(sticking):
 
 def belt(seed, *, rests=True):
     """Measure the speed alone of a belt that stops again and again, with colored noise."""
-    rng, t = np.random.default_rng(seed), np.arange(0.0, 60.0, 0.01)
+    rng, t = np.random.default_rng(seed), np.arange(0.0, 30.0, 0.01)
     levels = [0.0, 0.0, 0.0, 3.0, 5.0, -4.0] if rests else [3.0, 5.0, 7.0]
-    force = lfilter([0.1], [1.0, -0.9], np.repeat(rng.choice(levels, 60), 100))
+    force = lfilter([0.1], [1.0, -0.9], np.repeat(rng.choice(levels, 30), 100))
     v = np.zeros(len(t))
     for i in range(len(t) - 1):  # the force is held; over a step what is left of it is straight
         push = 4.0 * force[i] - 2.0 * v[i]
