@@ -127,6 +127,16 @@ class AlgebraicEquations(Equations):
         return len(self.states)
 
 
+def collected(sides: Sequence[Sum]) -> tuple[tuple[Product, ...], np.ndarray]:
+    """Return the terms of right-hand sides and their coefficients, shape (n_sides, n_terms)."""
+    terms = tuple(dict.fromkeys(term for side in sides for _, term in side.parts))
+    coef = np.zeros((len(sides), len(terms)))
+    for row, side in zip(coef, sides, strict=True):
+        for c, term in side.parts:
+            row[terms.index(term)] += c
+    return terms, coef
+
+
 def stack(x: np.ndarray, u: np.ndarray | None = None, t: np.ndarray | None = None) -> np.ndarray:
     """Put states, inputs and time side by side: shape (n_samples, n_variables)."""
     columns: Sequence[np.ndarray] = [part for part in (x, u, t) if part is not None]

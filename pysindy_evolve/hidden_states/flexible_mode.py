@@ -28,7 +28,7 @@ import sympy
 
 from ..operators import Operator
 from ..terms import Call, Sum, add, call, constant, mul, sub
-from .relaxing import relaxing_along
+from .relaxing import relaxing_along, span_of
 
 __all__ = ["FLEXIBLE_MODE", "FlexibleMode", "flexible_mode", "stretch_along"]
 
@@ -149,13 +149,7 @@ class FlexibleMode:
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
         """Return between which values h and h' may have begun: what x and v do, and beyond."""
-        x, v = (argument.evaluate(rows) for argument in path.args[:2])
-        ends = (column + k * np.ptp(column) for column in (x, v) for k in (-1.0, 1.0))
-        x_low, x_high, v_low, v_high = ends
-        return [
-            (float(x_low.min()), float(x_high.max())),
-            (float(v_low.min()), float(v_high.max())),
-        ]
+        return [span_of(argument.evaluate(rows)) for argument in path.args[:2]]
 
     def _behind(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, Sum]:
         """Return x - h and v - h'."""

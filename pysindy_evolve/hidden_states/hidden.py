@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import sympy
 
-from ..equations import Equations, stack
+from ..equations import Equations, collected, stack
 from ..substitution import substituted
 from ..terms import Call, Sum, variable
 from .memory import Memory, balance, rate
@@ -169,27 +169,26 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
         for k, source in enumerate(path.args[: kind.order], start=place):
             names.insert(k, _new_name(f"{source.name(equations.names)}_{kind.suffix}", names))
     sides = [substituted(side, written) for side in equations.sums] + rates
-    delays = [0.0] * n_inputs
-    for memory in memories:
-        if not memory.has_state:
-            delays[memory.column] += memory.values[0]
-    terms = tuple(dict.fromkeys(term for side in sides for _, term in side.parts))
-    coef = np.zeros((len(sides), len(terms)))
-    for row, side in zip(coef, sides, strict=True):
-        for c, term in side.parts:
-            row[terms.index(term)] += c
     return MemoryEquations(
-        terms,
-        coef,
+        *collected(sides),
         tuple(names[:first]),
         equations.inputs,
         inner=equations,
         memories=tuple(memories),
-        delays=tuple(delays),
+        delays=_delays(memories, n_inputs),
         rests=tuple(rests),
         paths=paths,
         acting=tuple(acts),
     )
+
+
+def _delays(memories: Sequence[Memory], n_inputs: int) -> tuple[float, ...]:
+    """Return by how much each input acts later, but for its hidden states."""
+    late = [0.0] * n_inputs
+    for memory in memories:
+        if not memory.has_state:
+            late[memory.column] += memory.values[0]
+    return tuple(late)
 
 
 def _new_name(name: str, taken: Sequence[str]) -> str:

@@ -29,7 +29,7 @@ from scipy.signal import lfilter
 from ..operators import Operator
 from ..terms import Call, Sum, call, constant, sub
 
-__all__ = ["RELAXING", "Relaxation", "relaxing", "relaxing_along"]
+__all__ = ["RELAXING", "Relaxation", "relaxing", "relaxing_along", "span_of"]
 
 SUFFIX = "relax"  # what the name of the hidden state ends in, after that of the measured one
 FADED = 4.0  # relaxation times, after which 2 % are left of how it began
@@ -78,6 +78,12 @@ def _evenly(moves: np.ndarray, ratio: complex, start: complex) -> np.ndarray:
     faded, share = np.exp(-ratio), -np.expm1(-ratio) / ratio
     moved, _ = lfilter([share], [1.0, -faded], moves, zi=[faded * start])
     return np.concatenate([[start], moved])
+
+
+def span_of(x: np.ndarray) -> tuple[float, float]:
+    """Return the range of values, and as far beyond: what dies out was larger before a record."""
+    width = float(np.ptp(x))
+    return float(x.min()) - width, float(x.max()) + width
 
 
 def _on_rows(x: np.ndarray, t: np.ndarray, relaxation_time: np.ndarray) -> np.ndarray:
@@ -145,10 +151,5 @@ class Relaxation:
         return (x - relaxing_along(x, t, *self.numbers(path), begun))[:, None]
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
-        """Return between which values h may have begun: those of x here, and as far beyond.
-
-        A motion that dies out was larger before the record.
-        """
-        x = path.args[0].evaluate(rows)
-        width = float(np.ptp(x))
-        return [(float(x.min()) - width, float(x.max()) + width)]
+        """Return between which values h may have begun: those of x here, and as far beyond."""
+        return [span_of(path.args[0].evaluate(rows))]

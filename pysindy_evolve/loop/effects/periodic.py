@@ -14,7 +14,9 @@ from .candidate import Candidate, CandidateMaker, Shape
 from .lines import find_lines
 
 __all__ = [
+    "FORCING",
     "N_LINES",
+    "RIPPLE",
     "frequency_of",
     "is_same_ripple",
     "lines_of",
@@ -24,6 +26,7 @@ __all__ = [
 ]
 
 FORCING = "periodic forcing"
+RIPPLE = "position-periodic ripple"
 FREQUENCY = "angular frequency"
 N_LINES = 2  # that are looked at in an equation
 PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
@@ -204,7 +207,7 @@ def ripple_candidates(
     lines = find_lines(mean, (), PERIODS_IN_SPACE, 1, finest)
     return [
         effect(
-            "position-periodic ripple",
+            RIPPLE,
             # Pieces that were passed less often bend the line; it is half a period wide each way.
             shape=Shape(
                 (2 * np.pi * cycles / width,),

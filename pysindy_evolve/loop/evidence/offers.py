@@ -1,5 +1,6 @@
-"""What is on offer in a look: the vocabulary, and what remembers a state where that leads all else.
+"""What is on offer in a look: the vocabulary, and what else leads all of it.
 
+That is what remembers a state, and the stops that only the ends of a stroke meet.
 Each look at a record and its twins then takes no longer than it must, and what a memory could
 explain of the noise does not change what other effects are worth.
 """
@@ -37,7 +38,7 @@ class Offer:
     part : Segments
         Pieces of the training records.
     ways : tuple of Candidate
-        What remembers a state.
+        What is on offer beside the vocabulary.
     relaxes : bool
         Whether these are relaxations, which need more proof than others.
     """
@@ -47,8 +48,13 @@ class Offer:
     relaxes: bool = False
 
     def propose(self, design: Design, equations: Equations, part: Segments) -> list[Candidate]:
-        """Return the vocabulary, and what remembers."""
+        """Return the vocabulary, and what is on offer beside it."""
         return [*propose(design, equations, part), *self.ways]
+
+    @property
+    def remembers(self) -> bool:
+        """Whether what is on offer beside the vocabulary remembers a state."""
+        return any(paths_within(way.terms) for way in self.ways)
 
 
 def offer_for(

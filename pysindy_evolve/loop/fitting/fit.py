@@ -233,10 +233,8 @@ def derivative_errors(
         error = record.x_dot - rates_on(equations, record)
         valued = np.isfinite(error)
         known |= valued.any(axis=0)
-        weight, error = (
-            moving(record, may_rest(design, [record])) * valued,
-            np.where(valued, error, 0.0),
-        )
+        weight = moving(record, may_rest(design, [record])) * valued
+        error = np.where(valued, error, 0.0)
         squares.append(project(error * weight, wide) ** 2)
         samples.append(project(record.x_dot, wide))
         weights.append(project(weight, wide) ** 2)

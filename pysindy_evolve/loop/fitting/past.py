@@ -178,7 +178,7 @@ def _remembered(
 
     low, high = (along(end, len(rows))[:, place] for end in span)
     felt = np.flatnonzero(np.abs(high - low) > FADED * (span[1] - span[0]))
-    n, scale = max(_SHORTEST, int(felt[-1]) + 1), scale_of([record.x_dot])
+    n, scale = max(_SHORTEST, 1 + int(felt.max(initial=0))), scale_of([record.x_dot])
 
     def miss(start: float) -> float:
         rates = equations.evaluate(

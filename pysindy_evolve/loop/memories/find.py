@@ -68,7 +68,7 @@ def find_with_memories(
     proposer = partial(probes.propose, offer=offer.propose)
     look = find(probes.widened(declared), wide, pieces, rules, rng, proposer)
     plain = [_narrowed(finding, probes) for finding in look.found]
-    if plain and not offer.ways and not any(isinstance(f, MemoryFinding) for f in plain):
+    if plain and not offer.remembers and not any(isinstance(f, MemoryFinding) for f in plain):
         late = memory_instead(plain, design, part, memories)
         plain = plain if late is None else [_recalled(plain[0], late, design)]
     level = rules.significance

@@ -14,6 +14,7 @@ from ...export.compact import as_written
 from ...export.hinges import as_hinges
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
+from ..effects.periodic import FORCING, RIPPLE
 from .advice import paragraphs
 from .missed import NOTABLE
 from .remains import remains
@@ -34,7 +35,7 @@ VERDICTS = {
     "untraced": "untraced: the residual has structure that none of the tried effects explains.",
 }
 
-WAVES = ("periodic forcing", "position-periodic ripple")  # each a sine and a cosine
+WAVES = (FORCING, RIPPLE)  # each a sine and a cosine
 
 MUCH_LEFT = (
     "complete: none of the effects that were tried passes, but the model misses the record by more "

@@ -33,11 +33,8 @@ from .revise import exchange
 __all__ = ["needed_by_runs", "smooth_in", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
-SMOOTH = (
-    RELAXING,
-    WEN_SPRING,
-    FLEXIBLE_MODE,
-)  # without the jumps of a friction: a filter may look like them
+# Without the jumps of a friction: a filter may look like them.
+SMOOTH = (RELAXING, WEN_SPRING, FLEXIBLE_MODE)
 
 
 def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:

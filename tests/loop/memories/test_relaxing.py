@@ -225,6 +225,13 @@ def test_relaxations_are_not_sought_over_gaps():
     assert not offer_for(design, few).relaxes
 
 
+def test_hidden_state_of_what_stands_still_begins_in_balance(exact):
+    record, _ = exact
+    still = replace(record, x=0.0 * record.x + [0.3, 0.0], x_dot=0.0 * record.x_dot)
+    equations = with_memories(design_of(TRUE, [record]).equations(NUMBERS), ())
+    assert first_state(equations, still) == pytest.approx([0.3, 0.0, 0.3])
+
+
 def test_hidden_state_begins_where_it_should_in_any_unit(exact):
     record, h = exact
     small = replace(record, x=1e-6 * record.x, x_dot=1e-6 * record.x_dot, u=1e-6 * record.u)
