@@ -26,6 +26,7 @@ __all__ = [
     "ends_of",
     "has_two_ends",
     "is_stop",
+    "one_end_each",
     "pressed",
     "stops",
 ]
@@ -127,6 +128,14 @@ def has_two_ends(candidate: Candidate) -> bool:
     return candidate.whole and candidate.shape is not None and len(candidate.terms) == 2
 
 
+def one_end_each(candidate: Candidate) -> list[Candidate]:
+    """Return the stop at either end of a dead zone with two: a motion may meet one of them only."""
+    if candidate.shape is None or candidate.name != "dead zone" or not has_two_ends(candidate):
+        return []
+    effect, q = CandidateMaker(candidate.state), _travel_in(candidate.terms[0])
+    return [_at(effect, q, *end) for end in zip(ends_of(candidate.shape), (-1.0, 1.0), strict=True)]
+
+
 def begins_within(candidate: Candidate, variables: np.ndarray) -> bool:
     """Tell whether a stop comes in somewhere in the records, and leaves free a part of them.
 
@@ -204,6 +213,12 @@ def _kink_of(terms: Sequence[Sum]) -> tuple[Sum, float] | None:
     if place == 0.0 or len(rest) != 1 or rest[0][0] != 1.0 or rest[0][1].size != 1:
         return None
     return Sum(tuple(rest)), place
+
+
+def _travel_in(beyond: Sum) -> Sum:
+    """Return q of (q - c + |q - c|) / 2, a position or a stretch between two."""
+    straight = [(c, part) for c, part in beyond.parts if part.factors and not _is_magnitude(part)]
+    return Sum(tuple((2.0 * c, part) for c, part in straight))
 
 
 def _beyond(q: Sum, side: float, toward: int, end: float) -> Sum:

@@ -19,7 +19,7 @@ from ..effects.periodic import (
     pumped_candidates,
     ripple_candidates,
 )
-from ..effects.stops import begins_within
+from ..effects.stops import begins_within, one_end_each
 from ..effects.varying import parts_of
 from ..effects.vocabulary import VOCABULARY
 from ..fitting.linear import solve_gram
@@ -146,10 +146,8 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
         if one.shape is not None and s.value > max(MARGIN, leader / 2):
             first.setdefault((one.name, one.state, one.shape.branch), one)
     parents = {_by_itself(one): one.parents for one in proposed}
-    return [
-        *proposed,
-        *(replace(tuned(one, design, part), parents=parents[one]) for one in first.values()),
-    ]
+    there = [replace(tuned(one, design, part), parents=parents[one]) for one in first.values()]
+    return [*proposed, *there, *(end for one in there for end in one_end_each(one))]
 
 
 def _by_itself(candidate: Candidate) -> Candidate:

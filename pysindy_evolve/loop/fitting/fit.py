@@ -18,6 +18,7 @@ from ...terms import Cache
 from ..given.design import Design
 from ..given.segments import places_of, scale_of, segments, variables_of
 from ..given.sticking import may_rest, moving
+from .bootstrap import block_intervals
 from .linear import solve_gram
 from .past import rates_on, settled_rows
 from .residual import forces, jacobian, simulation_rows
@@ -37,7 +38,6 @@ N_BLOCKS = 40  # of the derivative fit: long against the memory of a residual
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each from one initial state
 JUDGED = 16  # stretches by which the simulation fit is compared with the derivative fit
 ROUNDING = 1e-16  # an exact fit leaves no less of the target's square
-N_RESAMPLES = 400
 # A model that lacks something fits simulation and derivative with different coefficients; where the
 # square of the derivative error would rise by more than this, the derivative is kept.
 MAX_TORN = 2.0
@@ -52,7 +52,7 @@ class Fit:
     coef : ndarray of shape (p,)
         One for each column of the design.
     intervals : ndarray of shape (p, 2)
-        From blocks of rows drawn with replacement, so they respect the memory of the residual.
+        From blocks of rows, weighed at random, so they respect the memory of the residual.
     criterion : {"derivative", "simulation", "trajectory"}
         The error that was minimized.
     """
@@ -90,14 +90,14 @@ def fit(
     blocks = _block_grams(design, records)
     by_derivative = _solve(blocks)
     if refine == "derivative":
-        return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
+        return Fit(by_derivative, block_intervals(blocks, rng), "derivative")
     horizons = simulation_grams(design, by_derivative, records)
     by_simulation = _over_all(horizons)
     if refine == "auto" and not _betters(horizons[JUDGED], blocks, by_derivative, by_simulation):
-        return Fit(by_derivative, _bootstrap(blocks, rng), "derivative")
+        return Fit(by_derivative, block_intervals(blocks, rng), "derivative")
     shortest = horizons[max(horizons)]
     shift = by_simulation - _solve(shortest)
-    return Fit(by_simulation, _bootstrap(shortest, rng) + shift[:, None], "simulation")
+    return Fit(by_simulation, block_intervals(shortest, rng) + shift[:, None], "simulation")
 
 
 def _betters(
@@ -162,7 +162,7 @@ def derivative_intervals(
     design: Design, records: Sequence[Record], rng: np.random.Generator
 ) -> np.ndarray:
     """Return the 95 % intervals of the coefficients that fit the derivative, shape (p, 2)."""
-    return _bootstrap(_block_grams(design, records), rng)
+    return block_intervals(_block_grams(design, records), rng)
 
 
 def simulation_grams(
@@ -208,12 +208,6 @@ def _solve(grams: np.ndarray) -> np.ndarray:
 def _square(gram: np.ndarray, coef: np.ndarray) -> float:
     contrast = np.append(coef, -1.0)
     return float(contrast @ gram @ contrast)
-
-
-def _bootstrap(grams: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    draws = rng.integers(len(grams), size=(N_RESAMPLES, len(grams)))
-    coefs = np.array([_solve(grams[draw]) for draw in draws])
-    return np.quantile(coefs, [0.025, 0.975], axis=0).T
 
 
 def derivative_errors(

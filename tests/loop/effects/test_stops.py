@@ -13,7 +13,9 @@ from pysindy_evolve.loop.effects.stops import (
     begins_within,
     begun_at_same,
     damped_contacts,
+    has_two_ends,
     is_stop,
+    one_end_each,
     pressed,
     stops,
 )
@@ -28,6 +30,7 @@ ONE_SIDED = [candidate for candidate in OFFERED if is_stop(candidate)]
 TWO_SIDED = [candidate for candidate in OFFERED if candidate not in ONE_SIDED]
 FREE = Design(("q", "v"), (), (variable(1), Sum(())), ())
 Q = np.linspace(-3.0, 3.0, 61)[:, None]
+OTHER_WAY = variable(1), variable(0)
 
 
 def test_they_begin_within_the_range_and_are_nothing_on_one_side_of_it():
@@ -56,6 +59,22 @@ def test_two_ends_that_overlap_are_a_straight_line():
     (above,) = (c for c in TWO_SIDED if c.terms[1].evaluate(np.array([[0.0]])) > 0.0)
     assert begins_within(above.at([0.5, 2.0]), Q)
     assert not begins_within(above.at([2.0, 0.5]), Q)
+
+
+@pytest.mark.parametrize("middle", [-0.5, 0.0, 1.0])
+@pytest.mark.parametrize("q", [variable(0), sub(variable(0), variable(1)), sub(*OTHER_WAY)])
+def test_of_two_stops_either_may_stand_alone(q, middle):
+    rows = np.random.default_rng(0).normal(size=(60, 2))
+    for candidate in filter(has_two_ends, stops(CandidateMaker(0), q, 3.0, middle)):
+        ends = one_end_each(candidate)
+        assert all(map(is_stop, ends))
+        for end, term in zip(reversed(ends), candidate.terms, strict=True):
+            assert end.terms[0].evaluate(rows) == pytest.approx(term.evaluate(rows))
+
+
+def test_one_stop_has_one_end():
+    for candidate in ONE_SIDED:
+        assert one_end_each(candidate) == []
 
 
 def test_a_contact_may_lose_energy_by_how_deep_it_is_or_wherever_it_is_closed():
@@ -124,6 +143,36 @@ def test_a_stop_that_only_the_end_of_the_stroke_meets_is_found():
     report = pse.close_loop(rig.model, rig.record(), operators=(), n_twins=59, random_state=0)
     (effect,) = report.effects
     assert effect.numbers["end"] == pytest.approx(place, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("amplitude", "seed"), [(0.35, 9511), (0.7, 9509)])
+def test_a_stop_that_a_stiff_controller_pushes_into_is_found(amplitude, seed):
+    train, test = (pushed(amplitude, own) for own in (seed, seed + 100))
+    axis = pse.DeclaredModel({"q": "v", "v": "b*F - c*v"}, inputs=["F"])
+    report = pse.close_loop(axis, train, test, operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.numbers == pytest.approx({"end": 0.6}, rel=1e-3)
+    assert effect.coefficients == pytest.approx([-400.0], rel=0.01)
+
+
+def pushed(amplitude: float, seed: int, n: int = 7500) -> pse.Record:
+    """Simulate an axis with a rubber stop at one end, its force held, its position rounded."""
+    dt, grain = 2e-3, 2e-5
+    t, phases = dt * np.arange(n), np.random.default_rng(seed).uniform(0, 2 * np.pi, 8)
+    waves = np.sin(2 * np.pi * np.outer(t, np.linspace(0.1, 1.0, 8)) + phases)
+    target = amplitude / 2.0 * waves.sum(axis=1)
+    q = v = before = slope = 0.0
+    shown, applied = np.empty(n), np.empty(n)
+    for k in range(n):
+        shown[k] = grain * round(q / grain)
+        slope += 0.3 * ((shown[k] - before) / dt - slope)
+        before = shown[k]
+        applied[k] = 150.0 * (target[k] - before) - 15.0 * slope
+        for _ in range(20):
+            v += dt / 20 * (applied[k] - 3.0 * v - 400.0 * max(q - 0.6, 0.0))
+            q += dt / 20 * v
+    return pse.prepare(t, shown, applied, held=True)
 
 
 @pytest.mark.slow

@@ -75,6 +75,21 @@ def test_intervals_hold_the_coefficients_and_shrink_with_more_data():
     assert np.all(np.mean(shrunk, axis=0) > 1.5)
 
 
+@pytest.mark.parametrize(("hits", "least", "most"), [((7, 17, 31), 0.02, 1.0), ((17,), 0.2, 15.0)])
+def test_a_number_that_few_blocks_know_has_an_interval_around_it(hits, least, most):
+    t = 0.01 * np.arange(4000)
+    is_hit = np.min(np.abs(t - np.array(hits)[:, None]), axis=0) < 0.2
+    q = np.where(is_hit, 0.8, 0.4 * np.sin(t))
+    rate = -2.0 * q - 30.0 * np.maximum(q - 0.5, 0.0)
+    noise = 0.05 * np.random.default_rng(0).standard_normal(len(t))
+    record = pse.Record(t=t, x=q[:, None], x_dot=(rate + noise)[:, None])
+    known = pse.DeclaredModel({"q": "-a*q - s*max(q - 0.5, 0)"}).design()
+    found = fit(known, [record], rng(), "derivative")
+    low, high = found.intervals[found.coef > 10.0][0]
+    assert low < 30.0 < high
+    assert least < high - low < most
+
+
 @pytest.mark.parametrize("refine", ["derivative", "simulation"])
 def test_error_to_minimize_can_be_chosen(refine):
     found = fit(design(), [measured(MACHINE, noise=1e-3, duration=15.0)], rng(), refine)
