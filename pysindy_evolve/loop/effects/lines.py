@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 
 import numpy as np
 from scipy import fft
@@ -58,7 +59,7 @@ def find_lines(
     places = np.arange(n_fine // 2 + 1)
     free = (places > FINENESS * n_periods) & (places < highest * n_fine)
     n_found, whole = 0, signal
-    of_others = [_spectrum_and_floor(other, n_fine) for other in others]
+    of_others = cache(lambda: [_spectrum_and_floor(other, n_fine) for other in others])
     for _ in range(MOST_TRIED):
         if n_found == n_peaks:
             break
@@ -69,7 +70,7 @@ def find_lines(
         cycles = _vertex(spectrum, peak) / n_fine
         # A peak that begins to rise where the search does belongs to what is too slow for a line.
         its_own = cycles * n_fine > FINENESS * n_periods - 1 and not any(
-            _has_line(*of_other, peak) for of_other in of_others
+            _has_line(*of_other, peak) for of_other in of_others()
         )
         if its_own and not _is_response(whole, others, peak, n_fine):
             yield cycles

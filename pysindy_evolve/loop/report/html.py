@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...export import format_number
-from ...export.compact import as_written
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .remains import remains
@@ -23,6 +22,7 @@ from .text import (
     numbers_inside,
     table_cells,
     verdict_of,
+    with_sign,
     without_rivals,
 )
 from .units import check_units
@@ -87,15 +87,11 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
 
 
 def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
-    parts = zip(effect.coefficients, effect.confidence_intervals, strict=True)
     return {
         "name": effect.name,
         "place": effect.place,
         "entry": effect.entry,
-        "coefficients": [
-            (_shown_term(effect, k, symbols), *map(format_number, (value, low, high)))
-            for k, (value, (low, high)) in enumerate(parts)
-        ],
+        "coefficients": _coefficients(effect, symbols),
         "numbers": numbers_inside(effect),
         "share": f"{100 * effect.explained:.0f}",
         "of_what": "free runs' error variance" if effect.by_runs else "residual variance",
@@ -115,11 +111,15 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
     }
 
 
-def _shown_term(effect: Effect, k: int, symbols: Sequence[Any]) -> str:
-    """Return what a coefficient multiplies, or what it is if it multiplies nothing."""
+def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[tuple[str, ...]]:
+    """Return what each coefficient multiplies, or what it is, and how large, with its interval."""
     if effect.quantities:
-        return f"{expression_mathml(effect.term)}, {effect.quantities[k]}"
-    return expression_mathml(as_written(effect.expressions[k], symbols))
+        term = expression_mathml(effect.term)
+        numbers = zip(effect.coefficients, *effect.confidence_intervals.T, strict=True)
+        shown = [f"{term}, {quantity}" for quantity in effect.quantities]
+        return [(what, *map(format_number, own)) for what, own in zip(shown, numbers, strict=True)]
+    signed = (with_sign(effect, k, symbols) for k in range(len(effect.expressions)))
+    return [(expression_mathml(term), *map(format_number, own)) for term, *own in signed]
 
 
 def _shown(report: LoopReport) -> list[int]:

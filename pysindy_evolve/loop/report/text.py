@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["added_up", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
 __all__ += ["named_together", "numbers_inside", "value_within"]
-__all__ += ["verdict_of", "without_rivals"]
+__all__ += ["verdict_of", "with_sign", "without_rivals"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -196,18 +196,7 @@ def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
 
 def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> list[str]:
     """Return coefficients, share, p-value and rivals of one effect, a line each."""
-    parts = zip(effect.coefficients, effect.confidence_intervals, strict=True)
-    lines = []
-    for k, (value, (low, high)) in enumerate(parts):
-        if effect.quantities:
-            shown = f"{format_expression(effect.term)}: {effect.quantities[k]} {value:.4g}"
-            lines.append(shown if effect.of_sensor else f"{shown}   {interval(low, high)}")
-            continue
-        shown = _factor(as_written(effect.expressions[k], symbols))
-        times = "" if effect.expressions[k] == OFFSET else f" times {shown}"
-        lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
-        if low < 0.0 < high and not _is_phase(effect):
-            lines.append("the interval contains zero: its sign is not known apart from other terms")
+    lines = _quantities(effect) if effect.quantities else _coefficients(effect, symbols)
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
     paths = sayings(effect.expressions, [str(symbol) for symbol in symbols], _sure(effect))
@@ -225,6 +214,38 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     else:
         lines.append(without_rivals(effect))
     return [*lines, *named_together(effect)]
+
+
+def _quantities(effect: Effect) -> list[str]:
+    parts = zip(effect.quantities, effect.coefficients, effect.confidence_intervals, strict=True)
+    term, lines = format_expression(effect.term), []
+    for quantity, value, ends in parts:
+        sure = "" if effect.of_sensor else f"   {interval(*ends)}"
+        lines.append(f"{term}: {quantity} {value:.4g}{sure}")
+    return lines
+
+
+def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
+    lines = []
+    for k, expression in enumerate(effect.expressions):
+        term, value, low, high = with_sign(effect, k, symbols)
+        times = "" if expression == OFFSET else f" times {_factor(term)}"
+        lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
+        if low < 0.0 < high and not _is_phase(effect):
+            lines.append("the interval contains zero: its sign is not known apart from other terms")
+    return lines
+
+
+def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:
+    """Return a term as it is written, its coefficient, and the ends of the interval.
+
+    A sign of the term goes to the coefficient: two in a row are hard to read.
+    """
+    term = as_written(effect.expressions[k], symbols)
+    value, (low, high) = float(effect.coefficients[k]), effect.confidence_intervals[k]
+    if term.as_coeff_Mul()[0] < 0:
+        return -term, -value, -high, -low
+    return term, value, low, high
 
 
 def _is_phase(effect: Effect) -> bool:

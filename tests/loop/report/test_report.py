@@ -22,7 +22,7 @@ from pysindy_evolve.loop.report.quantities import with_share_of_runs
 from pysindy_evolve.loop.report.start_noise import moved_by_starts
 from pysindy_evolve.loop.report.text import evidence, interval, value_within
 from pysindy_evolve.loop.report.units import percent
-from pysindy_evolve.terms import power, variable
+from pysindy_evolve.terms import constant, mul, power, variable
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
 
@@ -224,6 +224,22 @@ def test_a_sum_that_a_coefficient_multiplies_stands_in_parentheses():
     (effect,) = played.effects
     assert effect.name == "dead zone"
     assert f"{effect.coefficients[0]:.4g} times (" in str(played)
+
+
+def test_the_sign_of_a_term_goes_to_its_coefficient(report, tmp_path):
+    (*_, effect) = report.effects
+    turned = replace(
+        effect,
+        expressions=tuple(mul(constant(-1.0), one) for one in effect.expressions),
+        coefficients=-effect.coefficients,
+        confidence_intervals=-effect.confidence_intervals[:, ::-1],
+    )
+    said = [evidence(one, report.equations.inner_symbols) for one in (effect, turned)]
+    assert said[0] == said[1]
+    for one, name in ((effect, "plain"), (turned, "turned")):
+        replace(report, effects=[one]).to_html(tmp_path / name)
+    plain, other = ((tmp_path / name).read_text("utf-8") for name in ("plain", "turned"))
+    assert plain == other
 
 
 def test_residual_of_a_delayed_input_is_taken_at_the_earlier_time(report):

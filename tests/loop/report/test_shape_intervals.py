@@ -69,7 +69,7 @@ def test_the_interval_of_a_number_holds_it_and_the_others_allow_for_it(
     ((before,), (effect,)) = plain.effects, report.effects
     assert effect.numbers == {meaning: truth}
     ((low, high),) = effect.number_intervals
-    assert 0.8 * truth < low < truth < high < 1.2 * truth
+    assert 0.75 * truth < low < truth < high < 1.25 * truth
     (inner,), (outer,) = before.confidence_intervals, effect.confidence_intervals
     assert outer[0] < inner[0] < inner[1] < outer[1]
     for parameter, ends in plain.after.parameter_intervals.items():
