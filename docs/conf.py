@@ -60,6 +60,7 @@ sphinx_gallery_conf = {
     "filename_pattern": executed_examples(),
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
+    "parallel": True,  # with sphinx -j
     "show_memory": False,
     "show_signature": False,
     "download_all_examples": False,
