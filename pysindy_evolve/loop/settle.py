@@ -15,6 +15,7 @@ from .evidence.offers import awaited
 from .fitting.unfolding import paths_of
 from .free_runs.refuted import unrefuted
 from .free_runs.runaway import last_runaway
+from .free_runs.worsened import last_worsened
 from .given.held import held_like
 from .given.limits import off_limits
 from .given.records import widened
@@ -94,13 +95,14 @@ def _reported(
 
 
 def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport) -> Finding | None:
-    """Return what the final fit is not sure of, what differs by record, or what runs away."""
+    """Return what the final fit is not sure of, what differs by record, or does worse."""
     whole = with_findings(search.declared, findings)
     gone = most_doubtful(findings, report.effects, whole)
     gone = gone or last_untransferred(search.declared, findings, search.part)
     if gone is not None:
         return gone
-    return last_runaway(findings, report.before.model, report.after.model, search.plain)
+    sides = report.before.model, report.after.model, search.plain
+    return last_runaway(findings, *sides) or last_worsened(findings, *sides)
 
 
 def _differs_by_record(report: LoopReport) -> bool:

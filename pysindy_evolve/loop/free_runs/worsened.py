@@ -1,0 +1,67 @@
+"""Effects with which a model is further from the records that it was fitted to than without them.
+
+In a closed loop about a machine that is unstable, the noise of the sensors is in the inputs, and
+what remembers an input seems to explain it. The final fit shows that it does not. Where runs follow
+a record, they have the last word; where they are lost with and without the effects, the derivative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...equations import Equations
+from ...hidden_states.hidden import MemoryEquations
+from ...hidden_states.memory import remembered
+from ...signals import Record
+from ..evidence.findings import Finding, SensorFinding, is_needed
+from ..fitting.past import begun, rates_on
+from ..fitting.runs import simulation_errors
+from ..given.segments import scale_of
+from .runaway import LOST
+
+__all__ = ["last_worsened"]
+
+
+def last_worsened(
+    findings: Sequence[Finding],
+    declared: Equations,
+    corrected: Equations,
+    records: Sequence[Record],
+) -> Finding | None:
+    """Return the last effect, if the model is further from its own records with the effects.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+        What was found, in this order.
+    declared : Equations
+        The model at the start, fitted.
+    corrected : Equations
+        The model with all that was found, fitted.
+    records : sequence of Record
+        Training records.
+
+    Returns
+    -------
+    Finding or None
+        None where a run follows a record, or where the derivative is closer with the effects.
+    """
+    shown = [one for one in findings if not isinstance(one, SensorFinding)]
+    free = [one for one in shown if not is_needed(one, [f for f in findings if f is not one])]
+    if not free or declared.n_algebraic:
+        return None
+    if _left(corrected, records) <= _left(declared, records):
+        return None
+    runs = (simulation_errors(e, [r]).max() for r in records for e in (declared, corrected))
+    return free[-1] if all(error > LOST for error in runs) else None
+
+
+def _left(equations: Equations, records: Sequence[Record]) -> float:
+    """Return the mean square that a model leaves of the derivatives, in their variances."""
+    memories = equations.memories if isinstance(equations, MemoryEquations) else ()
+    acted = [remembered(begun(equations, record), memories) for record in records]
+    rates = [record.x_dot for record in records]
+    errors = [r - rates_on(equations, one) for r, one in zip(rates, acted, strict=True)]
+    return float(np.nanmean((np.concatenate(errors) / scale_of(rates)) ** 2))
