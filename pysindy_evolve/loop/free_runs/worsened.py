@@ -1,8 +1,8 @@
 """Effects with which a model is further from the records that it was fitted to than without them.
 
 In a closed loop about a machine that is unstable, the noise of the sensors is in the inputs, and
-what remembers an input seems to explain it. The final fit shows that it does not. Where runs follow
-a record, they have the last word; where they are lost with and without the effects, the derivative.
+what remembers an input seems to explain it. The final fit shows that it does not. Where the runs
+come closer to a record, though, the derivative may be further: noise has bent its fit.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def last_worsened(
     Returns
     -------
     Finding or None
-        None where a run follows a record, or where the derivative is closer with the effects.
+        None where the derivative is closer with the effects, or the run over any record is.
     """
     shown = [one for one in findings if not isinstance(one, SensorFinding)]
     free = [one for one in shown if not is_needed(one, [f for f in findings if f is not one])]
@@ -54,8 +54,13 @@ def last_worsened(
         return None
     if _left(corrected, records) <= _left(declared, records):
         return None
-    runs = (simulation_errors(e, [r]).max() for r in records for e in (declared, corrected))
-    return free[-1] if all(error > LOST for error in runs) else None
+    return None if any(_runs_closer(declared, corrected, one) for one in records) else free[-1]
+
+
+def _runs_closer(declared: Equations, corrected: Equations, record: Record) -> bool:
+    """Tell whether a run comes closer to a record, which one that is lost does not."""
+    before, after = (simulation_errors(e, [record]).max() for e in (declared, corrected))
+    return bool(after < min(before, LOST))
 
 
 def _left(equations: Equations, records: Sequence[Record]) -> float:

@@ -1,5 +1,7 @@
 """Effects that leave more of the records that they were found in are withdrawn."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from loop_systems import equations_of
@@ -52,6 +54,9 @@ def test_a_model_that_leaves_less_keeps_its_effects(findings, held):
     assert last_worsened(findings, FAR, FAR, [held]) is None
 
 
-def test_where_a_run_follows_its_record_it_has_the_last_word(findings, held):
+def test_a_run_that_comes_closer_has_the_last_word(findings, held):
     short = held[:40]
-    assert last_worsened(findings, TRUE, FAR, [short]) is None
+    noise = 5.0 * np.random.default_rng(1).standard_normal((40, 1)) * [0, 1]
+    bent = replace(short, x_dot=FAR.evaluate(short.x, short.u, short.t) + noise)
+    assert last_worsened(findings, FAR, TRUE, [bent]) is None
+    assert last_worsened(findings, TRUE, FAR, [short]) is findings[1]
