@@ -30,6 +30,7 @@ from .revision.asymmetry import with_asymmetry
 from .revision.contest import contested
 from .revision.dead_zones import told_by_slopes
 from .revision.end_stops import on_steep_side
+from .revision.products import with_products_named
 from .revision.transfer import last_untransferred
 from .search import Search
 
@@ -132,4 +133,4 @@ def _with_alternatives(search: Search) -> list[Finding]:
     if search.runs_tell_more and not paths_of(search.design):
         rivals = unrefuted(design, rivals, search.plain)
     told = told_by_slopes(design, with_asymmetry(rivals), acted)
-    return on_steep_side(design, told, acted)
+    return with_products_named(design, on_steep_side(design, told, acted))

@@ -395,7 +395,7 @@ def test_a_parameter_that_turns_its_sign_is_mentioned(report):
     turned = dict(report.after.parameters) | {"c": -0.3}
     said = " ".join(str(replace(report, after=replace(report.after, parameters=turned))).split())
     was = format_number(report.before.parameters["c"])
-    assert f"reverses the sign of a parameter: c from {was} to -0.3. If only" in said
+    assert f"reverses the sign of a parameter: c from {was} to -0.3. If the" in said
     assert "reverses the sign" not in str(report)
 
 

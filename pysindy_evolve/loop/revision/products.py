@@ -1,0 +1,49 @@
+"""Grown terms that are products of states: couplings, as of speeds about two other axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...terms import Variable
+from ..effects.candidate import Candidate
+from ..evidence.findings import Finding
+from ..evidence.trace import EVOLVED
+from ..given.design import Design
+
+__all__ = ["with_products_named"]
+
+COUPLING = "coupling"
+
+
+def with_products_named(design: Design, findings: Sequence[Finding]) -> list[Finding]:
+    """Return findings in which a grown product with another state in it is called a coupling.
+
+    The vocabulary holds those of a state itself with another one; all of them would be many.
+
+    Parameters
+    ----------
+    design : Design
+        The model.
+    findings : sequence of Finding
+        What was found.
+
+    Returns
+    -------
+    list of Finding
+    """
+    return [
+        replace(f, candidate=replace(f.candidate, name=COUPLING))
+        if f.candidate.name == EVOLVED and _is_product(design, f.candidate)
+        else f
+        for f in findings
+    ]
+
+
+def _is_product(design: Design, candidate: Candidate) -> bool:
+    own = {candidate.state, design.position_of(candidate.state)}
+    parts = [part for term in candidate.terms for _, part in term.parts]
+    atoms = [atom for part in parts for atom, _ in part.factors]
+    is_one = len(parts) == 1 and all(isinstance(atom, Variable) for atom in atoms)
+    of_states = candidate.variables <= set(range(len(design.states)))
+    return is_one and of_states and len(atoms) > 1 and not candidate.variables <= own
