@@ -15,6 +15,7 @@ from ..given.held import held_inputs
 from ..given.kinematics import disagreement
 from .extrapolation import beyond
 from .missed import missed
+from .poles import exchangeable_poles
 from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
 from .shared_lines import shared_lines
@@ -38,7 +39,7 @@ RUNAWAY = 100.0  # percent of the standard deviation: such an error cannot grow
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
     found = [*_doubted(report), *_known(report), *_held(report), *_slow(report)]
-    found += _turned(report)
+    found += [*exchangeable_poles(report), *_turned(report)]
     found += [*_worse(report), *_undefined(report), *_lines(report), *_sessions(report)]
     found += _numbers(report)
     found += beyond(report)
