@@ -1,4 +1,4 @@
-"""A lag before a linear equation of the first order: no record tells which of two poles is whose."""
+"""A lag before a linear first-order equation: no record tells which of two poles is whose."""
 
 from __future__ import annotations
 
