@@ -157,7 +157,9 @@ def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Desig
     return design.adding(column for c in others for column in columns_of(c, design))
 
 
-def _best_score(part: Segments, *, design: Design, proposer: Proposer, tunes: bool) -> float:
+def _best_score(
+    part: Segments, *, design: Design, proposer: Proposer, tunes: bool = False
+) -> float:
     proposed = proposer(design, quick_fit(design, part), part)
     proposed = sharpened(design, part, proposed) if tunes else proposed
     scores = score(design, part, proposed)  # best first
