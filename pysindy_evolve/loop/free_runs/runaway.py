@@ -21,7 +21,7 @@ from ..fitting.residual import MAX_GROWTH, jacobian, respond
 from ..fitting.runs import simulation_errors
 from ..given.segments import segments
 
-__all__ = ["last_runaway"]
+__all__ = ["LOST", "free_of", "last_runaway"]
 
 FOLLOWS = 50.0  # percent NRMSE: a run that misses no more follows its record ...
 LOST = 100.0  # ... one that misses more than this tells less than the mean of the record ...
@@ -54,12 +54,7 @@ def last_runaway(
         None if the runs hold, or if deviations grow along a record. A run that followed its record
         without the effects, and is lost with them, does not hold.
     """
-    free = [
-        one
-        for one in findings
-        if not isinstance(one, SensorFinding)  # which changes no equation
-        and not is_needed(one, [f for f in findings if f is not one])
-    ]
+    free = free_of(findings)
     if not free or declared.n_algebraic:  # nothing runs
         return None
     for record in records:
@@ -67,6 +62,16 @@ def last_runaway(
         if _is_lost(before, after):
             return None if _is_unstable(corrected, record) else free[-1]
     return None
+
+
+def free_of(findings: Sequence[Finding]) -> list[Finding]:
+    """Return what changes an equation, and may go by itself."""
+    return [
+        one
+        for one in findings
+        if not isinstance(one, SensorFinding)  # which changes no equation
+        and not is_needed(one, [f for f in findings if f is not one])
+    ]
 
 
 def _is_lost(before: float, after: float) -> bool:

@@ -15,11 +15,11 @@ from ...equations import Equations
 from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
 from ...signals import Record
-from ..evidence.findings import Finding, SensorFinding, is_needed
+from ..evidence.findings import Finding
 from ..fitting.past import begun, rates_on
 from ..fitting.runs import simulation_errors
 from ..given.segments import scale_of
-from .runaway import LOST
+from .runaway import LOST, free_of
 
 __all__ = ["last_worsened"]
 
@@ -48,11 +48,10 @@ def last_worsened(
     Finding or None
         None where the derivative is closer with the effects, or the run over any record is.
     """
-    shown = [one for one in findings if not isinstance(one, SensorFinding)]
-    free = [one for one in shown if not is_needed(one, [f for f in findings if f is not one])]
+    free = free_of(findings)
     if not free or declared.n_algebraic:
         return None
-    if _left(corrected, records) <= _left(declared, records):
+    if not _left(corrected, records) > _left(declared, records):  # nor where one has no value
         return None
     return None if any(_runs_closer(declared, corrected, one) for one in records) else free[-1]
 

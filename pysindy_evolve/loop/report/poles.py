@@ -28,25 +28,31 @@ def exchangeable_poles(report: LoopReport) -> list[str]:
     list of str
         Sentences.
     """
-    model, said = report.after.model, []
+    model = report.after.model
     if not isinstance(model, MemoryEquations) or model.n_algebraic:
         return []
-    lags = {one.state: one for one in report.effects if one.name == LAG}
-    for state, lag in lags.items():
-        place = model.states.index(state)
-        rate = _rate_of(model.inner.sums[place], place)
-        if rate < 0.0:
-            said.append(
-                f"The time constant of the lag, {format_number(float(lag.coefficients[0]))}, and "
-                f"that of {state} itself, {format_number(-1.0 / rate)}, can change places: the "
-                f"inputs move {state} as before then, and only what is known of the machine tells "
-                "which is whose."
-            )
-    return said
+    lags = [one for one in model.memories if one.kind == LAG]
+    places = [(lag, _only_user(model, len(model.inner.states) + lag.column)) for lag in lags]
+    return [
+        f"The time constant of the lag, {format_number(lag.values[0])}, and that of "
+        f"{model.states[place]} itself, {format_number(-1.0 / rate)}, can change places: the "
+        f"inputs move {model.states[place]} as before then, and only what is known of the machine "
+        "tells which is whose."
+        for lag, place in places
+        if place is not None and (rate := _rate_of(model.inner.sums[place], place)) < 0.0
+    ]
+
+
+def _only_user(model: MemoryEquations, column: int) -> int | None:
+    """Return the state on which alone an input acts, and nothing else beside it; None if none."""
+    sides = model.inner.sums
+    users = [place for place, side in enumerate(sides) if column in side.variables]
+    alone = len(users) == 1 and sides[users[0]].variables <= {users[0], column}
+    return users[0] if alone else None
 
 
 def _rate_of(side: Sum, place: int) -> float:
-    """Return the coefficient of a state in its own equation; zero if that is not linear in it."""
+    """Return the coefficient of a state in its own equation; zero if that is not linear."""
     ((_, own),) = variable(place).parts
     is_linear = all(term.size == 1 for _, term in side.parts if term.variables)
     return sum(c for c, term in side.parts if term == own) if is_linear else 0.0

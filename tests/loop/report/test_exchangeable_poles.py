@@ -1,10 +1,16 @@
 """Of two poles in a row no record tells which is the lag's."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from loop_systems import equations_of
 from scipy.signal import lfilter
 
 import pysindy_evolve as pse
+from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.memory import LAG, Memory
+from pysindy_evolve.loop.report.poles import exchangeable_poles
 
 
 def steered(bend: float, seed: int = 0) -> pse.Record:
@@ -20,6 +26,28 @@ def steered(bend: float, seed: int = 0) -> pse.Record:
         rate[k + 1] = rate[k] + dt / parts * (own + 0.1 * rudder[k])
     shown = rate[::parts] + 0.002 * rng.standard_normal(n)
     return pse.prepare(dt * np.arange(n), shown, wanted, order=1, held=True)
+
+
+TWO_INPUTS = ("d", "w")
+
+
+@pytest.mark.parametrize(
+    ("sides", "is_said"),
+    [
+        ({"r": "-0.5*r + 0.4*d + 1"}, True),
+        ({"r": "-0.5*r + 0.4*d", "q": "r - 2*q"}, True),
+        ({"r": "0.5*r + 0.4*d"}, False),
+        ({"r": "-0.5*r**3 + 0.4*d"}, False),
+        ({"r": "-0.5*r + 0.4*d + w"}, False),  # which does not go through the lag
+        ({"r": "-0.5*r + 0.4*d + q", "q": "-2*q"}, False),
+        ({"r": "-0.5*r + 0.4*d", "q": "d - 2*q"}, False),
+    ],
+)
+def test_nothing_else_may_act_on_the_state_nor_the_input_elsewhere(sides, is_said):
+    model = with_memories(equations_of(sides, TWO_INPUTS), (Memory(LAG, 0, (8.0,)),))
+    said = exchangeable_poles(SimpleNamespace(after=SimpleNamespace(model=model)))
+    assert len(said) == is_said
+    assert all("the lag, 8, and that of r itself, 2, can change places" in one for one in said)
 
 
 @pytest.mark.slow
