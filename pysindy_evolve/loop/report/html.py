@@ -14,17 +14,9 @@ import numpy as np
 from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
+from .effect_text import named_together, numbers_inside, with_sign, without_rivals
 from .remains import remains
-from .text import (
-    added_up,
-    free_parameters,
-    named_together,
-    numbers_inside,
-    table_cells,
-    verdict_of,
-    with_sign,
-    without_rivals,
-)
+from .text import added_up, free_parameters, table_cells, verdict_of
 from .units import check_units
 
 if TYPE_CHECKING:

@@ -2,40 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import groupby
-from textwrap import fill, indent, wrap
-from typing import TYPE_CHECKING, Any
+from textwrap import fill, indent
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...export import format_equations, format_expression, format_number
-from ...export.compact import as_written
 from ...export.hinges import as_hinges
-from ...hidden_states.path_states import sayings
-from ..effects.candidate import OFFSET
-from ..effects.periodic import FORCING, RIPPLE
 from .advice import paragraphs
+from .effect_text import evidence, sentence
+from .interval_text import ends, value_within
 from .missed import NOTABLE
 from .remains import remains
 from .unexplained import unexplained
 from .units import percent_cell
 
 if TYPE_CHECKING:
-    from .effect import Alternative, Effect, Errors
+    from .effect import Effect, Errors
     from .report import LoopReport
 
-__all__ = ["added_up", "as_markdown", "as_text", "free_parameters", "interval", "table_cells"]
-__all__ += ["named_together", "numbers_inside", "value_within"]
-__all__ += ["verdict_of", "with_sign", "without_rivals"]
+__all__ = ["added_up", "as_markdown", "as_text", "free_parameters", "table_cells", "verdict_of"]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
     "traced": "traced: the model lacked the effects below, which have been added.",
     "untraced": "untraced: the residual has structure that none of the tried effects explains.",
 }
-
-WAVES = (FORCING, RIPPLE)  # each a sine and a cosine
 
 MUCH_LEFT = (
     "complete: none of the effects that were tried passes, but the model misses the record by more "
@@ -117,7 +110,7 @@ def free_parameters(errors: Errors) -> str:
         return ""
     sure = errors.parameter_intervals
     shown = (
-        f"{name} = {value_within(value, *sure[name])} ({_ends(*sure[name])})"
+        f"{name} = {value_within(value, *sure[name])} ({ends(*sure[name])})"
         if name in sure
         else f"{name} = {format_number(value)}"
         for name, value in errors.parameters.items()
@@ -163,129 +156,6 @@ def _is_rated(report: LoopReport, state: int) -> bool:
     return bool(report.before.derivative_error[state] > 0.0)
 
 
-def interval(low: float, high: float) -> str:
-    """Return a 95 % interval with enough digits to tell its ends apart."""
-    return f"(95 %: {_ends(low, high)})"
-
-
-def _ends(low: float, high: float) -> str:
-    digits = _digits(low, high)
-    return f"{low:.{digits}g} to {high:.{digits}g}"
-
-
-def value_within(value: float, low: float, high: float) -> str:
-    """Return a number, with as many digits as its interval where fewer round it out of that."""
-    shown = format_number(value)
-    is_out = low <= value <= high and not low <= float(f"{value:.4g}") <= high
-    return format_number(value, _digits(low, high)) if is_out else shown
-
-
-def _digits(low: float, high: float) -> int:
-    size, width = max(abs(low), abs(high)), high - low
-    usable = np.isfinite(size) and np.isfinite(width) and width > 0.0
-    needed = 2 + int(np.ceil(np.log10(size / width))) if usable else 4
-    return min(max(needed, 4), 12)
-
-
-def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
-    """Return what is known of one effect, in a few lines."""
-    lines = [f"{number}. {effect.name} in {effect.place}"]
-    lines += ["   " + line for line in evidence(effect, symbols)]
-    return "\n".join(lines)
-
-
-def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> list[str]:
-    """Return coefficients, share, p-value and rivals of one effect, a line each."""
-    lines = _quantities(effect) if effect.quantities else _coefficients(effect, symbols)
-    if effect.entry:
-        lines.append(f"it acts {effect.entry}")
-    paths = sayings(effect.expressions, [str(symbol) for symbol in symbols], _sure(effect))
-    lines += _laid_out(paths, wide) or numbers_inside(effect)
-    of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
-    chance = f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
-    if round(100 * effect.explained) > 0:
-        lines.append(f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; {chance}")
-    else:
-        lines.append(f"by itself removes nothing of the held-out {of_what}; {chance}")
-    if effect.rivals:
-        rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
-        said = f"this record cannot tell it from: {rivals}"
-        lines += _laid_out([said], wide)
-    else:
-        lines.append(without_rivals(effect))
-    return [*lines, *named_together(effect)]
-
-
-def _quantities(effect: Effect) -> list[str]:
-    parts = zip(effect.quantities, effect.coefficients, effect.confidence_intervals, strict=True)
-    term, lines = format_expression(effect.term), []
-    for quantity, value, ends in parts:
-        sure = "" if effect.of_sensor else f"   {interval(*ends)}"
-        lines.append(f"{term}: {quantity} {value:.4g}{sure}")
-    return lines
-
-
-def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
-    lines = []
-    for k, expression in enumerate(effect.expressions):
-        term, value, low, high = with_sign(effect, k, symbols)
-        times = "" if expression == OFFSET else f" times {_factor(term)}"
-        lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
-        if low < 0.0 < high and not _is_phase(effect):
-            lines.append("the interval contains zero: its sign is not known apart from other terms")
-    return lines
-
-
-def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:
-    """Return a term as it is written, its coefficient, and the ends of the interval.
-
-    A sign of the term goes to the coefficient: two in a row are hard to read.
-    """
-    term = as_written(effect.expressions[k], symbols)
-    value, (low, high) = float(effect.coefficients[k]), effect.confidence_intervals[k]
-    if term.as_coeff_Mul()[0] < 0:
-        return -term, -value, -high, -low
-    return term, value, low, high
-
-
-def _is_phase(effect: Effect) -> bool:
-    """Tell whether a coefficient near zero only says where a wave begins."""
-    low, high = effect.confidence_intervals.T
-    return effect.name in WAVES and bool(np.any(low * high > 0.0))
-
-
-def named_together(effect: Effect) -> list[str]:
-    """Say what an effect is together with another one of its equation, which is the same force."""
-    return [f"with the other part of it also called {name}" for name in effect.together]
-
-
-def _laid_out(sayings: Sequence[str], wide: bool) -> list[str]:
-    """Break sayings into lines, if they are not to be as wide as they come."""
-    if wide:
-        return list(sayings)
-    options: dict[str, Any] = {"subsequent_indent": "  ", "break_on_hyphens": False}
-    return [line for said in sayings for line in wrap(said, 92, **options)]
-
-
-def numbers_inside(effect: Effect) -> list[str]:
-    """Return the numbers inside the terms of an effect, with what is known of each."""
-    shown = zip(effect.numbers.items(), _sure(effect), strict=True)
-    return [f"{meaning} {value:.4g}{sure}" for (meaning, value), sure in shown]
-
-
-def _sure(effect: Effect) -> list[str]:
-    """Return what is said after each number inside an effect: its interval, if there is one."""
-    ends = effect.number_intervals
-    return [f" {interval(*pair)}" if np.isfinite(pair).all() else "" for pair in ends]
-
-
-def without_rivals(effect: Effect) -> str:
-    """Say why no alternative of an effect is named."""
-    if effect.contested:
-        return "all alternatives that were tried do worse on this record, by more than chance"
-    return "no other effect was tried in its place"
-
-
 def p_of_rivals(report: LoopReport) -> list[str]:
     """Say what the p of alternatives is; another form of an effect itself is shown without."""
     named = any(rival.name != effect.name for effect in report.effects for rival in effect.rivals)
@@ -294,20 +164,6 @@ def p_of_rivals(report: LoopReport) -> list[str]:
         "against an alternative that is the cause."
     )
     return [said] if named else []
-
-
-def alternative(rival: Alternative, effect: Effect) -> str:
-    """Return name, equation if it is another one, and term of an alternative."""
-    if rival.name == effect.name:
-        return f"the same in the form {format_expression(rival.term)}"
-    where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
-    return f"{rival.name} {format_expression(rival.force)}{where} (p = {rival.p_value:.2g})"
-
-
-def _factor(term: Any) -> str:
-    """Return a term as what a coefficient multiplies."""
-    shown = format_expression(term)
-    return f"({shown})" if term.is_Add else shown
 
 
 def as_markdown(report: LoopReport) -> str:

@@ -18,9 +18,10 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.doubtful import most_doubtful
+from pysindy_evolve.loop.report.effect_text import evidence
+from pysindy_evolve.loop.report.interval_text import interval, value_within
 from pysindy_evolve.loop.report.quantities import with_share_of_runs
 from pysindy_evolve.loop.report.start_noise import moved_by_starts
-from pysindy_evolve.loop.report.text import evidence, interval, value_within
 from pysindy_evolve.loop.report.units import percent
 from pysindy_evolve.terms import constant, mul, power, variable
 
