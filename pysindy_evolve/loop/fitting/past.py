@@ -16,7 +16,7 @@ from ..given.design import Design
 from ..given.segments import scale_of
 from ..given.sticking import noise_of
 
-__all__ = ["begun", "first_state", "rates_on", "settled_rows"]
+__all__ = ["begun", "first_state", "hidden_on", "rates_on", "settled_rows"]
 
 LONGEST = 8  # no more than the eighth part of a record tells how it began
 PAST_HALVES = 4.0  # times the mean square that another past must leave: it halves the error
@@ -132,12 +132,28 @@ def rates_on(equations: Equations, record: Record) -> np.ndarray:
     ndarray of shape (n_samples, n_states)
     """
     full = with_memories(equations, ())
-    if not isinstance(full, MemoryEquations) or full.n_algebraic:
+    if not isinstance(full, MemoryEquations):
         return equations.evaluate(record.x, record.u, record.t)
-    starts = first_state(full, record)[record.n_states :].tolist()
-    hidden = hidden_along(full.paths, stack(record.x, record.u, record.t), starts)
-    x = np.column_stack([record.x, hidden])
+    x = np.column_stack([record.x, hidden_on(full, record)])
     return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
+
+
+def hidden_on(equations: MemoryEquations, record: Record) -> np.ndarray:
+    """Return the hidden states that follow measured ones, begun where the first rows say.
+
+    Parameters
+    ----------
+    equations : MemoryEquations
+        The model.
+    record : Record
+        What was measured, with what acts.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_hidden)
+    """
+    starts = first_state(equations, record)[record.n_states :].tolist()
+    return hidden_along(equations.paths, stack(record.x, record.u, record.t), starts)
 
 
 def settled_rows(design: Design, record: Record) -> np.ndarray:

@@ -14,7 +14,7 @@ from ...signals import Record
 from ...simulation import simulate
 from ..given.segments import scale_of
 from ..given.sensor import limits_of_states, missed, shown
-from .past import begun, first_state
+from .past import begun, first_state, hidden_on
 
 __all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 
@@ -34,8 +34,10 @@ def free_run(
     if isinstance(equations, MemoryEquations) and equations.memories:
         return _run_with_memory(equations, record, **options)
     if isinstance(equations, MemoryEquations) and equations.n_algebraic:
-        forces = equations.inner.evaluate(record.x, record.u, record.t)
-        return np.column_stack([forces, equations.along(record.x, record.u, record.t)])
+        hidden = hidden_on(equations, record)
+        x = np.column_stack([record.x, hidden])
+        rates = equations.evaluate(x, record.u, record.t)
+        return np.column_stack([rates[:, : record.n_states], hidden])
     start = first_state(equations, record) if start is None else start
     if record.u is None:
         return simulate(equations, start, record.t, **options)

@@ -375,11 +375,14 @@ def test_heater_that_lags_is_not_named_a_hidden_heat_capacity():
     assert [effect.name for effect in report.effects] == ["actuator lag"]
 
 
-def battery(polarization, seed=3):
-    """Measure the voltage of a cell with a resistance, and a resistance beside a capacitor."""
+def battery(polarization, seed=3, unsettled=0.0):
+    """Measure the voltage of a cell with a resistance, and a resistance beside a capacitor.
+
+    Before the record the current was constant but for what is unsettled.
+    """
     t, rng = np.arange(4000.0), np.random.default_rng(seed)
     current = np.repeat(rng.uniform(-1.0, 2.0, 200), 20)
-    lagging = current - relaxing_along(current, t, 35.0)
+    lagging = current - relaxing_along(current, t, 35.0, unsettled)
     voltage = 3.7 - 0.05 * current - polarization * lagging
     voltage += 0.0005 * rng.standard_normal(len(t))
     return pse.Record(t=t, x=voltage, x_dot=voltage, u=current)
@@ -401,6 +404,8 @@ def test_polarization_of_a_battery_is_a_hidden_state_that_follows_the_current(po
     ((low, high),) = effect.number_intervals
     assert low < 35.0 < high < 1.1 * low
     assert report.after.simulation_error[0] < 3.0
+    unsettled = battery(polarization, seed=4, unsettled=2.0)
+    assert report.simulate(unsettled)[:, 0] == pytest.approx(unsettled.x[:, 0], abs=0.003)
     assert "i_relax' = " in str(report)
     assert f"relaxation time {numbers_in(report):.4g} (95 %: " in str(report)
 
