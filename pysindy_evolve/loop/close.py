@@ -18,7 +18,8 @@ from .given.given import checked
 from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
 from .report.report import LoopReport
-from .search import Search
+from .search.order import look_for_effects
+from .search.state import Search
 from .settle import settled
 
 __all__ = ["close_loop"]
@@ -126,7 +127,7 @@ def close_loop(
 def _run(search: Search) -> bool:
     """Search, and tell whether the search came to its end; an interrupt keeps what was found."""
     try:
-        search.run()
+        look_for_effects(search)
     except KeyboardInterrupt:
         if not search.findings:
             raise

@@ -32,7 +32,7 @@ from .revision.dead_zones import told_by_slopes
 from .revision.end_stops import on_steep_side
 from .revision.products import with_products_named
 from .revision.transfer import last_untransferred
-from .search import Search
+from .search.state import Search
 
 __all__ = ["settled"]
 

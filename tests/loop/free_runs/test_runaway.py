@@ -14,7 +14,7 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.limits import Limit
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.search import Search
+from pysindy_evolve.loop.search.state import Search
 from pysindy_evolve.loop.settle import settled
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
@@ -70,7 +70,7 @@ def test_only_what_drives_the_run_over_the_training_data_away_is_withdrawn(recor
     rules, rng = Rules(0.05, 59, 0.05, 8), np.random.default_rng(0)
     search = Search(design, [train], part, rules, (), rng)
     search.findings = findings_of(design, Candidate("spring", 1, (term,)))
-    search._look_through(search.findings)
+    search.look_through(search.findings)
     report = settled(search, [test], True)
     assert [effect.name for effect in report.effects] == ["spring"] * is_kept
     assert np.isfinite(report.after.simulation_error).all()

@@ -1,0 +1,1 @@
+"""The search for what a model lacks: its state, its looks, and their order."""

@@ -1,0 +1,50 @@
+"""Terms without a name, which grow where no name explains what is left."""
+
+from __future__ import annotations
+
+from ..evidence.structure import structure_chance
+from ..growth.short import find_small, is_better
+from .names import find_named
+from .state import Search
+
+__all__ = ["grow_terms"]
+
+N_SEARCHES = 5  # for grown terms, where they are the only hope: one search may miss them
+LIKELY = 0.2  # chance that the residual has no structure, up to which there is such a hope
+
+
+def grow_terms(search: Search) -> None:
+    """Add terms without a name until none passes.
+
+    Parameters
+    ----------
+    search : Search
+        What was found so far; what grows is added.
+    """
+    if search.part.by_trajectory:
+        _grow_by_trajectory(search)
+        return
+    n_searches = 1 if search.findings else _n_searches(search)
+    while search.has_room:
+        found = search.grower.find(search.design, n_searches)
+        if not found:
+            break
+        search.findings = [*search.findings, *search.numbered(found)]
+
+
+def _n_searches(search: Search) -> int:
+    # Not on the pieces that grown terms are tested on: their number would depend on those.
+    chance = structure_chance(search.declared, search.grower.seen, search.rules, search.rng)
+    return N_SEARCHES if chance <= LIKELY else 1
+
+
+def _grow_by_trajectory(search: Search) -> None:
+    """Let a small term come in where no name did, or where it does better than all of them."""
+    if not search.operators or search.rules.max_effects == 0:
+        return
+    given = search.declared, search.part, search.rules, search.operators, search.rng
+    found = find_small(*given)
+    if found and is_better(search.declared, found, search.findings, search.part):
+        search.findings = []
+        search.findings = search.numbered(found)
+        find_named(search)

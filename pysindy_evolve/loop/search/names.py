@@ -1,0 +1,144 @@
+"""The first look: what has a name, and what remembers, one after the other until none passes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...hidden_states.memory import Memory
+from ..evidence.findings import Finding, MemoryFinding, memories_in, with_findings
+from ..evidence.offers import awaited
+from ..given.held import held_where_it_jumps
+from ..memories.chains import Traded, untraded
+from ..memories.find import find_with_memories, resettled
+from ..memories.holds import memory_beside_hold
+from ..revision.beginnings import settled_beginning
+from ..revision.hidden_numbers import needed_by_runs, smooth_in, with_numbers
+from ..revision.revise import exchange, merged, prune
+from ..revision.sharing import with_shared_numbers
+from .state import Search
+
+__all__ = ["find_named", "tune_memories", "without_holds"]
+
+
+def find_named(search: Search) -> None:
+    """Add what has a name, or remembers, one after the other until none passes.
+
+    Parameters
+    ----------
+    search : Search
+        What was found so far; what this look finds is added.
+    """
+    while search.has_room:
+        before, memories = search.findings, memories_in(search.findings)
+        new = search.numbered(_look_once(search, memories))
+        if not new:
+            break
+        if memories_in(new):
+            kept = without_holds(search, new)
+            if not kept:  # it was how the input was recorded, and no memory of the machine
+                continue
+            found = _begun(search, untraded([*before, *kept]))
+        else:
+            found = _or_grown(search, before, new)
+        if len(found) <= len(before):  # a memory goes where records begin otherwise
+            search.findings = found
+            break
+        _take(search, found, before)
+        if len(new) > 1 or len(memories_in(search.findings)) == len(memories):
+            tune_memories(search)  # or what is wrong with one would be named as another one
+    kept = prune(search.declared, search.findings, search.part)
+    search.findings = merged(search.declared, kept, search.part)
+
+
+def tune_memories(search: Search) -> None:
+    """Tune the memories that were found beside all else that was.
+
+    Parameters
+    ----------
+    search : Search
+        What was found so far.
+    """
+    if memories_in(search.findings):
+        part = awaited(search.design, search.whole)
+        search.findings = resettled(search.findings, search.design, part)
+        search.look_through(search.findings)
+
+
+def without_holds(search: Search, found: list[Finding]) -> list[Finding]:
+    """Take inputs as held where that does as well as a memory, and return what is left.
+
+    Parameters
+    ----------
+    search : Search
+        Its records are taken as held.
+    found : list of Finding
+        What a look found.
+
+    Returns
+    -------
+    list of Finding
+        Empty where inputs are taken as held instead, so that all has to be looked at again.
+    """
+    left = []
+    for finding in found:
+        if isinstance(finding, MemoryFinding) and not isinstance(finding.memory, Traded):
+            late, memory = memory_beside_hold(finding.memory, search.design, search.part)
+            if late > 0.0:
+                search.take_as_held({finding.memory.column: late}, held_where_it_jumps)
+            if memory is None:
+                return []
+            finding = replace(finding, memory=memory)
+        left.append(finding)
+    return left
+
+
+def _look_once(search: Search, memories: Sequence[Memory]) -> Sequence[Finding]:
+    relaxing, springs = search.relaxing and not memories, search.relaxing
+    given = search.declared, search.design, search.part, search.rules, search.rng, memories
+    look = find_with_memories(*given, relaxing=relaxing, springs=springs)
+    search.rejected = look.rejected or search.rejected
+    return look.found
+
+
+def _or_grown(search: Search, before: list[Finding], new: list[Finding]) -> list[Finding]:
+    """Return all findings with new ones, or with what grows and does clearly better."""
+    both, design = [*before, *new], search.design
+    # Growing takes long, and may be interrupted.
+    search.findings = before if _relaxes(search, both, before) else both
+    search.wait(both)
+    grown = search.grower.better(design, new)
+    return [*before, *(replace(finding, step=new[0].step) for finding in grown or new)]
+
+
+def _begun(search: Search, findings: list[Finding]) -> list[Finding]:
+    """Look through the records as memories make them, begun where their first rows say."""
+    part = awaited(with_findings(search.declared, findings), search.whole)
+    begun = settled_beginning(search.declared, findings, search.plain, part)
+    search.plain, search.whole = begun.plain, search.whole.begun(begun.wide)
+    search.look_through(begun.findings)
+    return list(begun.findings)
+
+
+def _take(search: Search, found: list[Finding], before: list[Finding]) -> None:
+    """Keep findings, earlier ones under the names and numbers that they have by now."""
+    found = exchange(search.declared, found, search.part)
+    found = with_numbers(search.declared, found, search.part)
+    search.findings = with_shared_numbers(search.declared, found, search.part)
+    _take_back(search, before)
+
+
+def _take_back(search: Search, before: list[Finding]) -> None:
+    """Take back a relaxation or a spring that runs do not need, and what came with it."""
+    if _relaxes(search, search.findings, before):
+        needed = needed_by_runs(search.declared, search.findings, search.part.records)
+        if len(needed) < len(search.findings):
+            search.findings, search.relaxing = before, False
+            search.look_through(before)
+
+
+def _relaxes(search: Search, findings: list[Finding], before: list[Finding]) -> bool:
+    """Tell whether a relaxation or a spring came in, which needs more proof than others."""
+    sides = (with_findings(search.declared, those) for those in (findings, before))
+    now, known = (len(smooth_in(side)) for side in sides)
+    return now > known

@@ -1,0 +1,123 @@
+"""What only free runs show, and what they say of all that was found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...hidden_states.memory import preceded
+from ..evidence.findings import memories_in, with_columns
+from ..evidence.trace import EVOLVED
+from ..fitting.unfolding import paths_of
+from ..free_runs.by_runs import find_by_runs
+from ..free_runs.comparison import held_against
+from ..free_runs.contenders import Pool
+from ..free_runs.one_for_several import one_for_several
+from ..free_runs.sensor_limits import clipped_sensors
+from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs
+from ..free_runs.two_for_one import two_for_one
+from ..free_runs.unnamed import find_unnamed
+from ..revision.errors_in_inputs import without_errors_in_inputs
+from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
+from ..revision.revise import exchange, merged, prune
+from ..revision.superseded import without_outlived
+from ..revision.thinning import thinned
+from .names import without_holds
+from .state import Search
+
+__all__ = ["find_in_runs", "hold_against_runs"]
+
+
+def find_in_runs(search: Search) -> None:
+    """Add what has a name, or remembers, and shows in nothing but free runs.
+
+    Parameters
+    ----------
+    search : Search
+        What was found so far; what this look finds is added.
+    """
+    child = search.rng.spawn(1)[0]
+    if paths_of(search.design):  # whose state those runs do not have
+        return
+    tuned = numbers_by_runs(search.model, search.findings, search.plain)
+    search.findings = merged(search.declared, tuned, search.part)
+    given = search.findings, search.plain, search.wide, search.rules, child
+    look, pasts = find_by_runs(search.declared, *given)
+    search.rejected = look.rejected or search.rejected
+    known, more = search.findings, list(look.found[len(search.findings) :])
+    if more:
+        new = without_holds(search, more)
+        if not new:  # it was how the input was recorded
+            find_in_runs(search)
+            return
+        search.findings = [*known, *new]
+        if pasts:
+            search.plain = [*map(preceded, search.plain, pasts)]
+            search.whole = search.whole.begun([*map(preceded, search.wide, pasts)])
+        search.look_through(search.findings)
+
+
+def hold_against_runs(search: Search) -> None:
+    """Hold all that was found against free runs, and add what these show besides.
+
+    Parameters
+    ----------
+    search : Search
+        What was found so far.
+    """
+    _find_unnamed(search)
+    _drop_superfluous(search)
+    _hold_against_rivals(search)
+    _doubt_inputs(search)
+    _find_clipped_sensors(search)
+
+
+def _find_unnamed(search: Search) -> None:
+    child = search.rng.spawn(1)[0]
+    if paths_of(search.design):
+        return
+    given = search.plain, search.wide, search.small_terms(), search.rules, child
+    look = find_unnamed(search.declared, search.findings, *given)
+    search.rejected, search.findings = look.rejected or search.rejected, list(look.found)
+
+
+def _drop_superfluous(search: Search) -> None:
+    """Drop what grown terms made superfluous, once each has the name that is right by now."""
+    found = exchange(search.declared, search.findings, search.part)
+    kept = prune(search.declared, found, search.part)
+    if not paths_of(search.design):
+        kept = without_outlived(search.declared, kept, search.plain, search.wide)
+    if len(memories_in(kept)) < len(memories_in(search.findings)):
+        search.look_through(kept)
+    search.findings = thinned(search.declared, kept, search.part)
+
+
+def _hold_against_rivals(search: Search) -> None:
+    if paths_of(search.design):
+        found = with_numbers_of_runs(search.declared, search.findings, search.part.records)
+        search.findings = needed_by_runs(search.declared, found, search.part.records)
+        return
+    model = search.model
+    grown = [c for c in search.grower.grown if c.name == EVOLVED]
+    small = search.small_terms()
+    found = shared_by_runs(model, search.findings, search.plain)
+    pool = Pool(grown, small, search.part, -np.log1p(-search.rules.min_share))
+    found = one_for_several(model, found, pool, search.plain)
+    found = two_for_one(model, found, search.plain, search.part, search.rules)
+    kept = held_against(model, found, pool, search.plain, search.rules)
+    kept = shared_by_runs(model, kept, search.plain)  # what won may have partners
+    search.findings = prune(search.declared, kept, search.part)
+
+
+def _doubt_inputs(search: Search) -> None:
+    given = search.declared, search.findings, search.wide, search.part
+    found = without_errors_in_inputs(*given, search.rng.spawn(1)[0])
+    search.findings = prune(search.declared, found, search.part)
+
+
+def _find_clipped_sensors(search: Search) -> None:
+    if search.has_room:
+        model = replace(search.model, design=with_columns(search.declared, search.findings))
+        given = search.findings, search.plain, search.rules, search.rng
+        search.findings = clipped_sensors(model, *given)

@@ -1,0 +1,148 @@
+"""What a search has found so far, and how the records look with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ...hidden_states.memory import remembered
+from ...operators import Operator
+from ...signals import Record
+from ...signals.holds import hold
+from ..effects.candidate import Candidate
+from ..evidence.findings import (
+    Finding,
+    SensorFinding,
+    limits_in,
+    memories_in,
+    next_step,
+    with_findings,
+)
+from ..evidence.offers import awaited
+from ..evidence.rejected import Rejected
+from ..evidence.structure import structure_chance
+from ..free_runs.variants import Model
+from ..given.design import Design
+from ..given.held import held_inputs
+from ..given.limits import off_limits
+from ..given.rules import Rules
+from ..given.segments import Segments
+from ..growth.grow import TermGrower
+from ..growth.naming import small_candidates
+
+__all__ = ["Holding", "Search"]
+
+Holding = Callable[[Record, Mapping[int, float]], Record]
+
+
+@dataclass
+class Search:
+    """What a search has found so far, also if it is interrupted.
+
+    Runs are compared with the `plain` records, derivatives with the `wide` ones, whose cutoff is
+    higher and of which `whole` are the pieces. `part` and `grower` are what these become with the
+    memories and limits that were found.
+    """
+
+    declared: Design
+    plain: Sequence[Record]
+    whole: Segments
+    rules: Rules
+    operators: Sequence[Operator]
+    rng: np.random.Generator
+    findings: list[Finding] = field(default_factory=list)
+    rejected: Rejected | None = None  # the last one
+    chance_left: float = 1.0  # that what is left only seems to depend on what was measured
+    relaxing: bool = True  # whether to look for relaxations, and springs that remember
+    part: Segments = field(init=False)
+    grower: TermGrower = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Look at the records as they are."""
+        self.look_through(self.findings)
+
+    @property
+    def wide(self) -> tuple[Record, ...]:
+        """The records without memories whose derivatives are looked at."""
+        return self.whole.records
+
+    @property
+    def verdict(self) -> str:
+        """What may be said of the declared model by now."""
+        if any(not isinstance(finding, SensorFinding) for finding in self.findings):
+            return "traced"
+        if self.chance_left <= self.rules.level:  # beside what sensors do not show
+            return "untraced"
+        return "traced" if self.findings else "complete"
+
+    @property
+    def held(self) -> Mapping[int, float]:
+        """Inputs that are held between their samples, and by how many of them each is late."""
+        return held_inputs(self.plain)
+
+    @property
+    def design(self) -> Design:
+        """The model with what was found until now."""
+        return with_findings(self.declared, self.findings)
+
+    @property
+    def model(self) -> Model:
+        """The declared model, with the memories and limits among the findings."""
+        return Model(self.declared, memories_in(self.findings), limits_in(self.findings))
+
+    @property
+    def has_room(self) -> bool:
+        """Whether more effects may be found."""
+        return len(self.findings) < self.rules.max_effects
+
+    @property
+    def runs_tell_more(self) -> bool:
+        """Whether there are free runs that nothing was compared with yet, as trajectories are."""
+        return not self.declared.algebraic and not self.whole.by_trajectory
+
+    def numbered(self, found: Sequence[Finding]) -> list[Finding]:
+        """Return what was found in one step, after all that was found before."""
+        step = next_step(self.findings)
+        return [replace(finding, step=step) for finding in found]
+
+    def small_terms(self) -> list[Candidate]:
+        """Return small terms without a name that could still enter."""
+        return small_candidates(self.design, self.part, self.operators)
+
+    def look_through(self, findings: Sequence[Finding]) -> None:
+        """Look at the records as they are with the memories and limits among the findings."""
+        memories, limits = memories_in(findings), limits_in(findings)
+        acted = [remembered(record, memories) for record in self.wide]
+        self.part = off_limits(self.whole.of(acted), limits) if findings else self.whole
+        self.grower = TermGrower(self.declared, self.part, self.rules, self.operators, self.rng)
+        self.wait(findings)
+
+    def wait(self, findings: Sequence[Finding]) -> None:
+        """Look at records only where each relaxation knows where it is."""
+        self.part = awaited(with_findings(self.declared, findings), self.part)
+        self.grower.look(self.part)
+
+    def take_as_held(self, late: Mapping[int, float], holding: Holding) -> None:
+        """Take inputs as held between samples, each late by so many of them."""
+        self.plain = [holding(record, late) for record in self.plain]
+        self.whole = self.whole.of([holding(record, late) for record in self.wide])
+        self.look_through(self.findings)
+
+    def judge_rest(self) -> None:
+        """Ask whether what is left depends on what was measured."""
+        self.chance_left = structure_chance(self.design, self.part, self.rules, self.rng)
+
+    def withdraw(self, place: int) -> None:
+        """Take a finding back, and look at what is left without it."""
+        self.findings = [f for k, f in enumerate(self.findings) if k != place]
+        self.look_through(self.findings)
+        self.judge_rest()
+
+    def hold_instead(self) -> None:
+        """Take inputs as held between samples instead of late, which was all that was found."""
+        memories, self.findings = memories_in(self.findings), []
+        step = self.plain[0].raw_dt
+        self.take_as_held({one.column: one.values[0] / step for one in memories}, hold)
+        self.judge_rest()
