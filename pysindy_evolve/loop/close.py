@@ -12,6 +12,7 @@ from ..operators import Operator, resolve
 from ..signals import Record
 from ..threads import one_thread
 from .evidence.witness import witnessed
+from .fitting.aliases import without_aliases
 from .free_runs.state_limits import may_stop_itself
 from .given.declared import DeclaredModel
 from .given.given import checked
@@ -112,6 +113,9 @@ def close_loop(
     rng = generator(random_state)
     if given.design.algebraic:  # nothing is simulated
         rules = replace(rules, refine="derivative")
+    else:
+        train, test, wide = without_aliases(given.design, given.train, given.test, given.wide)
+        given = replace(given, train=train, test=test, wide=wide)
     if may_stop_itself(given.design, given.train, rules, rng):
         given = given.believed()
     part = witnessed(given.design, given.wide)

@@ -1,8 +1,9 @@
 """What a record does not know of its inputs: the noise of their sensors, and the time in between.
 
 An input that jumps between levels is held from one sample to the next. It is recorded at best as
-the mean of the values before and after each sample; a motion that follows from it is a little
-quicker, by the share (omega dt)^2 / 6 at the frequency omega. That can be made up for. Where the
+the mean of the values before and after each sample. What follows from it is a little larger, by the
+share (omega dt)^2 / 12 at the frequency omega; a state that it drives directly seems so by twice as
+much, as its samples do not tell straight pieces from a curve. That can be made up for. Where the
 value itself is recorded that begins at a sample, the motion is late by half a sample besides, see
 signals/holds.py. An input that runs smoothly is known between its samples as well.
 """
@@ -20,7 +21,7 @@ __all__ = ["as_held", "input_error", "jumps_at_once", "known_up_to", "untimely"]
 STILL = 0.2  # share of the steps from sample to sample that are small, if an input is held ...
 SMALL = 0.1  # ... in sizes of all its steps: of a sine that runs on a fifth are below 0.4
 LARGE = 0.25  # of the largest step: these are its jumps
-QUICKER = 1.0 / 6.0  # of the second difference
+QUICKER = 1.0 / 6.0  # of the second difference, for a state that is driven directly
 TYPICAL = 1.0 / np.sqrt(12.0)  # samples by which a jump at any time between two is off, rms
 DOUBT = 0.05  # of a held input: more of it is not known at the frequencies that are looked at
 
@@ -33,7 +34,9 @@ def as_held(record: Record) -> Record:
     means[list(record.held)] = False  # which are given as what acts
     if not means.any():
         return record
-    return record.with_inputs(lambda _, u: u - np.where(means, QUICKER * _bend(u), 0.0))
+    direct = record.preparation is not None and record.preparation.order == 1
+    share = QUICKER if direct else 0.5 * QUICKER
+    return record.with_inputs(lambda _, u: u - np.where(means, share * _bend(u), 0.0))
 
 
 def jumps_at_once(record: Record, column: int) -> bool:
