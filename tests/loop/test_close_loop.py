@@ -8,7 +8,7 @@ import pytest
 from loop_systems import Hidden, equations_of, hidden_effects, measured, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop import search
+from pysindy_evolve.loop.search import names
 
 FRICTION = oscillator("Coulomb friction", "- 2*sgn(v)")
 NOTHING = oscillator("nothing", "")
@@ -229,7 +229,7 @@ def test_max_effects_ends_the_search_and_is_told():
 
 def test_interrupt_keeps_what_was_found(monkeypatch):
     hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
-    find, calls = search.find_with_memories, []
+    find, calls = names.find_with_memories, []
 
     def interrupted(*args, **options):
         if calls:
@@ -237,7 +237,7 @@ def test_interrupt_keeps_what_was_found(monkeypatch):
         calls.append(1)
         return find(*args, **options)
 
-    monkeypatch.setattr(search, "find_with_memories", interrupted)
+    monkeypatch.setattr(names, "find_with_memories", interrupted)
     report = close_by_name(hidden.model, hidden.record())
     assert not report.finished
     assert report.effects

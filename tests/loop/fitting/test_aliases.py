@@ -108,7 +108,7 @@ def test_a_part_of_a_sample_is_a_delay_and_no_lag_besides(order, delay):
 @pytest.mark.parametrize("noise", [0.0, 0.003])
 def test_a_controller_that_moves_its_output_with_each_sample_makes_no_effect(noise):
     t, rng = DT * np.arange(N), np.random.default_rng(3)
-    asked = sum(np.sin(2.0 * np.pi * f * t + p) for f, p in zip(np.linspace(0.1, 2.0, 8), range(8)))
+    asked = sum(np.sin(2.0 * np.pi * f * t + k) for k, f in enumerate(np.linspace(0.1, 2.0, 8)))
     w, total, y, u = 0.0, 0.0, np.empty(N), np.empty(N)
     keep = np.exp(-DECAY * DT)
     for k in range(N):
