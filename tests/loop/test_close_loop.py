@@ -8,7 +8,8 @@ import pytest
 from loop_systems import Hidden, equations_of, hidden_effects, measured, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.search import names
+from pysindy_evolve.loop.growth.grow import TermGrower
+from pysindy_evolve.loop.search import names as look
 
 FRICTION = oscillator("Coulomb friction", "- 2*sgn(v)")
 NOTHING = oscillator("nothing", "")
@@ -229,7 +230,7 @@ def test_max_effects_ends_the_search_and_is_told():
 
 def test_interrupt_keeps_what_was_found(monkeypatch):
     hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
-    find, calls = names.find_with_memories, []
+    find, calls = look.find_with_memories, []
 
     def interrupted(*args, **options):
         if calls:
@@ -237,7 +238,7 @@ def test_interrupt_keeps_what_was_found(monkeypatch):
         calls.append(1)
         return find(*args, **options)
 
-    monkeypatch.setattr(names, "find_with_memories", interrupted)
+    monkeypatch.setattr(look, "find_with_memories", interrupted)
     report = close_by_name(hidden.model, hidden.record())
     assert not report.finished
     assert report.effects
@@ -274,7 +275,7 @@ def test_interrupt_after_a_name_keeps_it(monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(search.TermGrower, "better", interrupted)
+    monkeypatch.setattr(TermGrower, "better", interrupted)
     report = close_by_name(FRICTION.model, FRICTION.record())
     assert names(report) == ["Coulomb friction"]
     assert not report.finished
