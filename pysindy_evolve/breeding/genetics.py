@@ -60,6 +60,7 @@ class Genetics:
         self.random = random.Random(int(rng.integers(2**62)))
         self.max_depth = max_depth
         self._operators = {operator.name: operator for operator in operators}
+        self._known = {**BUILTIN, **self._operators}  # and what terms bring along
         self._arities = {0, *(operator.arity for operator in operators)}
         self._scale = [float(size) for size in scale]
         self.smooth = any(name not in LINEAR for name in self._operators)
@@ -131,7 +132,14 @@ class Genetics:
         self, parents: Sequence[Product], fitness: Sequence[float] | np.ndarray
     ) -> gp.PrimitiveTree:
         rivals = [self.random.randrange(len(parents)) for _ in range(TOURNAMENT)]
-        return gp.PrimitiveTree(_nodes(parents[min(rivals, key=lambda i: fitness[i])]))
+        return self._tree(parents[min(rivals, key=lambda i: fitness[i])])
+
+    def _tree(self, term: Product) -> gp.PrimitiveTree:
+        nodes = _prefix(term)
+        for node in nodes:
+            if isinstance(node, Operator):
+                self._known.setdefault(node.name, node)
+        return gp.PrimitiveTree(map(_node, nodes))
 
     def _random_child(self) -> list[Product]:
         nodes = self._deap["genHalfAndHalf"](self._pset, 1, min(self.max_depth, 3))
@@ -191,7 +199,7 @@ class Genetics:
     def _meaning(self, node: gp.Primitive | gp.Terminal) -> Operator | Sum:
         if not node.arity:
             return node.value
-        return self._operators.get(node.name) or BUILTIN[node.name]
+        return self._known[node.name]
 
     def _primitive_set(self) -> gp.PrimitiveSet:
         pset = gp.PrimitiveSet("terms", 0)
@@ -275,8 +283,8 @@ _ADD, _MUL = (_primitive(BUILTIN[name]) for name in ("add", "mul"))
 
 
 @lru_cache(4096)  # a good term is a parent many times over
-def _nodes(term: Product) -> tuple[gp.Primitive | gp.Terminal, ...]:
-    return tuple(_node(one) for one in to_prefix(term))
+def _prefix(term: Product) -> tuple[Operator | Sum, ...]:
+    return tuple(to_prefix(term))
 
 
 def _node(one: Operator | Sum) -> gp.Primitive | gp.Terminal:

@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             with one_thread():
                 finished = given.run(given)
         except KeyboardInterrupt:
-            complain(f"{PROGRAM}: interrupted; nothing was found yet.")
+            complain(f"{PROGRAM}: interrupted; nothing was found yet, or not written yet.")
             return INTERRUPTED
         except BrokenPipeError:  # the reader, such as `head`, has seen enough
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

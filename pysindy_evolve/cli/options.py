@@ -218,7 +218,11 @@ def _add_preparation(columns: argparse._ArgumentGroup) -> None:
 def _add_format(columns: argparse._ArgumentGroup) -> None:
     """Add how the numbers of a file are written, and angles that start again."""
     columns.add_argument(
-        "--delimiter", default=",", metavar="SIGN", help="character between the fields (,)"
+        "--delimiter",
+        default=",",
+        type=lambda sign: "\t" if sign == "\\t" else sign,
+        metavar="SIGN",
+        help="character between the fields (,)",
     )
     columns.add_argument(
         "--decimal", default=".", choices=(".", ","), help="sign before the decimals (.)"

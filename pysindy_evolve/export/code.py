@@ -60,10 +60,11 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
             f"to_code(language=...) must be a known language; got {language!r}. "
             f"Choose from {', '.join(_LANGUAGES)}."
         )
-    if not isinstance(name, str) or re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) is None:
+    plain = isinstance(name, str) and re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) is not None
+    if not plain or name in _RESERVED:
         raise ValueError(
             f"to_code(name=...) must be an identifier; got {name!r}. "
-            "Use letters, digits and underscores."
+            "Use letters, digits and underscores, and no word of one of the languages."
         )
     system, chosen = system_of(model, "to_code"), _LANGUAGES[language.lower()]
     source = _source(system, language.lower(), name)

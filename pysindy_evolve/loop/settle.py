@@ -19,6 +19,7 @@ from .free_runs.worsened import last_worsened
 from .given.held import held_like
 from .given.limits import off_limits
 from .given.records import widened
+from .memories.polish import polished
 from .report.assembly import make_report
 from .report.cautions import is_hold_only
 from .report.doubtful import most_doubtful
@@ -133,4 +134,8 @@ def _with_alternatives(search: Search) -> list[Finding]:
     if search.runs_tell_more and not paths_of(search.design):
         rivals = unrefuted(design, rivals, search.plain)
     told = told_by_slopes(design, with_asymmetry(rivals), acted)
-    return with_products_named(design, on_steep_side(design, told, acted))
+    named = with_products_named(design, on_steep_side(design, told, acted))
+    if search.part.by_trajectory:
+        return named
+    whole = awaited(with_findings(design, named), search.whole)
+    return polished(design, named, search.plain, whole, child.spawn(1)[0])

@@ -71,9 +71,18 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class MemoryFinding(Finding):
-    """A memory of an input that passed. It changes the records and adds no column."""
+    """A memory of an input that passed. It changes the records and adds no column.
+
+    Attributes
+    ----------
+    memory : Memory
+        What the input goes through.
+    interval : tuple of float, optional
+        95 % interval of its first number, once that is known to all its digits.
+    """
 
     memory: Memory = field(kw_only=True)
+    interval: tuple[float, float] | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)

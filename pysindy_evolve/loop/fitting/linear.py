@@ -41,7 +41,8 @@ def solve_many(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
     -------
     ndarray of shape (..., p, n_targets)
     """
-    size = np.sqrt(np.maximum(np.diagonal(xx, axis1=-2, axis2=-1), TINY))[..., None]
+    square = np.diagonal(xx, axis1=-2, axis2=-1)[..., None]
+    size = np.sqrt(np.where(square > TINY, square, 1.0))
     scaled = xx / (size * np.swapaxes(size, -1, -2)) + RIDGE * np.eye(xx.shape[-1])
     return np.asarray(np.linalg.solve(scaled, xy / size) / size)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations, permutations
@@ -98,10 +99,23 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
                 "Interpolate the record to one sampling time first."
             )
         _check_finite(design, record)
+    _doubt_clock(records)
     _check_names(design, records)
     _check_columns(design, records)
     _check_copies(design, records)
     _check_velocities(design, records)
+
+
+def _doubt_clock(records: Sequence[Record]) -> None:
+    """Warn where times begin so late that what depends on them is lost in an offset."""
+    start, end = records[0].t[0], max(record.t[-1] for record in records)
+    if abs(start) > LATE * (end - start):
+        warnings.warn(
+            f"close_loop(train=..., test=...): times begin at {start:.10g}, long after zero. A "
+            "drift from there is next to constant, and the phase of a forcing needs all digits of "
+            "its frequency. Subtract the first time of the first record from all of them.",
+            stacklevel=4,
+        )
 
 
 def _check_counts(design: Design, record: Record) -> None:
@@ -141,10 +155,11 @@ def _check_velocities(design: Design, records: Sequence[Record]) -> None:
     A name that is no state is a free parameter, so nothing else would say so.
     """
     for position, velocity in permutations(range(len(design.states)), 2):
-        if any(velocity in side.variables for side in design.sides_of(position)):
+        swapped = design.derivative_of(velocity) == position
+        if not swapped and any(velocity in side.variables for side in design.sides_of(position)):
             continue
         if all(np.array_equal(r.x_dot[:, position], r.x[:, velocity]) for r in records):
-            if design.derivative_of(position) is not None:
+            if swapped or design.derivative_of(position) is not None:
                 raise ValueError(
                     "close_loop(declared=...) must have its states in the order of the records, "
                     "each position followed by its velocity; got "
@@ -158,6 +173,8 @@ def _check_velocities(design: Design, records: Sequence[Record]) -> None:
                 f"{', '.join(free) or 'none'}. Write {q!r}: {v!r}, or prepare with order=1."
             )
 
+
+LATE = 100.0  # times as long as all records, after which nobody counts from zero
 
 ROUNDING = 1e-13  # of its size, that a filter makes a constant column vary by
 

@@ -1,4 +1,4 @@
-"""How long a memory reaches back: tuned, held against the other kinds, and with its interval."""
+"""How long a memory reaches back: tuned, and held against the other kinds."""
 
 from __future__ import annotations
 
@@ -9,22 +9,24 @@ import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
 from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory
-from ...signals import Record
 from ...substitution import substituted
-from ...terms import Sum, constant, mul, sub
+from ...terms import Sum, sub
 from ..evidence.encompassing import chance
 from ..evidence.scoring import MARGIN
 from ..evidence.spectral import spectral_grams
-from ..fitting.fit import derivative_intervals
 from ..given.design import Column, Design
 from ..given.segments import Segments
 from .chains import Chain, Traded
 from .probes import RATIO, Exchange, Probes, exchanges, grid_of
 
-__all__ = ["best_of_kinds", "chain_of", "exchanged", "memory_interval", "plainest", "reach_of"]
-__all__ += ["settled_memory", "trade_of"]
-
-STEP = 0.02  # of a delay or time constant, to see what it changes
+__all__ = [
+    "best_of_kinds",
+    "chain_of",
+    "exchanged",
+    "plainest",
+    "reach_of",
+]
+__all__ += ["settled_memory", "swapped", "trade_of"]
 
 
 def settled_memory(
@@ -158,7 +160,7 @@ def _chance_of(
     """Return the chance that one memory gains as much beside another, if that were the cause."""
     probes = Probes(design, (rival, chosen))
     pieces, wide = probes.extended_pieces(part), probes.widened(design)
-    there, other = (_swapped(wide, probes.swap(k)) for k in (0, 1))
+    there, other = (swapped(wide, probes.swap(k)) for k in (0, 1))
     # What is known of the input acts through a memory as well.
     known = Column("known", tuple(map(sub, other.fixed, there.fixed)))
     columns = [*there.columns, *other.columns, known]
@@ -167,60 +169,9 @@ def _chance_of(
     return chance(grams, range(n_own), range(n_own, len(columns)), level, rng)
 
 
-def _swapped(design: Design, swap: dict[int, Sum]) -> Design:
+def swapped(design: Design, swap: dict[int, Sum]) -> Design:
     """Return a design with variables replaced."""
     columns = tuple(
         replace(c, parts=tuple(substituted(p, swap) for p in c.parts)) for c in design.columns
     )
     return replace(design, columns=columns, fixed=tuple(substituted(p, swap) for p in design.fixed))
-
-
-def memory_interval(
-    memory: Memory,
-    design: Design,
-    coef: np.ndarray,
-    records: Sequence[Record],
-    rng: np.random.Generator,
-) -> tuple[float, float]:
-    """Return the 95 % interval of a delay or time constant, from blocks of the training data.
-
-    What a small change of it does to the rates is one more column of the model; the interval of
-    that column's coefficient is how far the value could be off.
-
-    Parameters
-    ----------
-    memory : Memory
-        The memory, tuned.
-    design : Design
-        The model.
-    coef : ndarray of shape (n_columns,)
-        Its coefficients.
-    records : sequence of Record
-        Training records without this memory.
-    rng : numpy.random.Generator
-        Draws the blocks.
-
-    Returns
-    -------
-    low, high : float
-    """
-    (value,) = memory.values
-    longer = replace(memory, values=(value * (1.0 + STEP),))
-    probes = Probes(design, (memory, longer))
-    extended = [probes.extended(record) for record in records]
-    swap, swap_longer = probes.swap(0), probes.swap(1)
-    own = len(design.states) + memory.column
-    sides = [probes.widen(side) for side in design.equations(coef).sums]
-    slopes = tuple(
-        mul(
-            constant(1.0 / (STEP * value)),
-            sub(substituted(side, swap_longer), substituted(side, swap)),
-        )
-        if own in side.variables
-        else Sum(())
-        for side in sides
-    )
-    wide = _swapped(probes.widened(design), swap).adding([Column("change", slopes)])
-    low, high = derivative_intervals(wide, extended, rng)[-1]
-    half = 0.5 * float(high - low)
-    return max(value - half, 0.0), value + half

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
@@ -39,6 +39,7 @@ from .quantities import (
     with_share_of_runs,
 )
 from .report import LoopReport
+from .unidentified import unidentified
 
 __all__ = ["make_report"]
 
@@ -56,7 +57,8 @@ def make_report(
     """Fit each stage on all training rows and judge it on held-out records."""
     design, lacks_nothing = declared, verdict == "complete"
     fitted, errors = judge(declared, train, test, rules, rng, final=lacks_nothing)
-    errors = _with_parameters(errors, declared, fitted, sure=lacks_nothing)
+    unknown = {name for group in unidentified(declared, train) for name in group}
+    errors = _with_parameters(errors, declared, fitted, unknown, sure=lacks_nothing)
     before, effects, steps, by_runs = errors, [], [], False
     memories: tuple[Memory, ...] = ()
     for _, group in groupby(findings, key=lambda finding: finding.step):
@@ -70,7 +72,7 @@ def make_report(
             design, train, test, rules, rng, memories, final=last, by_runs=by_runs
         )
         sure = last and not (by_runs and memories)
-        errors = _with_parameters(errors, declared, fitted, sure=sure)
+        errors = _with_parameters(errors, declared, fitted, unknown, sure=sure)
         for finding in found:
             effects.append(_effect(design, finding, train, test, memories))
             if finding.by_runs:
@@ -130,12 +132,16 @@ def _with_rivals(
 
 
 def _with_parameters(
-    errors: Errors, declared: Design, fitted: Fit, *, sure: bool = False
+    errors: Errors, declared: Design, fitted: Fit, unknown: Set[str], *, sure: bool = False
 ) -> Errors:
-    """Return errors with the declared parameters, which are the first columns of every design."""
+    """Return errors with the declared parameters, which are the first columns of every design.
+
+    Unless records do not tell them, final ones have intervals.
+    """
     names = [column.name for column in declared.columns]
     values = {name: float(c) for name, c in zip(names, fitted.coef, strict=False)}
-    intervals = dict(zip(names, fitted.intervals, strict=False)) if sure else {}
+    pairs = zip(names, fitted.intervals, strict=False) if sure else ()
+    intervals = {name: interval for name, interval in pairs if name not in unknown}
     return replace(errors, parameters=values, parameter_intervals=intervals)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,7 @@ from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
 from .shared_lines import shared_lines
 from .start_noise import moved_by_starts
+from .unidentified import unidentified_sentences
 from .units import percent
 
 if TYPE_CHECKING:
@@ -39,7 +41,7 @@ RUNAWAY = 100.0  # percent of the standard deviation: such an error cannot grow
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
     found = [*_doubted(report), *_known(report), *_held(report), *_slow(report)]
-    found += [*exchangeable_poles(report), *_turned(report)]
+    found += [*_untold(report), *exchangeable_poles(report), *_turned(report)]
     found += [*_worse(report), *_undefined(report), *_lines(report), *_sessions(report)]
     found += _numbers(report)
     found += beyond(report)
@@ -64,6 +66,13 @@ def _doubted(report: LoopReport) -> list[str]:
             "that the columns of the records are in the order of the model."
         )
     return said
+
+
+def _untold(report: LoopReport) -> list[str]:
+    if report.design is None:
+        return []
+    first = report.design.columns[: len(report.after.parameters)]  # what was declared
+    return unidentified_sentences(replace(report.design, columns=first), report.train)
 
 
 def _known(report: LoopReport) -> list[str]:

@@ -19,7 +19,7 @@ from ..free_runs.variants import Model
 from ..given.design import Design
 from ..given.limits import Limit
 from ..given.sensor import limits_of_states, shown
-from ..memories.reach import memory_interval
+from ..memories.polish import row_interval
 from .effect import Effect, Errors
 
 __all__ = [
@@ -127,8 +127,10 @@ def with_memory(
     """Return the effect of a memory with its delay or time constant."""
     memory = finding.memory
     intervals = np.full((len(memory.values), 2), np.nan)
-    if not finding.by_runs:
-        intervals[0] = memory_interval(memory, design, coef, train, rng)
+    if finding.interval is not None:
+        intervals[0] = finding.interval
+    elif not finding.by_runs:
+        intervals[0] = row_interval(memory, design, coef, train, rng)
     equations = with_memories(design.equations(coef), [memory])
     place = len(equations.states) + memory.column
     hidden = len(design.states)

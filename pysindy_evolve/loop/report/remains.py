@@ -36,7 +36,9 @@ def _unfinished(report: LoopReport) -> str:
         return "No effect was looked for: the records are smoothed so much that they show none."
     if report.rules is not None and report.rules.max_effects == 0:
         return "No effect was looked for, as max_effects is 0."
-    return "The search stopped early: it was interrupted, or reached max_effects."
+    if report.rules is not None and len(report.effects) >= report.rules.max_effects:
+        return "The search stopped early: it reached max_effects."
+    return "The search stopped early: it was interrupted."
 
 
 def _last_look(report: LoopReport) -> str:

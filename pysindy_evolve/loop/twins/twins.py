@@ -110,7 +110,8 @@ class TwinMaker:
         there = power / np.maximum(np.sum(power, axis=0), TINY)
         unexplained = np.sum(there * residual**2, axis=0) - noise
         expected = np.maximum(np.sum(there * power, axis=0), TINY)
-        return np.asarray(drawn * np.sqrt(np.clip(unexplained / expected, 0.0, 1.0)))
+        share = np.clip(unexplained, 0.0, expected) / expected
+        return np.asarray(drawn * np.sqrt(share))
 
     def _moved(self, twin: Record, rates: np.ndarray, error: np.ndarray | None) -> np.ndarray:
         """Return what an error of the inputs changes of the rates."""

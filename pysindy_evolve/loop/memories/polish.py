@@ -1,0 +1,159 @@
+"""The last digits of delays and time constants, and their intervals.
+
+A search tunes them by how well they predict parts of the records, no finer than it takes to tell
+one effect from another. What is off then goes into the other numbers of the model as well. So the
+steps of Gauss and Newton that are left are taken: what a small change of a number does to the rates
+is one more column of the model, whose coefficient says how far it is off.
+
+Rows and spectra tell it differently well. Averaged rows are the better ones where all is slow,
+spectra where the noise of the derivative is not; the narrower interval says which.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...hidden_states.memory import Memory, remembered
+from ...signals import Record
+from ...substitution import substituted
+from ...terms import Sum, constant, mul, sub
+from ..evidence.findings import Finding, MemoryFinding, memories_in, with_findings
+from ..evidence.spectral import spectral_grams
+from ..fitting.bootstrap import block_intervals
+from ..fitting.fit import derivative_intervals, refit
+from ..fitting.linear import solve_gram
+from ..given.design import Column, Design
+from ..given.segments import Segments
+from .probes import Probes
+from .reach import swapped
+
+__all__ = ["polished", "row_interval"]
+
+N_ROUNDS = 3  # several memories change each other
+STEP = 0.02  # of a delay or time constant, to see what it changes
+FARTHEST = 0.2  # of a number, that one step may change
+
+
+def polished(
+    declared: Design,
+    findings: Sequence[Finding],
+    records: Sequence[Record],
+    whole: Segments,
+    rng: np.random.Generator,
+) -> list[Finding]:
+    """Return findings whose memories fit the derivatives of records best, with their intervals.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found, tuned.
+    records : sequence of Record
+        Training records without memories.
+    whole : Segments
+        Pieces of the same in a wider filter.
+    rng : numpy.random.Generator
+        Draws blocks.
+
+    Returns
+    -------
+    list of Finding
+        What free runs showed keeps its numbers, as these are from there.
+    """
+    found, design = list(findings), with_findings(declared, findings)
+    for _ in range(N_ROUNDS):
+        for k, finding in enumerate(found):
+            if not isinstance(finding, MemoryFinding) or finding.by_runs:
+                continue
+            memories = memories_in(found)
+            others = [one for one in memories if one is not finding.memory]
+            coef = refit(design, [remembered(r, memories) for r in records], "derivative")
+            rows = [remembered(record, others) for record in records]
+            part = whole.of([remembered(record, others) for record in whole.records])
+            found[k] = _nearer(finding, design, coef, rows, part, rng)
+    return found
+
+
+def row_interval(
+    memory: Memory,
+    design: Design,
+    coef: np.ndarray,
+    records: Sequence[Record],
+    rng: np.random.Generator,
+) -> tuple[float, float]:
+    """Return the 95 % interval of a delay or time constant, from blocks of rows.
+
+    Parameters
+    ----------
+    memory : Memory
+        The memory, tuned.
+    design : Design
+        The model.
+    coef : ndarray of shape (n_columns,)
+        Its coefficients.
+    records : sequence of Record
+        Training records without this memory.
+    rng : numpy.random.Generator
+        Draws the blocks.
+
+    Returns
+    -------
+    low, high : float
+    """
+    wide, probes = _with_change(memory, design, coef)
+    low, high = derivative_intervals(wide, [probes.extended(r) for r in records], rng)[-1]
+    half = 0.5 * float(high - low)
+    return max(memory.values[0] - half, 0.0), memory.values[0] + half
+
+
+def _nearer(
+    finding: MemoryFinding,
+    design: Design,
+    coef: np.ndarray,
+    records: Sequence[Record],
+    part: Segments,
+    rng: np.random.Generator,
+) -> MemoryFinding:
+    """Return a memory one step nearer to what fits best, by rows or by spectra."""
+    wide, probes = _with_change(finding.memory, design, coef)
+    extended = [probes.extended(record) for record in records]
+    grams = spectral_grams(probes.extended_pieces(part), wide, wide.columns)
+    low, step, high = min(
+        (_told(derivative_intervals(wide, extended, rng), refit(wide, extended, "derivative"))),
+        (_told(block_intervals(grams, rng), solve_gram(grams.sum(axis=0)))),
+        key=lambda told: told[2] - told[0],
+    )
+    (value,) = finding.memory.values
+    new = value + min(max(step, -FARTHEST * value), FARTHEST * value)
+    interval = max(value + low, 0.0), max(value + high, 0.0)
+    return replace(finding, memory=replace(finding.memory, values=(new,)), interval=interval)
+
+
+def _told(intervals: np.ndarray, coef: np.ndarray) -> tuple[float, float, float]:
+    """Return how far the number of the last column is off: low end, middle and high end."""
+    low, high = intervals[-1]
+    return float(low), float(coef[-1]), float(high)
+
+
+def _with_change(memory: Memory, design: Design, coef: np.ndarray) -> tuple[Design, Probes]:
+    """Return a model whose last column is what a change of a memory does."""
+    (value,) = memory.values
+    probes = Probes(design, (memory, replace(memory, values=(value * (1.0 + STEP),))))
+    swap, swap_longer = probes.swap(0), probes.swap(1)
+    own = len(design.states) + memory.column
+    sides = [probes.widen(side) for side in design.equations(coef).sums]
+    slopes = tuple(
+        mul(
+            constant(1.0 / (STEP * value)),
+            sub(substituted(side, swap_longer), substituted(side, swap)),
+        )
+        if own in side.variables
+        else Sum(())
+        for side in sides
+    )
+    wide = swapped(probes.widened(design), swap).adding([Column("change", slopes)])
+    return wide, probes
