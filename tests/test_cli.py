@@ -139,11 +139,12 @@ def test_the_same_seed_prints_the_same(capsys, oscillator):
     assert run(capsys, *options) == run(capsys, *options)
 
 
-def test_columns_may_have_other_names_and_another_delimiter(capsys, tmp_path):
+@pytest.mark.parametrize(("sign", "typed"), [(";", ";"), ("\t", "\\t")])
+def test_columns_may_have_other_names_and_another_delimiter(capsys, tmp_path, sign, typed):
     t = np.arange(0.0, 6.0, 0.01)
     path = tmp_path / "decay.csv"
-    np.savetxt(path, np.c_[t, np.exp(-t)], delimiter=";", header="Time;level", comments="")
-    options = ("--time", "Time", "--states", "level", "--delimiter", ";", "--cutoff", "none")
+    np.savetxt(path, np.c_[t, np.exp(-t)], delimiter=sign, header=f"Time{sign}level", comments="")
+    options = ("--time", "Time", "--states", "level", "--delimiter", typed, "--cutoff", "none")
     code, out, _ = run(capsys, "fit", str(path), *options)
     assert code == 0
     assert "level' = -level\n" in out

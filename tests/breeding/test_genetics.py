@@ -9,6 +9,7 @@ from deap import gp
 
 from pysindy_evolve.breeding.genetics import Genetics
 from pysindy_evolve.operators import Operator, resolve
+from pysindy_evolve.terms import call, variable
 
 SMOOTH = ("add", "sub", "mul", "div", "sin", "cos", "abs", "sgn")
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")
@@ -47,6 +48,14 @@ def test_children_are_new_small_and_depend_on_data(operators):
         assert child.variables
         assert child.depth <= 4
         assert child.size <= 16
+
+
+def test_terms_may_bring_operators_of_their_own():
+    """Those of a declared model are varied too, whatever a search grows from."""
+    machine, relu = genetics(), Operator("relu", lambda a: np.maximum(a, 0.0), 1)
+    ((_, own),) = call(relu, variable(0)).parts
+    children = machine.offspring([own] * 4, np.arange(4), 30, crossover_rate=0.9, mutation_rate=0.5)
+    assert any("relu" in child.name(["a", "b"]) for child in children)
 
 
 def test_a_sum_is_split_into_its_terms():

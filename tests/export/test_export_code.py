@@ -178,7 +178,7 @@ def test_unknown_language_is_an_error(friction, language):
         export.to_code(friction, language)
 
 
-@pytest.mark.parametrize("name", ["2f", "", "a b", "f;", None])
+@pytest.mark.parametrize("name", ["2f", "", "a b", "f;", "lambda", "for", None])
 def test_name_of_the_function_must_be_an_identifier(friction, name):
     with pytest.raises(ValueError, match=r"to_code\(name=...\) must be an identifier"):
         export.to_code(friction, "c", name=name)

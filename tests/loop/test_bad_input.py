@@ -384,6 +384,13 @@ def test_columns_under_names_of_the_model_must_stand_in_its_order():
         pse.close_loop(SPRING, turned)
 
 
+def test_a_velocity_before_its_position_is_an_error_though_a_spring_holds_the_position():
+    record = pse.prepare(0.02 * np.arange(400), np.sin(0.06 * np.arange(400)), cutoff=10.0)
+    declared = pse.DeclaredModel({"v": "-k*q - c*v", "q": "v"})
+    with pytest.raises(ValueError, match=r"each position followed by its velocity; got v, q\."):
+        pse.close_loop(declared, record)
+
+
 def test_states_in_another_order_than_positions_and_velocities_are_an_error():
     t = 0.02 * np.arange(400)
     record = pse.prepare(t, np.column_stack([np.sin(3.0 * t), np.cos(2.0 * t)]), cutoff=10.0)

@@ -226,6 +226,7 @@ def test_max_effects_ends_the_search_and_is_told():
     hidden = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
     report = close_by_name(hidden.model, hidden.record(), random_state=0, max_effects=1)
     assert len(report.effects) <= 2  # a pair may come at once
+    assert "The search stopped early: it reached max_effects." in str(report)
 
 
 def test_interrupt_keeps_what_was_found(monkeypatch):
@@ -243,7 +244,7 @@ def test_interrupt_keeps_what_was_found(monkeypatch):
     assert not report.finished
     assert report.effects
     assert report.verdict == "traced"
-    assert "stopped early" in str(report)
+    assert "The search stopped early: it was interrupted." in str(report)
 
 
 def test_pendulum_without_its_gravity_is_given_it():

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...breeding.dictionary import Problem
 from ...breeding.generation import Settings
+from ...breeding.poles import has_pole
 from ...evolution import evolve
 from ...operators import Operator
 from ...terms import Product, variable
@@ -34,7 +35,6 @@ from ..given.segments import Segments, have_values, ranges
 from .climbing import climbed
 from .levels import begun_at_levels
 from .naming import named, shifted, without_signs
-from .poles import has_pole
 from .seeds import screened, small_terms, varied
 
 __all__ = ["OPERATORS", "TermGrower", "grow"]

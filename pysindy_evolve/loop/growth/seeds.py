@@ -18,6 +18,7 @@ import numpy as np
 
 from ...breeding.dictionary import Problem, build_dictionary
 from ...breeding.genetics import SCALED
+from ...breeding.poles import is_away
 from ...operators import Operator
 from ...sparse.elimination import gains
 from ...terms import (
@@ -33,7 +34,6 @@ from ...terms import (
     sub,
     variable,
 )
-from .poles import is_away
 
 __all__ = ["functions", "screened", "small_terms", "varied"]
 

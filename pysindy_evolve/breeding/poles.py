@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from ...terms import Atom, Call, Sum
+from ..terms import Atom, Call, Sum
 
-__all__ = ["AWAY", "has_pole", "is_away"]
+__all__ = ["AWAY", "has_pole", "is_away", "keeps_sign"]
 
 AWAY = 0.1  # of its largest magnitude, by which what is below the line keeps away from zero
 
@@ -18,7 +20,14 @@ def is_away(column: np.ndarray) -> bool:
     return least * largest > 0.0 and near > AWAY * far
 
 
-def has_pole(expression: Sum, rows: np.ndarray) -> bool:
+def keeps_sign(column: np.ndarray) -> bool:
+    """Tell whether a column does not cross zero; it may begin there."""
+    return bool(column.min() * column.max() >= 0.0)
+
+
+def has_pole(
+    expression: Sum, rows: np.ndarray, is_fit: Callable[[np.ndarray], bool] = is_away
+) -> bool:
     """Tell whether a term divides by what crosses zero, or comes close.
 
     Its few values near the pole would say whatever the noise there says.
@@ -28,7 +37,9 @@ def has_pole(expression: Sum, rows: np.ndarray) -> bool:
     expression : Sum
         The term.
     rows : ndarray of shape (n, n_variables + 1)
-        Variables of a record, time last.
+        Variables of a record.
+    is_fit : callable
+        Tells whether a column may be divided by.
 
     Returns
     -------
@@ -36,12 +47,12 @@ def has_pole(expression: Sum, rows: np.ndarray) -> bool:
     """
     with np.errstate(all="ignore"):  # what has no value is not away from zero either
         return any(
-            (exponent < 0 and not is_away(atom.evaluate(rows))) or _holds_pole(atom, rows)
+            (exponent < 0 and not is_fit(atom.evaluate(rows))) or _holds_pole(atom, rows, is_fit)
             for _, term in expression.parts
             for atom, exponent in term.factors
         )
 
 
-def _holds_pole(atom: Atom, rows: np.ndarray) -> bool:
+def _holds_pole(atom: Atom, rows: np.ndarray, is_fit: Callable[[np.ndarray], bool]) -> bool:
     inside = atom.args if isinstance(atom, Call) else (atom,) if isinstance(atom, Sum) else ()
-    return any(has_pole(part, rows) for part in inside)
+    return any(has_pole(part, rows, is_fit) for part in inside)

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from pysindy_evolve.breeding.dictionary import Problem
+from pysindy_evolve.breeding.poles import has_pole, keeps_sign
+from pysindy_evolve.breeding.refit import refit
 from pysindy_evolve.loop.growth.grow import OPERATORS, _without_quotients
-from pysindy_evolve.loop.growth.poles import has_pole
 from pysindy_evolve.operators import BUILTIN, resolve
-from pysindy_evolve.terms import add, call, constant, mul, power, variable
+from pysindy_evolve.terms import add, call, constant, div, mul, power, sub, variable
 
 GAP, SPEED = variable(0), variable(1)
 ROWS = np.column_stack([np.linspace(0.5, 1.5, 200), np.linspace(-2.0, 2.01, 200)])
@@ -26,6 +28,30 @@ ROWS = np.column_stack([np.linspace(0.5, 1.5, 200), np.linspace(-2.0, 2.01, 200)
 )
 def test_a_term_that_divides_by_what_crosses_zero_has_a_pole(term, expected):
     assert has_pole(term, ROWS) == expected
+
+
+@pytest.mark.parametrize(
+    ("term", "expected"),
+    [
+        (power(GAP, -1), False),
+        (power(sub(GAP, constant(0.5)), -1), False),
+        (power(SPEED, -1), True),
+    ],
+)
+def test_what_begins_at_zero_does_not_cross_it(term, expected):
+    assert has_pole(term, ROWS, keeps_sign) == expected
+
+
+def test_the_terms_of_an_equation_do_not_divide_by_what_crosses_zero():
+    """A pole between two samples fits what these two have by chance."""
+    rng = np.random.default_rng(0)
+    x = rng.uniform(-1.0, 1.0, (400, 2))
+    target = 2.0 * x[:, 0] + 1e-3 * x[:, 0] / (x[:, 1] + 0.1)
+    q, v = (variable(i) for i in range(2))
+    ((_, straight),), ((_, pole),) = q.parts, div(q, add(v, constant(0.1))).parts
+    terms, coef = refit(Problem(x, target, np.empty((400, 0))), (straight, pole), 2, 5)
+    assert terms == (straight,)
+    assert coef[0] == pytest.approx(2.0, abs=0.1)
 
 
 def test_a_search_divides_only_where_there_are_sums_to_divide_by():
