@@ -204,6 +204,6 @@ def _gain(equations: Equations, record: Record, column: int) -> np.ndarray:
     """Return what an input adds to the derivative of each state, (n_samples, n_states)."""
     u = np.asarray(record.u)
     nudge = np.zeros(u.shape[1])
-    nudge[column] = STEP * float(np.ptp(u[:, column]))
+    nudge[column] = STEP * float(np.ptp(u[:, column]) or 1.0)  # an input may rest in one record
     low, high = (equations.evaluate(record.x, u + sign * nudge, record.t) for sign in (-1.0, 1.0))
-    return np.asarray((high - low) / (2.0 * nudge[column]))
+    return np.nan_to_num((high - low) / (2.0 * nudge[column]))  # where the model has no value

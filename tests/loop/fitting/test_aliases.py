@@ -73,6 +73,17 @@ def test_smooth_inputs_and_positions_stay_as_they_are():
     assert without_aliases(design_of(MOTOR, [smooth]), [smooth], [smooth])[1][0] is smooth
 
 
+def test_an_input_may_rest_in_one_record_and_all_may_be_known():
+    u = levels()
+    records = [prepared(motion(u), u, cutoff=4.0), prepared(motion(0.0 * u + 1.0), 0.0 * u + 1.0)]
+    (smooth,) = without_aliases(design_of(MOTOR, records), records)
+    assert all(np.isfinite(one.x).all() and np.isfinite(one.x_dot).all() for one in smooth)
+    assert left(smooth[0]) < 1e-3
+    known = pse.DeclaredModel({"w": "-0.5*w + 2*u"}, inputs=["u"])
+    ((same,),) = without_aliases(design_of(known, records[:1]), records[:1])
+    assert same.x == pytest.approx(smooth[0].x, abs=1e-4)
+
+
 @pytest.mark.parametrize(
     ("memory", "share"),
     [
