@@ -26,7 +26,7 @@ def keeps_sign(column: np.ndarray) -> bool:
 
 
 def has_pole(
-    expression: Sum, rows: np.ndarray, is_fit: Callable[[np.ndarray], bool] = is_away
+    expression: Sum, rows: np.ndarray, may_divide: Callable[[np.ndarray], bool] = is_away
 ) -> bool:
     """Tell whether a term divides by what crosses zero, or comes close.
 
@@ -38,7 +38,7 @@ def has_pole(
         The term.
     rows : ndarray of shape (n, n_variables + 1)
         Variables of a record.
-    is_fit : callable
+    may_divide : callable
         Tells whether a column may be divided by.
 
     Returns
@@ -47,12 +47,13 @@ def has_pole(
     """
     with np.errstate(all="ignore"):  # what has no value is not away from zero either
         return any(
-            (exponent < 0 and not is_fit(atom.evaluate(rows))) or _holds_pole(atom, rows, is_fit)
+            (exponent < 0 and not may_divide(atom.evaluate(rows)))
+            or _holds_pole(atom, rows, may_divide)
             for _, term in expression.parts
             for atom, exponent in term.factors
         )
 
 
-def _holds_pole(atom: Atom, rows: np.ndarray, is_fit: Callable[[np.ndarray], bool]) -> bool:
+def _holds_pole(atom: Atom, rows: np.ndarray, may_divide: Callable[[np.ndarray], bool]) -> bool:
     inside = atom.args if isinstance(atom, Call) else (atom,) if isinstance(atom, Sum) else ()
-    return any(has_pole(part, rows, is_fit) for part in inside)
+    return any(has_pole(part, rows, may_divide) for part in inside)

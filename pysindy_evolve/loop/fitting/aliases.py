@@ -136,7 +136,8 @@ class _Way:
             return replace(self, memories=(*self.memories, Memory(kind, column, (value,))))
 
         least = int(np.argmin([at(value).error() for value in values]))
-        bounds = values[max(least - 1, 0)], values[min(least + 1, len(values) - 1)]
+        low = values[least - 1] if least else 0.0
+        bounds = low, values[min(least + 1, len(values) - 1)]
         found = minimize_scalar(lambda value: at(value).error(), bounds=bounds, method="bounded")
         return at(float(found.x))
 
