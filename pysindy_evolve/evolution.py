@@ -105,14 +105,14 @@ def evolve(
     problem = Problem(x, target, fixed, project, noise, domain)
     search = generations(problem, operators, settings, rng, begin)
     plateau = Plateau(problem, settings.patience)
-    history, finalists = watch(
+    history, finalists, interrupted = watch(
         search, plateau, settings.n_generations, progress, keep_if_interrupted
     )
     n_best = history[-1].n_terms if history else 0
     perfect = bool(history) and history[-1].error <= PERFECT
     finalists = _unique([lowest(term) for term in finalists])
     terms, coef = refit(problem, finalists, n_best, settings.max_terms, perfect)
-    return Evolution(terms, coef, history, finalists)
+    return Evolution(terms, coef, history, finalists, interrupted)
 
 
 def generations(

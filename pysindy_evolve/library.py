@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import deepcopy
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import Parallel, delayed, effective_n_jobs
 from pysindy.feature_library.base import BaseFeatureLibrary, x_sequence_or_item
 from sklearn.utils import check_random_state
 
@@ -54,7 +56,8 @@ class EvolvingLibrary(TermColumns):
         Seed. The same seed gives the same equation, whatever `n_jobs` is.
     n_jobs : int, optional
         Number of states whose terms are grown at a time, as in joblib. Where that is one, Ctrl-C
-        ends the search with the best equation so far; several processes end without one.
+        ends the search with the best equations so far, and states that it had not come to get
+        those of one generation; several processes end without one.
     progress : bool, default=False
         Show a progress bar for each state.
 
@@ -64,6 +67,8 @@ class EvolvingLibrary(TermColumns):
         The evolved terms.
     history_ : list of tuple of Generation
         For each target, one record for each generation.
+    interrupted_ : bool
+        Whether Ctrl-C ended the search.
     n_features_in_, n_output_features_ : int
         Numbers of columns of x (states and inputs) and of the library.
 
@@ -200,8 +205,9 @@ class EvolvingLibrary(TermColumns):
         base = self._fitted_base(x_full)
         fixed = np.empty((len(x), 0)) if base is None else np.asarray(base.transform(x))
         streams = np.random.SeedSequence(_entropy(self.random_state)).spawn(targets.shape[1])
-        found: list[Evolution] = Parallel(n_jobs=self.n_jobs)(
-            delayed(evolve)(
+        searches = [
+            partial(
+                evolve,
                 x,
                 column,
                 operators=operators,
@@ -209,15 +215,16 @@ class EvolvingLibrary(TermColumns):
                 fixed=fixed,
                 noise=rows.noise,
                 domain=domain,
-                settings=settings,
                 progress=self.progress,
             )
             for column, stream in zip(targets.T, streams, strict=True)
-        )
+        ]
+        found = _run_each(searches, settings, self.n_jobs)
         terms = _union(x, fixed, found)
         self.base_library_ = base
         self.terms_ = terms if terms or base is not None else (ONE,)
         self.history_ = [evolution.history for evolution in found]
+        self.interrupted_ = any(evolution.interrupted for evolution in found)
         self.n_features_in_ = x.shape[1]
         self.n_output_features_ = fixed.shape[1] + len(self.terms_)
         return rows
@@ -245,6 +252,20 @@ class EvolvingLibrary(TermColumns):
                 "EvolvingLibrary", name, given[name], "in [0, 1]", lambda v: 0 <= v <= 1, advice
             )
         return Settings(**given)
+
+
+def _run_each(
+    searches: Sequence[Callable[..., Evolution]], settings: Settings, n_jobs: int | None
+) -> list[Evolution]:
+    """Run the searches. Once Ctrl-C has ended one, those that are left have one generation each."""
+    if effective_n_jobs(n_jobs) > 1:
+        return list(Parallel(n_jobs=n_jobs)(delayed(run)(settings=settings) for run in searches))
+    found: list[Evolution] = []
+    for run in searches:
+        found.append(run(settings=settings))
+        if found[-1].interrupted:
+            settings = replace(settings, n_generations=1)
+    return found
 
 
 def _edges(x: np.ndarray, lengths: Sequence[int]) -> np.ndarray:

@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -360,6 +361,9 @@ WRONG = {
     ),
     "known": (["loop", "FILE", "--equation", "q=-k*q", "--known", "k=a"], "numbers as values"),
     "twins": (["loop", "FILE", "--equation", "q=-k*q", "--twins", "3"], "at least 59"),
+    "name of time": (["fit", "FILE", "--states", "t=q"], "t for time only; got 't' again"),
+    "input and state": (["fit", "FILE", "--states", "q", "--inputs", "q"], "got 'q' again"),
+    "report in a file": (["loop", "FILE", "--equation", "q=-k*q", "--report", "FILE"], "a folder"),
     "command": (["fix"], "'fix'"),
 }  # fmt: skip
 
@@ -414,7 +418,21 @@ def test_an_interrupted_report_ends_with_130_and_a_message(capsys, monkeypatch):
     monkeypatch.setattr(cli, "demo", lambda given: False)
     code, _, err = run(capsys, "demo")
     assert code == 130
-    assert "the report shows what was found until then" in err
+    assert "what is printed was found until then" in err
+
+
+def test_an_interrupted_fit_prints_what_it_found_and_ends_with_130(capsys, monkeypatch, oscillator):
+    from pysindy_evolve import library
+
+    evolve = library.evolve
+
+    def cut_short(*given, **settings):
+        return replace(evolve(*given, **settings), interrupted=True)
+
+    monkeypatch.setattr(library, "evolve", cut_short)
+    code, out, err = run(capsys, "fit", oscillator, "--position", "q", "--generations", "5")
+    assert (code, out.startswith("Equations")) == (130, True)
+    assert "what is printed was found until then" in err
 
 
 def test_a_warning_is_one_line_without_source(capsys, monkeypatch):

@@ -153,6 +153,26 @@ def test_ctrl_c_keeps_the_best_so_far(data):
     assert fitted.n_output_features_ >= 1
 
 
+def test_an_interrupt_ends_the_search_of_all_states(data):
+    x, y = data
+    count = 0
+
+    def interrupting(a):
+        nonlocal count
+        count += 1
+        if count == 60:
+            raise KeyboardInterrupt
+        return np.sign(a)
+
+    sign = Operator("sg", interrupting, 1)
+    operators = ("mul", "add", sign)
+    with pytest.warns(UserWarning, match="interrupted after"):
+        fitted = library(operators=operators, n_generations=9).fit(
+            x, np.hstack([y, y**2 + x[:, :1]])
+        )
+    assert len(fitted.history_[1]) == 1
+
+
 def test_progress_shows_a_bar(data, capsys):
     x, y = data
     library(progress=True, n_generations=2).fit(x, y)

@@ -87,9 +87,12 @@ class Evolution:
         One record for each generation.
     finalists : tuple of Product
         Terms that were weighed against each other at the end, best first.
+    interrupted : bool
+        Whether Ctrl-C ended the search.
     """
 
     terms: tuple[Product, ...]
     coef: tuple[float, ...]
     history: tuple[Generation, ...]
     finalists: tuple[Product, ...] = ()
+    interrupted: bool = False

@@ -20,7 +20,7 @@ def watch(
     n_generations: int,
     progress: bool,
     keep_if_interrupted: bool,
-) -> tuple[tuple[Generation, ...], tuple[Product, ...]]:
+) -> tuple[tuple[Generation, ...], tuple[Product, ...], bool]:
     """Go through the generations of a search.
 
     Parameters
@@ -42,9 +42,12 @@ def watch(
         All generations.
     finalists : tuple of Product
         The terms to weigh.
+    interrupted : bool
+        Whether Ctrl-C ended the search.
     """
     history: list[Generation] = []
     finalists: tuple[Product, ...] = ()
+    interrupted = False
     shown = tqdm(search, desc="generation", total=n_generations, disable=not progress)
     try:
         for generation, ranking in shown:
@@ -56,6 +59,7 @@ def watch(
     except KeyboardInterrupt:
         if not keep_if_interrupted:
             raise
+        interrupted = True
         warnings.warn(
             f"The search was interrupted after {len(history)} generations; "
             "the best equation so far is kept.",
@@ -63,4 +67,4 @@ def watch(
         )
     finally:
         shown.close()
-    return tuple(history), finalists
+    return tuple(history), finalists, interrupted

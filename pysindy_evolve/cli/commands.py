@@ -93,7 +93,7 @@ def fit(given: Namespace) -> bool:
     say("Equations\n" + indent(format_equations(equations), "    "))
     print_errors(equations, test)
     print_code(model, given)
-    return True
+    return not library.interrupted_
 
 
 def loop(given: Namespace) -> bool:

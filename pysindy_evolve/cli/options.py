@@ -13,7 +13,7 @@ from ..operators import BUILTIN
 from . import reproduction
 from .help_texts import ABOUT, EXAMPLES, FIT, FIT_EXAMPLES, LOOP, LOOP_EXAMPLES
 from .readers import columns as columns_of
-from .readers import constants, count, cutoff, names, pair, pairs, turn
+from .readers import constants, count, cutoff, folder, names, pair, pairs, turn
 
 __all__ = ["PROGRAM", "make_parser"]
 
@@ -77,9 +77,9 @@ def make_parser(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
 
 
 def _add_demo(parser: argparse.ArgumentParser) -> None:
-    folder = Path(f"{PROGRAM}-demo")
+    saved = Path(f"{PROGRAM}-demo")
     parser.add_argument(
-        "--output", type=Path, default=folder, metavar="FOLDER", help=f"what to save in ({folder})"
+        "--output", type=folder, default=saved, metavar="FOLDER", help=f"what to save in ({saved})"
     )
     parser.set_defaults(max_effects=8)
 
@@ -144,7 +144,7 @@ def _add_loop(parser: argparse.ArgumentParser) -> None:
         help="columns of positions, to be differentiated; without it every state is a column",
     )
     parser.set_defaults(states={})  # those of the equations
-    parser.add_argument("--report", type=Path, metavar="FOLDER", help="save report and picture")
+    parser.add_argument("--report", type=folder, metavar="FOLDER", help="save report and picture")
     search = parser.add_argument_group("search")
     for name, kind, default, text in (
         ("--significance", float, 0.05, "chance to add an effect where nothing is missing"),

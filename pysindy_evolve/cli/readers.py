@@ -5,8 +5,20 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
-__all__ = ["choices", "columns", "constants", "count", "cutoff", "names", "pair", "pairs", "turn"]
+__all__ = [
+    "choices",
+    "columns",
+    "constants",
+    "count",
+    "cutoff",
+    "folder",
+    "names",
+    "pair",
+    "pairs",
+    "turn",
+]
 
 
 def names(text: str) -> tuple[str, ...]:
@@ -99,6 +111,15 @@ def cutoff(text: str) -> str | float | None:
         return float(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(f"must be auto, none or a number; got {text!r}") from error
+
+
+def folder(text: str) -> Path:
+    """Read the name of a folder, which may not be there yet."""
+    path = Path(text)
+    taken = next((one for one in (path, *path.parents) if one.is_file()), None)
+    if taken is not None:
+        raise argparse.ArgumentTypeError(f"must be a folder; got the file {str(taken)!r}")
+    return path
 
 
 def count(least: int) -> Callable[[str], int]:

@@ -64,6 +64,7 @@ def order_of(declared: DeclaredModel, positions: Sequence[str]) -> int:
 
 def read_split(given: Namespace, states: Sequence[str]) -> tuple[list[Record], list[Record]]:
     """Return records to fit on and records to judge on, held out as `close_loop` does."""
+    check_apart(states, tuple(given.inputs))
     train, test = read_all(given, given.files, states), read_all(given, given.test, states)
     return split_records(train, test or None)
 
@@ -106,3 +107,14 @@ def _read(
         if record.preparation is not None:
             x_dot[:, states.index(state)] = record.preparation.lowpass(columns[column])
     return replace(record, x_dot=x_dot, states=states, inputs=inputs)
+
+
+def check_apart(states: Sequence[str], inputs: Sequence[str]) -> None:
+    """Raise where two variables would have the same name, or one that of time."""
+    names = [*states, *inputs]
+    for name in names:
+        if names.count(name) > 1 or name == "t":
+            raise ValueError(
+                f"--position, --states and --inputs must name each variable once, and t for time "
+                f"only; got {name!r} again. Write another name before its column, as in F={name}."
+            )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -135,5 +136,10 @@ def _run(search: Search) -> bool:
     except KeyboardInterrupt:
         if not search.findings:
             raise
+        warnings.warn(
+            "close_loop was interrupted; the report is made of what was found until now. A second "
+            "Ctrl-C ends that, too, without one.",
+            stacklevel=4,  # the caller of close_loop, which one_thread wraps
+        )
         return False
     return True

@@ -160,6 +160,11 @@ def _check_header(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
             "line. Delete the lines before the names, or skip them with a reader of your own and "
             "pass the arrays to prepare."
         )
+    if all(NUMBER.fullmatch(name) for name in header):
+        raise ValueError(
+            f"read_csv(path=...) must begin with the line of names; got the numbers {first}. Write "
+            "a first line with a name for each column, such as t,q,F."
+        )
     if worded:
         got = ", ".join(field.strip() for field in second if field.strip())
         raise ValueError(

@@ -240,7 +240,8 @@ def test_interrupt_keeps_what_was_found(monkeypatch):
         return find(*args, **options)
 
     monkeypatch.setattr(look, "find_with_memories", interrupted)
-    report = close_by_name(hidden.model, hidden.record())
+    with pytest.warns(UserWarning, match="close_loop was interrupted"):
+        report = close_by_name(hidden.model, hidden.record())
     assert not report.finished
     assert report.effects
     assert report.verdict == "traced"
@@ -277,7 +278,8 @@ def test_interrupt_after_a_name_keeps_it(monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(TermGrower, "better", interrupted)
-    report = close_by_name(FRICTION.model, FRICTION.record())
+    with pytest.warns(UserWarning, match="close_loop was interrupted"):
+        report = close_by_name(FRICTION.model, FRICTION.record())
     assert names(report) == ["Coulomb friction"]
     assert not report.finished
 
@@ -290,7 +292,8 @@ def test_interrupt_while_terms_grow_keeps_the_names(monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("pysindy_evolve.evolution.solve_elastic_net", interrupted)
-    report = pse.close_loop(FRICTION.model, FRICTION.record(), random_state=0)
+    with pytest.warns(UserWarning, match="close_loop was interrupted"):
+        report = pse.close_loop(FRICTION.model, FRICTION.record(), random_state=0)
     assert names(report) == ["Coulomb friction"]
     assert not report.finished
     assert "The search stopped early" in str(report)

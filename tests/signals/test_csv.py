@@ -105,6 +105,13 @@ def test_lines_before_the_names_are_quoted_and_to_be_deleted(write, text, first,
         read(write(text))
 
 
+@pytest.mark.parametrize("read", [read_csv, column_names])
+def test_a_file_without_names_is_told_to_need_them(write, read):
+    message = r"begin with the line of names; got the numbers 0, -1\.5e-3\. Write a first line"
+    with pytest.raises(ValueError, match=message):
+        read(write("0,-1.5e-3\n1,2\n"))
+
+
 def test_a_row_of_units_is_to_be_deleted(write):
     message = r"numbers below the line of names; got 's, 1/s' in line 2\. Delete .* holds units"
     with pytest.raises(ValueError, match=message):

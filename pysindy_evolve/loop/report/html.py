@@ -17,7 +17,7 @@ from .advice import paragraphs
 from .effect_text import named_together, numbers_inside, with_sign, without_rivals
 from .remains import remains
 from .text import added_up, free_parameters, table_cells, verdict_of
-from .units import check_units
+from .units import check_units, with_unit
 
 if TYPE_CHECKING:
     from .effect import Effect
@@ -74,7 +74,7 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         remains=remains(report),
         last_look=_rejected_picture(report),
         pictures=_pictures(report, units),
-        facts=_facts(report),
+        facts=_facts(report, units),
     )
 
 
@@ -177,14 +177,19 @@ def _version() -> str:
         return "not installed, run from its source"
 
 
-def _facts(report: LoopReport) -> list[tuple[str, str]]:
+def _facts(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple[str, str]]:
+    unit = (units or {}).get("t", "")
     facts = [("pysindy_evolve", _version())]
     for name, records in (("training", report.train), ("held-out", report.test)):
-        spans = [f"{r.n_samples} samples over {r.t[-1] - r.t[0]:.4g}" for r in records]
+        spans = [
+            f"{r.n_samples} samples over {with_unit(r.t[-1] - r.t[0], 't', units)}" for r in records
+        ]
         facts.append((f"{name} records", "; ".join(spans)))
     cutoff = report.train[0].cutoff
     if cutoff is not None:
-        facts.append(("cutoff of the preparation", f"{cutoff:.4g} cycles per unit of t"))
+        facts.append(
+            ("cutoff of the preparation", f"{cutoff:.4g} cycles per {unit or 'unit of t'}")
+        )
     if report.rules is not None:
         rules = report.rules
         facts += [
@@ -192,5 +197,6 @@ def _facts(report: LoopReport) -> list[tuple[str, str]]:
             ("n_twins", f"{rules.n_twins}"),
             ("min_share", f"{rules.min_share:g}"),
             ("max_effects", f"{rules.max_effects}"),
+            ("refine", rules.refine),
         ]
     return facts

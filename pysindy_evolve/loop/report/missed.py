@@ -23,6 +23,9 @@ RANDOM = (
     "To each effect that was tried, what remains looks like a random force. If no such force acts, "
     "something is missing that is not among these effects, or not clear in this record."
 )
+UNSOUGHT = (
+    "The search did not come to its end: an effect that it had not looked for yet may explain this."
+)
 SHORT = (
     "The training data is too short to search for terms: beside effects with names only small ones "
     "were tried. Measure longer, or more often."
@@ -52,7 +55,11 @@ def missed(report: LoopReport) -> list[str]:
 
 
 def _of_rates(report: LoopReport) -> list[str]:
-    return [f"{one} {RANDOM}" for one in unexplained(report)]
+    return [f"{one} {_why(report)}" for one in unexplained(report)]
+
+
+def _why(report: LoopReport) -> str:
+    return RANDOM if report.finished else UNSOUGHT
 
 
 def _of_run(report: LoopReport, miss: float) -> list[str]:
@@ -65,7 +72,7 @@ def _of_run(report: LoopReport, miss: float) -> list[str]:
         )
         return [said, *_of_rates(report)]
     if miss < RUNAWAY:
-        return [f"The free run still misses the record by {percent(miss)}. {RANDOM}"]
+        return [f"The free run still misses the record by {percent(miss)}. {_why(report)}"]
     left = (
         "The free run leaves the record by more than the record varies. Such a run amplifies "
         "the smallest difference, or something is still missing: judge by the derivative."

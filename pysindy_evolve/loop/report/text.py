@@ -34,8 +34,10 @@ MUCH_LEFT = (
     "complete: none of the effects that were tried passes, but the model misses the record by more "
     "than the noise of the sensors explains; see what remains."
 )
-
-
+NOT_LOOKED = (
+    "complete: a general model predicts no more of the record, but no effect was tried, and the "
+    "model misses the record by more than the noise of the sensors explains; see what remains."
+)
 IN_PART = (
     "traced in part: the model lacked the effects below, which have been added, but it still "
     "misses the record by more than the noise of the sensors explains; see what remains."
@@ -45,7 +47,7 @@ IN_PART = (
 def verdict_of(report: LoopReport) -> str:
     """Return the verdict in a sentence."""
     if report.verdict == "complete" and unexplained(report):
-        return MUCH_LEFT
+        return MUCH_LEFT if report.rules is None or report.rules.max_effects else NOT_LOOKED
     missed = float(np.max(report.after.simulation_error)) >= NOTABLE
     if report.verdict == "traced" and missed and unexplained(report):
         return IN_PART
