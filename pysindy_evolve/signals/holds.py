@@ -16,16 +16,18 @@ Astrom and Wittenmark, Computer-Controlled Systems, 3rd ed. (1997), chapters 2 a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import CubicSpline, make_interp_spline
 
+from .acting import InputFunction
 from .record import Record
 from .spectral import Array
 
-__all__ = ["HALF", "averaged", "hold", "rates_of"]
+__all__ = ["HALF", "acting_through", "acts_as", "averaged", "changed", "hold", "rates_of"]
 
 HALF = 0.5  # sampling times by which a held input is late
 AROUND = 8  # samples before and after a record, on which an input stands as at its ends
@@ -56,10 +58,78 @@ def hold(record: Record, late: Mapping[int, float]) -> Record:
     def as_acting(_: Array, u: Array) -> Array:
         acting = u.copy()
         for column, share in new.items():
-            acting[:, column] = response(u[:, column], share)
+            acting[:, column] = changed(record, column, partial(response, late=share), u[:, column])
         return acting
 
-    return replace(record.with_inputs(as_acting), held={**record.held, **new})
+    return replace(_with_steps(record, new).with_inputs(as_acting), held={**record.held, **new})
+
+
+def acting_through(record: Record, functions: Mapping[int, InputFunction]) -> Record:
+    """Return a record with inputs whose functions are what acts, after hold and low-pass.
+
+    Parameters
+    ----------
+    record : Record
+        Inputs that act as they are.
+    functions : mapping of int to InputFunction
+        Through which function each of some inputs acts.
+
+    Returns
+    -------
+    Record
+        The same one if there are no functions, or no raw inputs.
+    """
+    made = record.preparation
+    if not functions or made is None or made.u is None:
+        return record
+    late = {column: share for column, share in record.held.items() if column in functions}
+    known = {column: share for column, share in record.held.items() if column not in late}
+
+    def as_recorded(_: Array, u: Array) -> Array:
+        recorded = u.copy()
+        recorded[:, list(late)] = record.recorded_u[:, list(late)]
+        return recorded
+
+    plain = replace(record, through=functions, held=known)
+    return hold(plain.with_inputs(as_recorded), late)
+
+
+def changed(record: Record, column: int, change: Callable[[Array], Array], u: Array) -> Array:
+    """Return an input after a linear operation on what acts of it.
+
+    Parameters
+    ----------
+    record : Record
+        Says through which function the input acts, if any.
+    column : int
+        Which input it is.
+    change : callable
+        The operation, from (n_samples,) to (n_samples,).
+    u : ndarray of shape (n_samples,)
+        The input.
+
+    Returns
+    -------
+    ndarray of shape (n_samples,)
+    """
+    function = record.through.get(column)
+    return change(u) if function is None else function.after(change, u, change(u))
+
+
+def acts_as(record: Record, column: int, u: Array) -> Array:
+    """Return what acts of an input, (n_samples,): itself, or a function of it."""
+    function = record.through.get(column)
+    return u if function is None else np.asarray(function.function(u))
+
+
+def _with_steps(record: Record, columns: Iterable[int]) -> Record:
+    """Return a record that keeps what was recorded of inputs that will be given as what acts."""
+    made = record.preparation
+    if made is None or made.u is None:
+        return record
+    steps = np.array(made.u if made.steps is None else made.steps)
+    steps[:, list(columns)] = made.u[:, list(columns)]
+    return replace(record, preparation=replace(made, steps=steps))
 
 
 def averaged(u: Array, late: float) -> Array:

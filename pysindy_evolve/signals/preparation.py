@@ -46,6 +46,8 @@ class Preparation:
         First row and end of the record within all prepared rows (slices of a record).
     limits : ndarray of shape (2, n_columns)
         Lowest and highest reading of the sensors; infinite where no limit shows.
+    steps : ndarray of shape (n_raw, n_inputs) or None
+        Raw inputs as they were recorded, where u has what acts of those that are held.
     """
 
     t: Array
@@ -59,6 +61,7 @@ class Preparation:
     noise: Array
     rows: tuple[int, int]
     limits: Array
+    steps: Array | None = None
 
     def __repr__(self) -> str:
         band = "cutoff=None" if self.cutoff is None else f"cutoff={self.cutoff:.4g}"

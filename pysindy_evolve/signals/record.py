@@ -13,6 +13,7 @@ from .. import checks
 from .spectral import Array
 
 if TYPE_CHECKING:
+    from .acting import InputFunction
     from .preparation import Preparation
 
 
@@ -42,6 +43,8 @@ class Record:
     held : mapping of int to float, optional
         Inputs that were held from each sample to the next, and are given as what acts: by how many
         sampling times each was late.
+    through : mapping of int to InputFunction, optional
+        Inputs that act through a function of them, which is what the low-pass was applied to.
 
     Raises
     ------
@@ -73,6 +76,7 @@ class Record:
     motion: Preparation | None = None
     seen: NDArray[np.bool_] | None = None
     held: Mapping[int, float] = field(default_factory=dict)
+    through: Mapping[int, InputFunction] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         t = checks.times("Record", self.t)
@@ -137,6 +141,15 @@ class Record:
         raw = self.u if raw is None else raw
         return np.empty((self.n_samples, 0)) if raw is None else raw
 
+    @property
+    def recorded_u(self) -> Array:
+        """Inputs as they were recorded, (n_raw, n_inputs): `raw_u` but for those that are held."""
+        recorded = self.raw_u.copy()
+        if self.preparation is not None and self.preparation.steps is not None:
+            held = list(self.held)
+            recorded[:, held] = self.preparation.steps[:, held]
+        return recorded
+
     def lowpass(self, columns: Array) -> Array:
         """Return raw columns, (n_raw, n_columns), as they would be in the record."""
         return columns if self.preparation is None else self.preparation.lowpass(columns)
@@ -160,7 +173,10 @@ class Record:
         if made is None or made.u is None:
             return replace(self, u=change(self.t, self.u))
         raw = change(made.t, made.u)
-        return replace(self, u=made.lowpass(raw), preparation=replace(made, u=raw))
+        u = made.lowpass(raw)
+        for column, function in self.through.items():
+            u[:, column] = function.after(made.lowpass, raw[:, column], u[:, column])
+        return replace(self, u=u, preparation=replace(made, u=raw))
 
     def __repr__(self) -> str:
         sizes = f"n_samples={self.n_samples}, n_states={self.n_states}, n_inputs={self.n_inputs}"

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -28,7 +29,7 @@ from scipy.optimize import minimize_scalar
 from ...equations import Equations
 from ...hidden_states.memory import DELAY, LAG, Memory
 from ...signals import Record
-from ...signals.holds import averaged, rates_of
+from ...signals.holds import acts_as, averaged, changed, rates_of
 from ..given.design import Design
 from .fit import derivative_fit_errors, refit
 
@@ -148,8 +149,9 @@ class _Way:
         def shown(t: np.ndarray, u: np.ndarray) -> np.ndarray:
             acting = u.copy()
             for column in record.held:
-                late, behind = _behind(through.get(column), t, u[:, column])
-                acting[:, column] = late - rates_of(behind, 1)
+                acting[:, column] = changed(
+                    record, column, partial(_seen, through.get(column), t), u[:, column]
+                )
             return acting
 
         return record.with_inputs(shown) if _is_aliased(record) else record
@@ -167,10 +169,20 @@ def _with_means(record: Record) -> Record:
     def meant(_: np.ndarray, u: np.ndarray) -> np.ndarray:
         acting = u.copy()
         for column in columns:  # of the steps, from what samples show of them
-            acting[:, column] = averaged(averaged(u[:, column], 0.0), 0.0)
+            acting[:, column] = changed(record, column, _twice_averaged, u[:, column])
         return acting
 
     return record.with_inputs(meant) if _is_aliased(record) else record
+
+
+def _twice_averaged(u: np.ndarray) -> np.ndarray:
+    return averaged(averaged(u, 0.0), 0.0)
+
+
+def _seen(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Return what samples of its integral show of the mean of an input behind a memory."""
+    late, behind = _behind(memory, t, u)
+    return late - rates_of(behind, 1)
 
 
 def _behind(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -188,23 +200,29 @@ def _smooth(equations: Equations, record: Record, through: dict[int, Memory]) ->
     if not _is_aliased(record):
         return record
 
-    def bends(t: np.ndarray, u: np.ndarray) -> np.ndarray:
-        bent = np.zeros_like(u)
-        for column in record.held:
-            bent[:, column] = record.raw_dt * _behind(through.get(column), t, u[:, column])[1]
-        return bent
-
-    bent = np.asarray(record.with_inputs(bends).u)
-    gains = {column: _gain(equations, record, column) for column in record.held}
-    behind = np.sum([gain * bent[:, [column]] for column, gain in gains.items()], axis=0)
+    behind = sum(
+        _gain(equations, record, column) * _bend(record, column, through.get(column))[:, None]
+        for column in record.held
+    )
     rate = CubicSpline(record.t, behind, axis=0)(record.t, 1)
     return replace(record, x=record.x + behind, x_dot=record.x_dot + rate)
 
 
+def _bend(record: Record, column: int, memory: Memory | None) -> np.ndarray:
+    """Return by how much samples of the integral of what acts of an input are behind it."""
+    u = acts_as(record, column, record.raw_u[:, column])
+    t = np.arange(len(u)) * record.raw_dt
+    return record.raw_dt * record.lowpass(_behind(memory, t, u)[1])
+
+
 def _gain(equations: Equations, record: Record, column: int) -> np.ndarray:
-    """Return what an input adds to the derivative of each state, (n_samples, n_states)."""
+    """Return what acts of an input adds to the derivatives, (n_samples, n_states), per unit."""
     u = np.asarray(record.u)
-    nudge = np.zeros(u.shape[1])
-    nudge[column] = STEP * float(np.ptp(u[:, column]) or 1.0)  # an input may rest in one record
-    low, high = (equations.evaluate(record.x, u + sign * nudge, record.t) for sign in (-1.0, 1.0))
-    return np.nan_to_num((high - low) / (2.0 * nudge[column]))  # where the model has no value
+    size = float(np.ptp(acts_as(record, column, u[:, column])))
+    nudge = STEP * (size or 1.0)  # an input may rest in one record
+    sides = []
+    for way in (-nudge, nudge):
+        nudged = u.copy()
+        nudged[:, column] = changed(record, column, partial(np.add, way), u[:, column])
+        sides.append(equations.evaluate(record.x, nudged, record.t))
+    return np.nan_to_num((sides[1] - sides[0]) / (2.0 * nudge))  # where the model has no value

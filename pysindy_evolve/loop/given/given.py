@@ -17,6 +17,7 @@ from .held import held_inputs
 from .input_errors import as_held
 from .records import alike, check_records, split_records, undecimated, widened
 from .smoothing import with_own_slopes
+from .through import with_functions
 
 __all__ = ["Given", "checked"]
 
@@ -88,5 +89,7 @@ def checked(
         return Given(design, fit_on, judge_on, wide)
     fit_on, judge_on, shows_motion = with_own_slopes(design, fit_on, judge_on)
     held, like = held_inputs(fit_on), alike(fit_on, judge_on)
-    fit_on, judge_on = ([as_held(hold(r, held)) for r in records] for records in like)
+    fit_on, judge_on = ([hold(r, held) for r in records] for records in like)
+    acting = [as_held(record) for record in with_functions(design, [*fit_on, *judge_on])]
+    fit_on, judge_on = acting[: len(fit_on)], acting[len(fit_on) :]
     return Given(doubted(design, fit_on), fit_on, judge_on, widened(fit_on), shows_motion)

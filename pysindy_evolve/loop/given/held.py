@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...signals import Record
-from ...signals.holds import hold
+from ...signals.holds import acting_through, hold
 from .input_errors import jumps_at_once
 
 __all__ = ["held_inputs", "held_like", "held_where_it_jumps"]
@@ -25,4 +25,6 @@ def held_like(record: Record, others: Sequence[Record]) -> Record:
     """Return a record whose inputs are held as in others; where it jumps, if not in all of them."""
     late = held_inputs(others)
     always = {k: share for k, share in late.items() if all(k in other.held for other in others)}
+    if not record.through:
+        record = acting_through(record, others[0].through)
     return held_where_it_jumps(hold(record, always), late)

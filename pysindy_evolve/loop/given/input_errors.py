@@ -16,7 +16,7 @@ from scipy.ndimage import label
 from ...signals import Record
 from ...signals.noise import input_noise
 
-__all__ = ["as_held", "input_error", "jumps_at_once", "known_up_to", "untimely"]
+__all__ = ["as_held", "input_error", "is_held", "jumps_at_once", "known_up_to", "untimely"]
 
 STILL = 0.2  # share of the steps from sample to sample that are small, if an input is held ...
 SMALL = 0.1  # ... in sizes of all its steps: of a sine that runs on a fifth are below 0.4
@@ -37,6 +37,12 @@ def as_held(record: Record) -> Record:
     direct = record.preparation is not None and record.preparation.order == 1
     share = QUICKER if direct else 0.5 * QUICKER
     return record.with_inputs(lambda _, u: u - np.where(means, share * _bend(u), 0.0))
+
+
+def is_held(record: Record, column: int) -> bool:
+    """Tell whether an input was held between the jumps that its raw samples show."""
+    known = column in record.held
+    return record.has_raw_inputs and (known or _samples_of_jump(record.raw_u[:, column]) > 0)
 
 
 def jumps_at_once(record: Record, column: int) -> bool:

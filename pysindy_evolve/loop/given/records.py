@@ -15,6 +15,7 @@ from ...signals import Preparation, Record, as_target, prepare
 from .common_step import common_step
 from .design import Design
 from .segments import LARGEST, variables_of
+from .through import with_functions
 
 __all__ = ["alike", "check_records", "split_records", "undecimated", "widened"]
 
@@ -98,6 +99,7 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
                 f"got steps from {steps.min():g} to {steps.max():g}. "
                 "Interpolate the record to one sampling time first."
             )
+    for record in with_functions(design, records):  # a low-pass of steps swings past their ends
         _check_finite(design, record)
     _doubt_clock(records)
     _check_names(design, records)
@@ -295,9 +297,17 @@ def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
         return record
     settings = made.settings | {"cutoff": cutoff, "decimate": round(step / made.dt)}
     again = prepare(made.t, made.y, made.u, **settings)
-    again = replace(again, held=record.held) if record.motion is None else as_target(again)
+    again = _as_known(again, record, made) if record.motion is None else as_target(again)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
     return again[int(inside[0]) : int(inside[-1]) + 1]
+
+
+def _as_known(again: Record, record: Record, made: Preparation) -> Record:
+    """Return a record prepared again with what was known of its inputs."""
+    plan = again.preparation
+    kept = None if plan is None else replace(plan, steps=made.steps)
+    known = replace(again, preparation=kept, held=record.held, through=record.through)
+    return known.with_inputs(lambda _, u: u) if record.through else known
 
 
 def widened(records: list[Record]) -> list[Record]:

@@ -77,7 +77,9 @@ class TwinMaker:
     ) -> Record:
         twin, explained = record, np.zeros_like(residual)
         if path is not None and record.preparation is not None:
-            twin = replace(_measured(record.preparation, path, rng), u=record.u)
+            twin = replace(
+                _measured(record.preparation, path, rng), u=record.u, through=record.through
+            )
             twin = twin if record.seen is not None else replace(twin, seen=None)
         elif record.motion is not None:
             forces = self.equations.evaluate(record.x, record.u, record.t)

@@ -1,0 +1,90 @@
+"""Inputs that act through a function of them, such as a thrust that goes as the square of a speed.
+
+Where an input jumps, the mean of its square over a time is not the square of its mean, and so it is
+with a low-pass. What reaches the machine is the function; so this is what is averaged and filtered,
+and the record holds the input that has such a function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .spectral import Array
+
+__all__ = ["InputFunction"]
+
+MARGIN = 0.5  # of the range of an input, by which a low-pass may pass its ends
+N_POINTS = 2049  # of a table, between which the inverse is a straight line
+
+
+@dataclass(frozen=True, eq=False)
+class InputFunction:
+    """A function of one input through which it acts, and its inverse.
+
+    Parameters
+    ----------
+    function : callable
+        From values of the input, (n,), to what acts, (n,).
+    low, high : float
+        Range of the input.
+    """
+
+    function: Callable[[Array], Array]
+    low: float
+    high: float
+
+    @property
+    def is_invertible(self) -> bool:
+        """Whether it goes one way over the range of the input, or on each side of zero."""
+        return bool(self._sides)
+
+    def after(self, change: Callable[[Array], Array], u: Array, plain: Array) -> Array:
+        """Return the input whose function is the changed function of another input.
+
+        Parameters
+        ----------
+        change : callable
+            A linear operation, such as a low-pass, from (n,) to (m,).
+        u : ndarray of shape (n,)
+            The input.
+        plain : ndarray of shape (m,)
+            The changed input itself, which tells its sign.
+
+        Returns
+        -------
+        ndarray of shape (m,)
+        """
+        values = change(np.asarray(self.function(u)))
+        found = [np.interp(values, f, inputs) for inputs, f in self._sides]
+        return found[0] if len(found) == 1 else np.where(plain < 0.0, *found)
+
+    @cached_property
+    def _sides(self) -> list[tuple[Array, Array]]:
+        """Return inputs and values that rise, over the whole range or below and above zero."""
+        margin = MARGIN * (self.high - self.low)
+        low, high = self.low - margin, self.high + margin
+        whole = self._table(low, high)
+        if whole is not None:
+            return [whole]
+        ranges = [(low, 0.0)] * (self.low < 0.0) + [(0.0, high)] * (self.high > 0.0)
+        sides = [self._table(*one) for one in ranges]
+        known = [side for side in sides if side is not None]
+        return known if len(known) == len(sides) else []
+
+    def _table(self, low: float, high: float) -> tuple[Array, Array] | None:
+        """Return inputs and values that rise; None where the function turns, or has no values."""
+        inputs = np.linspace(low, high, N_POINTS)
+        with np.errstate(all="ignore"):
+            values = np.asarray(self.function(inputs), dtype=float)
+        has_value = np.isfinite(values)
+        inputs, values = inputs[has_value], values[has_value]
+        if not inputs.size or inputs[0] > max(self.low, low) or inputs[-1] < min(self.high, high):
+            return None
+        rises = np.diff(values)
+        if np.all(rises > 0.0):
+            return inputs, values
+        return (inputs[::-1], values[::-1]) if np.all(rises < 0.0) else None

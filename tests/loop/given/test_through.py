@@ -1,0 +1,72 @@
+"""Inputs that the declared model takes through a function."""
+
+import numpy as np
+import pytest
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.given.through import with_functions
+
+T = np.arange(0.0, 40.0, 0.05)
+RNG = np.random.default_rng(0)
+LEVELS = RNG.choice([0.6, 0.8, 1.0, 1.2], 50).repeat(16)
+OTHER = RNG.choice([-0.4, 0.0, 0.3], 50).repeat(16)
+
+
+def speeds(n, step):
+    """The solution of V' = 0.5 n^2 - 0.05 V^2, exact for a held n."""
+    found = [3.0]
+    for final, moved in zip(np.sqrt(10.0) * n, np.tanh(np.sqrt(0.025) * n * step), strict=True):
+        found.append(final * (found[-1] + final * moved) / (final + found[-1] * moved))
+    return np.array(found[:-1])
+
+
+def ship(side):
+    return pse.DeclaredModel({"V": side}, inputs=["n", "d"])
+
+
+def record(u=None):
+    return pse.prepare(T, np.sin(T), np.column_stack([LEVELS, OTHER]) if u is None else u, order=1)
+
+
+@pytest.mark.parametrize(
+    ("side", "columns"),
+    [
+        ("a*n**2 - c*V + b*d", {0}),
+        ("a*n**2*V - c*V + b*n**2", {0}),
+        ("a*n*Abs(n) + b*d*Abs(d)", {0, 1}),
+        ("a*n + b*V*n - c*V", set()),
+        ("a*n + b*n**2 - c*V", set()),
+        ("a*n**2 + b*sin(n*V) - c*V", set()),
+        ("a*cos(9*n) - c*V", set()),
+        ("a*n*d - c*V", set()),
+    ],
+)
+def test_an_input_acts_through_the_one_function_that_the_model_has(side, columns):
+    (found,) = with_functions(ship(side).design(), [record()])
+    assert set(found.through) == columns
+
+
+def test_an_input_that_runs_smoothly_stays():
+    smooth = record(np.column_stack([1.0 + 0.3 * np.sin(T), 0.1 * np.cos(2.0 * T)]))
+    (found,) = with_functions(ship("a*n**2 - c*V + b*d").design(), [smooth])
+    assert found is smooth
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_nothing_is_missing_where_a_held_speed_acts_by_its_square(seed):
+    """The mean of a square over a jump is not the square of the mean: this was an input gain."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 300.0, 0.5)
+
+    def measured():
+        n = rng.choice([0.6, 0.8, 1.0, 1.2], 38).repeat(16)[: len(t)]
+        V = speeds(n, 0.5)
+        return pse.prepare(
+            t, V + 0.005 * V.std() * rng.standard_normal(len(V)), n, order=1, held=True
+        )
+
+    model = pse.DeclaredModel({"V": "a*n**2 - d*V*Abs(V)"}, inputs=["n"])
+    report = pse.close_loop(model, measured(), measured(), random_state=0)
+    assert report.verdict == "complete"
+    assert report.after.simulation_error < 1.0
