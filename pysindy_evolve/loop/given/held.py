@@ -17,8 +17,13 @@ def held_inputs(records: Sequence[Record]) -> dict[int, float]:
 
 
 def held_where_it_jumps(record: Record, late: Mapping[int, float]) -> Record:
-    """Return a record with those inputs held that jump in it: others were driven smoothly."""
-    return hold(record, {k: share for k, share in late.items() if jumps_at_once(record, k)})
+    """Return a record with those inputs held that jump in it: others were driven smoothly.
+
+    Or they may have jumped, where a user made the record and nobody knows its raw inputs.
+    """
+    unknown = record.preparation is None
+    held = {k: share for k, share in late.items() if unknown or jumps_at_once(record, k)}
+    return hold(record, held)
 
 
 def held_like(record: Record, others: Sequence[Record]) -> Record:

@@ -27,11 +27,16 @@ class Traded(Memory):
     present: float = np.inf  # delay or time constant that it has
     given: float = 0.0  # how much of that it gives up
 
+    @property
+    def leaves_some(self) -> bool:
+        """Whether the other memory does not give up all of itself."""
+        return self.given <= MOST * self.present
+
     def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return what acts, of an input that has passed the other memory; as it is if too short."""
         (value,) = self.values
         left = self.present - self.given
-        if left < (1.0 - MOST) * self.present or np.ptp(u) == 0.0:
+        if not self.leaves_some or np.ptp(u) == 0.0:
             return u
         if self.kind == LAG:
             early = np.asarray(CubicSpline(t, u)(np.minimum(t + self.given, t[-1])))

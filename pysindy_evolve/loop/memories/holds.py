@@ -8,11 +8,13 @@ more, or lags, it is held first and late after that, unless that does worse.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...hidden_states.memory import DELAY, Memory
+from ...signals import Record
 from ...signals.holds import HALF
 from ..given.design import Design
 from ..given.input_errors import is_stepped, jumps_at_once
@@ -22,6 +24,7 @@ from .reach import exchanged, plainest, reach_of
 __all__ = ["memory_beside_hold"]
 
 EVEN = 0.01  # of a sampling time, by which those of records that are sampled alike may differ
+SHORTEST, LONGEST = 0.4, 0.6  # the same, of a hold that a user's own low-pass has hidden
 LATEST = 0.6  # sampling times: a hold is late by half of one, and a delay is not known exactly
 
 
@@ -47,6 +50,13 @@ def _held(t: np.ndarray, u: np.ndarray, column: int) -> np.ndarray:
     return Memory(DELAY, column, (HALF * float(t[1] - t[0]),)).response(t, u)
 
 
+def _may_be_hold(memory: Memory, records: Sequence[Record]) -> bool:
+    """Tell whether it is as short as a hold, in records whose raw inputs nobody knows."""
+    shares = [memory.values[0] / record.dt for record in records]
+    unknown = all(record.preparation is None for record in records)
+    return unknown and all(SHORTEST < share < LONGEST for share in shares)
+
+
 def memory_beside_hold(
     memory: Memory, design: Design, part: Segments
 ) -> tuple[float, Memory | None]:
@@ -64,8 +74,8 @@ def memory_beside_hold(
     Returns
     -------
     late : float
-        Sampling times; zero if the input is known as held, the records show no jumps, or the hold
-        does worse.
+        Sampling times; zero if the input is known as held, the records show no jumps (if a user
+        made them, they would not), or the hold does worse.
     memory : Memory or None
         None if the hold is all there is.
     """
@@ -73,7 +83,7 @@ def memory_beside_hold(
     known = any(column in record.held for record in records)
     jumping = [jumps_at_once(record, column) for record in records]
     if known or not any(jumping):
-        return 0.0, memory
+        return (0.0, memory) if known or not _may_be_hold(memory, records) else (HALF, None)
     steps = [record.raw_dt for record in records]
     alike = all(jumping) and np.ptp(steps) <= EVEN * steps[0]
     share = memory.values[0] / steps[0]

@@ -129,7 +129,8 @@ def trade_of(memory: Traded, design: Design, part: Segments) -> Traded:
         return -exchanged([replace(memory, values=(value,), given=given)], design, part)[0].gain
 
     value, given = _least(loss, (memory.values[0], memory.given))
-    return replace(memory, values=(value,), given=given)
+    tuned = replace(memory, values=(value,), given=given)
+    return tuned if tuned.leaves_some else memory  # what changes nothing may still be least
 
 
 def chain_of(chain: Chain, design: Design, part: Segments) -> Chain:
