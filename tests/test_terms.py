@@ -104,6 +104,9 @@ def magnitude(a):
         (lambda: mul(magnitude(add(q(), v())), sgn(add(q(), v()))), "q + v"),
         (lambda: mul(add(q(), v()), power(add(q(), v()), -1)), "q/(q + v) + v/(q + v)"),
         (lambda: call(BUILTIN["exp"], constant(0.0)), "1"),
+        (lambda: call(BUILTIN["sqrt"], mul(constant(4.0), mul(q(), v()))), "2 sqrt(q v)"),
+        (lambda: call(BUILTIN["sqrt"], sub(constant(4.0), q())), "sqrt(4 - q)"),
+        (lambda: call(BUILTIN["sqrt"], neg(q())), "sqrt(-q)"),
     ],
 )
 def test_an_expression_has_one_form(expression, name):

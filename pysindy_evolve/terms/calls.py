@@ -53,6 +53,8 @@ def call(operator: Operator, *args: Sum) -> Sum:
         return _magnitude_or_sign(operator, argument)
     if operator.name == "exp":
         return _exponential(argument)
+    if operator.name == "sqrt":
+        return _root(argument)
     if operator.name in _ODD and argument.parts[0][0] < 0:
         return neg(as_sum(Call(operator, (neg(argument),))))
     if operator.name in _EVEN and argument.parts[0][0] < 0:
@@ -75,6 +77,15 @@ def _exponential(argument: Sum) -> Sum:
     if not held or not 0.0 < factor < math.inf:
         return as_sum(Call(BUILTIN["exp"], (argument,)))
     return mul(constant(factor), as_sum(Call(BUILTIN["exp"], (rest,))))
+
+
+def _root(argument: Sum) -> Sum:
+    """Take a factor out: sqrt(4 x) = 2 sqrt(x)."""
+    (coefficient, term), *others = argument.parts
+    if others or coefficient <= 0.0:
+        return as_sum(Call(BUILTIN["sqrt"], (argument,)))
+    root = as_sum(Call(BUILTIN["sqrt"], (Sum(((1.0, term),)),)))
+    return mul(constant(math.sqrt(coefficient)), root)
 
 
 def _magnitude_or_sign(operator: Operator, argument: Sum) -> Sum:

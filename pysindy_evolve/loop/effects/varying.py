@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...terms import Sum, mul, variable
+from ...terms import Call, Sum, mul, variable
 from ..given.design import Design
 from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, bare
+from .periodic import FORCING
 
 __all__ = ["drifts", "parts_of", "varying"]
 
@@ -24,9 +25,17 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
     acting = set(range(design.time)) - angles_of(design)
     for part in parts_of(design, effect.state):
         for other in map(variable, sorted(acting)):
-            name = _name_of(part.variables | other.variables, design, effect.state)
+            both = part.variables | other.variables
+            in_time = design.time in both
+            name = _in_time(part) if in_time else _name_of(both, design, effect.state)
             if other != part and name:
                 yield effect(name, mul(other, part), parents=(OFFSET, part), alone=True)
+
+
+def _in_time(part: Sum) -> str:
+    """Return what a term that changes with the time is called, with another variable as well."""
+    waves = any(isinstance(atom, Call) for _, term in part.parts for atom, _ in term.factors)
+    return FORCING if waves else "drift"
 
 
 def _name_of(acting: frozenset[int], design: Design, state: int) -> str:

@@ -23,6 +23,7 @@ from ..given.segments import segments
 
 __all__ = ["LOST", "free_of", "last_runaway"]
 
+CLOSE = 20.0  # percent NRMSE: a run that misses no more follows its record all along
 FOLLOWS = 50.0  # percent NRMSE: a run that misses no more follows its record ...
 LOST = 100.0  # ... one that misses more than this tells less than the mean of the record ...
 AWAY = 1e5  # ... and one that only drifts does not miss by so much
@@ -51,14 +52,16 @@ def last_runaway(
     Returns
     -------
     Finding or None
-        None if the runs hold, or if deviations grow along a record. A run that followed its record
-        without the effects, and is lost with them, does not hold.
+        None if the runs hold, or if deviations grow along a record that no run followed closely. A
+        run that followed its record without the effects, and is lost with them, does not hold.
     """
     free = free_of(findings)
     if not free or declared.n_algebraic:  # nothing runs
         return None
     for record in records:
         before, after = (simulation_errors(e, [record]).max() for e in (declared, corrected))
+        if before < CLOSE and after > LOST:  # the machine itself is stable then
+            return free[-1]
         if _is_lost(before, after):
             return None if _is_unstable(corrected, record) else free[-1]
     return None

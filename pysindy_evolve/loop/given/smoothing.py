@@ -24,7 +24,7 @@ from .design import Design
 
 __all__ = ["with_own_slopes"]
 
-MISSED = 0.02  # of a slope; a derivative that misses less is as good as others
+MISSED = 0.001  # of a slope: what is regular and no noise shows in the loop from there
 LAW = 0.5  # of what is missed, that may be left by 1 - b f^2: more is no smoothing
 LOST = 0.15  # of a slope, at the frequency up to which the states are whole within a few percent
 MOTION = 0.99  # of the power of a derivative lies below the frequencies that are looked at

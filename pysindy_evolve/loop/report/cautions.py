@@ -184,20 +184,31 @@ def _slow(report: LoopReport) -> list[str]:
 
 
 def _turned(report: LoopReport) -> list[str]:
-    """Name the declared parameters that have another sign with the effects than without them."""
+    """Name the declared parameters that effects give another sign, or leave next to nothing of."""
     before, after = report.before.parameters, report.after.parameters
     turned = [
         f"{name} from {format_number(before[name])} to {format_number(value)}"
         for name, value in after.items()
         if before[name] * value < 0.0 and abs(value) > TURNED * abs(before[name])
     ]
-    if not turned:
-        return []
-    return [
-        f"Adding the effects reverses the sign of a parameter: {', '.join(turned)}. If the "
-        "machine cannot have the new sign, an effect stands for another one, or holds a part of "
-        "that term."
+    gone = [
+        f"{name} from {format_number(before[name])} to {format_number(value)}"
+        for name, value in after.items()
+        if abs(value) <= TURNED * abs(before[name]) and value != before[name]
     ]
+    said = []
+    if turned:
+        said.append(
+            f"Adding the effects reverses the sign of a parameter: {', '.join(turned)}. If the "
+            "machine cannot have the new sign, an effect stands for another one, or holds a part "
+            "of that term."
+        )
+    if gone:
+        said.append(
+            f"Beside the effects little is left of a declared term: {', '.join(gone)}. An effect "
+            "says what it said, and more; the model may do without that term."
+        )
+    return said
 
 
 def _undefined(report: LoopReport) -> list[str]:

@@ -43,5 +43,16 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
     return {
         column.name: own[:, k]
         for k, column in enumerate(design.columns)
-        if column.name.isidentifier() and moved[k] >= WEIGHTY * moved.max()
+        if column.name.isidentifier()
+        and moved[k] >= WEIGHTY * moved.max()
+        and np.ptp(own[:, k]) > _by_chance(report, column.name)
     }
+
+
+def _by_chance(report: LoopReport, name: str) -> float:
+    """Return by how much a parameter may differ that is the same in all records.
+
+    As the largest and the smallest of a few draws, which lie about an interval of one apart.
+    """
+    low, high = report.after.parameter_intervals.get(name, np.zeros(2))
+    return float(high - low) * np.sqrt(len(report.train))

@@ -23,7 +23,8 @@ def remains(report: LoopReport) -> list[str]:
         said.append(
             "A general model, polynomials of all variables and the recent past of the inputs, "
             "predicts the residual better than it does in twins: something is there that depends "
-            "on what was measured. A delay, a memory or a variable that was not measured may be it."
+            "on what was measured. A delay, a memory, a variable that was not measured, or columns "
+            "that were not smoothed alike may be it."
         )
     said += cautions(report)
     if not report.finished:

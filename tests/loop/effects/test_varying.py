@@ -30,6 +30,15 @@ def test_the_product_of_a_state_and_an_input_keeps_the_name_it_has():
     assert (0, "i u") not in varying_in(CURRENTS, ("u", "Ta"))
 
 
+def test_what_changes_with_the_time_is_no_input_gain_as_the_time_is_no_input():
+    pumped = {"I": "b*S*I - g*I + p*I*cos(6.28*t) + d*I*t"}
+    found = varying_in(pumped, ("S",))
+    named = {name: candidate.name for (_, name), candidate in found.items()}
+    assert named["I S cos(6.28 t)"] == "periodic forcing"
+    assert named["I S t"] == "drift"
+    assert named["I S^2"] == "input gain"
+
+
 def heated(loss, seed, noise=2e-3):
     """A heater with a fan: temperature above the room, driven by heat u and fan speed w."""
     t, rng = np.arange(0.0, 40.0, 0.04), np.random.default_rng(seed)

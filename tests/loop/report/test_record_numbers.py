@@ -1,20 +1,27 @@
 """Declared numbers that differ between records are said, each with what it is there."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from loop_systems import measured
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.report.record_numbers import numbers_by_record
 
 MODEL = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v - f*sgn(v) + b*F"}, inputs=["F"])
 
 
-def said_of(*frictions):
+def report_of(*frictions):
     records = [
         measured({"q": "v", "v": f"-40*q - 0.8*v - {friction}*sgn(v) + F"}, seed=seed)
         for seed, friction in enumerate(frictions)
     ]
-    report = pse.close_loop(MODEL, records, records[0], operators=(), max_effects=0)
-    return " ".join(str(report).split())
+    return pse.close_loop(MODEL, records, records[0], operators=(), max_effects=0)
+
+
+def said_of(*frictions):
+    return " ".join(str(report_of(*frictions)).split())
 
 
 def test_a_friction_that_differs_is_named_alone_with_its_values():
@@ -26,3 +33,10 @@ def test_a_friction_that_differs_is_named_alone_with_its_values():
 
 def test_numbers_that_records_share_are_not_said_to_differ():
     assert "by itself" not in said_of(2.0, 2.0)
+
+
+def test_a_number_that_differs_by_no_more_than_its_interval_is_not_named():
+    report = report_of(2.4, 1.6)
+    assert list(numbers_by_record(report)) == ["f"]
+    unsure = replace(report.after, parameter_intervals={"f": np.array([1.7, 2.3])})
+    assert numbers_by_record(replace(report, after=unsure)) == {}

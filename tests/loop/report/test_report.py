@@ -400,6 +400,14 @@ def test_a_parameter_that_turns_its_sign_is_mentioned(report):
     assert "reverses the sign" not in str(report)
 
 
+def test_a_parameter_of_which_nothing_is_left_is_mentioned(report):
+    gone = dict(report.after.parameters) | {"c": -1e-3}
+    said = " ".join(str(replace(report, after=replace(report.after, parameters=gone))).split())
+    was = format_number(report.before.parameters["c"])
+    assert f"little is left of a declared term: c from {was} to -0.001. An effect" in said
+    assert "little is left" not in str(report)
+
+
 @pytest.mark.slow
 def test_a_wrong_known_value_is_found_under_its_own_name_and_told():
     sides = {"q": "v", "v": "-30*q - c*v + b*F"}
