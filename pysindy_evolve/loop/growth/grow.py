@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from joblib import Parallel, delayed
 
 from ...breeding.dictionary import Problem
 from ...breeding.generation import Settings
@@ -18,6 +19,7 @@ from ...breeding.poles import has_pole
 from ...evolution import evolve
 from ...operators import Operator
 from ...terms import Product, variable
+from ...threads import one_thread
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates, fitted, standing, zeros_of
 from ..effects.stops import is_stop
@@ -57,6 +59,7 @@ def grow(
     part: Segments,
     operators: Sequence[Operator],
     rng: np.random.Generator,
+    n_jobs: int | None = None,
 ) -> list[Candidate]:
     """Grow terms on top of a design, for each equation that may lack something.
 
@@ -72,48 +75,84 @@ def grow(
         Basis functions.
     rng : numpy.random.Generator
         Source of all randomness.
+    n_jobs : int, optional
+        Processes that work on the equations; the result does not depend on it.
 
     Returns
     -------
     list of Candidate
         One for each term, under the name of the vocabulary if one fits.
     """
-    largest, signed, *others = ranges(part.rows)
-    known = candidates(design, largest, signed, *others)
+    known = candidates(design, *ranges(part.rows))
     extra = [column for candidate in known for column in columns_of(candidate, design)]
     weights = spectral_weights(part, design, [*design.columns, *extra])
     force = forces(part, design, design.columns, weighed=False)
     flat = force.reshape(-1, *force.shape[2:])
     variables = part.z[..., :-1].reshape(len(flat), -1)
-    found: list[Candidate] = []
-    for place, state in enumerate(design.open_states):
-        anywhere = shifted(design, state, signed)
-        target, fixed = flat[:, state, -1], flat[:, state, :-1]
-        project = partial(_project, part=part, state=state, weight=weights[place])
-        problem, whole = Problem(variables, target, fixed, project), declared.terms_of(state)
-        small = [*small_terms(operators, variables), *varied(whole, operators, variables)]
-        seeds = screened(problem, list(dict.fromkeys(small)), N_SEEDS)
-        evolution = evolve(
-            variables,
-            target,
-            operators=_without_quotients(operators),
-            rng=rng,
-            fixed=fixed,
-            project=project,
-            begin=seeds,
-            settings=SETTINGS,
-            keep_if_interrupted=False,  # the loop says itself that it was interrupted
+    searches = (
+        delayed(_grow_in)(
+            state,
+            Problem(
+                variables,
+                flat[:, state, -1],
+                flat[:, state, :-1],
+                partial(_project, part=part, state=state, weight=weight),
+            ),
+            known,
+            declared.terms_of(state),
+            design,
+            part,
+            operators,
+            stream,
         )
-        # The best seed too: the search may drop what it holds for long, though it explains most.
-        finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS], *seeds[:1])
-        name = partial(
-            named, state=state, known=known, variables=variables, signed=anywhere, declared=whole
+        for state, weight, stream in zip(
+            design.open_states, weights, rng.spawn(len(design.open_states)), strict=True
         )
-        plain = (one for term in finalists for one in without_signs(term, variables))
-        grown = [name(term) for term in dict.fromkeys(plain)]
-        grown += [name(term) for term in _above(grown, design, part, operators, whole)]
-        found += dict.fromkeys([*grown, *begun_at_levels(design, state, part)])
-    return found
+    )
+    found: list[list[Candidate]] = Parallel(n_jobs=n_jobs)(searches)
+    return [candidate for one in found for candidate in one]
+
+
+@one_thread()
+def _grow_in(
+    state: int,
+    problem: Problem,
+    known: Sequence[Candidate],
+    declared: Sequence[Product],
+    design: Design,
+    part: Segments,
+    operators: Sequence[Operator],
+    rng: np.random.Generator,
+) -> list[Candidate]:
+    """Grow terms in one equation, whose declared ones the search begins with as well."""
+    variables, (_, signed, *_) = problem.x, ranges(part.rows)
+    small = [*small_terms(operators, variables), *varied(declared, operators, variables)]
+    seeds = screened(problem, list(dict.fromkeys(small)), N_SEEDS)
+    evolution = evolve(
+        variables,
+        problem.target,
+        operators=_without_quotients(operators),
+        rng=rng,
+        fixed=problem.fixed,
+        project=problem.project,
+        begin=seeds,
+        settings=SETTINGS,
+        keep_if_interrupted=False,  # the loop says itself that it was interrupted
+    )
+    # The best seed too: the search may drop what it holds for long, though it explains most.
+    finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS], *seeds[:1])
+    name = partial(
+        named,
+        state=state,
+        known=known,
+        variables=variables,
+        signed=shifted(design, state, signed),
+        declared=declared,
+    )
+    plain = (one for term in finalists for one in without_signs(term, variables))
+    grown = [name(term) for term in dict.fromkeys(plain)]
+    grown += [name(term) for term in _above(grown, design, part, operators, declared)]
+    return list(dict.fromkeys([*grown, *begun_at_levels(design, state, part)]))
 
 
 def _without_quotients(operators: Sequence[Operator]) -> list[Operator]:
@@ -233,7 +272,7 @@ class TermGrower:
         if not self.operators or self.seen.by_trajectory or len(self.fresh.z) < MIN_FRESH:
             return []
         known = fitted(design)  # what is known may be wrong
-        grown = grow(self.declared, design, self.seen, self.operators, self.rng)
+        grown = grow(self.declared, design, self.seen, self.operators, self.rng, self.rules.n_jobs)
         fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
         rows, records = self.seen.rows, self.seen.records
         new = [
