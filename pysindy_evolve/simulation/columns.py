@@ -156,6 +156,8 @@ def _plain_rates(field: Field, c: Columns, s: np.ndarray) -> np.ndarray:
     theta = field.tape.theta([*c.x, *c.u, c.t], s)
     if len(field.coef) == 1:
         return field.coef[0] @ theta
+    if not np.isfinite(theta).all():  # a term without a value says nothing of models without it
+        theta = np.where(np.any(c.coef != 0.0, axis=0), theta, 0.0)
     return np.einsum("skc,kc->sc", c.coef, theta)
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from pysindy_evolve.equations import Equations
+from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.simulation import simulate
 from pysindy_evolve.simulation.pieces import simulate_pieces
-from pysindy_evolve.terms import add, constant, sub, variable
+from pysindy_evolve.terms import add, call, constant, sub, variable
 
 from .sliding_systems import block, duffing, equations, sgn, total
 
@@ -88,3 +89,16 @@ class TestShortRuns:
         x = simulate(model, [1.0], t, u)
         predicted, index = cut_and_run(model, x, t, u, window=200)
         np.testing.assert_allclose(predicted, x[index], atol=1e-5)
+
+
+def test_a_term_without_a_value_says_nothing_of_the_models_without_it():
+    """Contenders run side by side: the logarithm in one, of what falls below zero, was in all."""
+    ((_, plain),) = variable(0).parts
+    ((_, curved),) = call(BUILTIN["log"], variable(1)).parts
+    equations = Equations((plain, curved), np.array([[-1.0, 0.0]]), ("x",), ("u",))
+    coef = np.array([[[-1.0, 0.0]], [[-1.0, 1.0]]])
+    t = np.tile(np.linspace(0.0, 1.0, 21), (2, 1))
+    u = np.linspace(0.5, -0.5, 21)[None, :, None].repeat(2, axis=0)
+    decays, logs = simulate_pieces(equations, coef, np.ones((2, 1)), t, u)
+    assert decays[:, 0] == pytest.approx(np.exp(-t[0]), rel=1e-5)
+    assert not np.isfinite(logs[-1, 0])

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import fft
 from scipy.ndimage import median_filter
 
-__all__ = ["FEWEST_FREQUENCIES", "find_lines"]
+__all__ = ["FEWEST_FREQUENCIES", "find_lines", "pumping"]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
@@ -19,6 +19,8 @@ MOST_TRIED = 16  # lines; what is left beside as many that inputs have is their 
 HALF = FINENESS // 2  # of these make half of what the record resolves
 AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
 SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
+PUMPED = 0.1  # of the squares of a residual, that a wave times a term explains
+SINGULAR = 0.01  # determinant below which cosine and sine are one on the record
 FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know the noise about a line
 
 
@@ -77,6 +79,50 @@ def find_lines(
             n_found += 1
         free[max(peak - FINENESS, 0) : peak + FINENESS + 1] = False
         signal = _without(signal, cycles)
+
+
+def pumping(
+    residual: np.ndarray, values: np.ndarray, n_periods: int, highest: float = np.inf
+) -> list[float]:
+    """Return the frequency at which a wave times a signal explains most of a residual.
+
+    Parameters
+    ----------
+    residual, values : ndarray of shape (n,)
+        Uniformly sampled. A multiple of the values is fitted as well, to see only what varies.
+    n_periods : int
+        Periods in the residual, at least.
+    highest : float
+        Frequency up to which to look, cycles a sample.
+
+    Returns
+    -------
+    list of float
+        One, cycles a sample; none where no wave explains a notable share.
+
+    References
+    ----------
+    Zechmeister and Kuerster 2009, DOI 10.1051/0004-6361:200811296: the periodogram of a residual
+    over the values, with their squares as weights.
+    """
+    if not np.isfinite(residual * values).all():
+        return []
+    n_fine = FINENESS * fft.next_fast_len(len(values), real=True)
+    places = np.arange(n_fine // 4 + 1)
+    moved = fft.rfft(residual * values, n_fine)
+    weight = fft.rfft(values**2, n_fine)
+    total = max(float(weight[0].real), 1e-300)
+    once, twice = weight[places] / total, weight[2 * places] / total
+    b = moved[places] - moved[0].real * once  # beside the multiple: cosine less i times sine
+    cosines = 0.5 * (1.0 + twice.real) - once.real**2
+    sines = 0.5 * (1.0 - twice.real) - once.imag**2
+    both = 0.5 * twice.imag - once.real * once.imag
+    det = np.maximum(cosines * sines - both**2, SINGULAR)
+    gain = b.real**2 * sines - 2.0 * b.real * b.imag * both + b.imag**2 * cosines
+    shares = gain / (det * total * max(float(np.sum(residual**2)), 1e-300))
+    free = (places > FINENESS * n_periods) & (places < highest * n_fine)
+    peak = int(np.argmax(np.where(free, shares, 0.0)))
+    return [_vertex(shares, peak) / n_fine] if free[peak] and shares[peak] > PUMPED else []
 
 
 def _without(signal: np.ndarray, cycles: float) -> np.ndarray:

@@ -11,7 +11,7 @@ from scipy.stats import binned_statistic
 from ...operators import BUILTIN
 from ...terms import Sum, call, constant, mul, variable
 from .candidate import Candidate, CandidateMaker, Shape
-from .lines import find_lines
+from .lines import find_lines, pumping
 
 __all__ = [
     "FORCING",
@@ -89,7 +89,8 @@ def pumped_candidates(
 ) -> list[Candidate]:
     """Return a declared term times sines and cosines of time: a stiffness that is pumped.
 
-    What such a term leaves is a line where it is multiplied by the term itself.
+    What such a term leaves is a line where it is multiplied by the term itself. A population that
+    is pumped itself has that line as well: then the wave counts that explains most beside the term.
 
     Parameters
     ----------
@@ -110,9 +111,11 @@ def pumped_candidates(
     effect, others = CandidateMaker(state), np.column_stack([drivers, values, values**2])
     waves = tuple(partial(_times, part, wave) for wave in _waves(time))
     length = len(residual) * dt
+    lines = lines_of(residual * values, others, dt, highest, n_peaks=1)
     return [
         effect(FORCING, shape=_of_line(line, length, waves, branch), parents=(part,), alone=True)
-        for line in lines_of(residual * values, others, dt, highest, n_peaks=1)
+        for line in lines
+        or [f / dt for f in pumping(residual, values, PERIODS_IN_TIME, highest * dt)]
     ]
 
 

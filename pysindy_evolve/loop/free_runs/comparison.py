@@ -109,6 +109,8 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
         if is_closer(other.trial, own.trial, max(matter, _price(other, own)), level)
     ]  # fmt: skip
     best = min(closer, key=lambda one: one.error * np.exp(_price(one, own)), default=own)
+    if not np.isfinite(best.error):  # nothing runs, so nothing does as well
+        return own
     if best.candidate.name == EVOLVED:
         names = [one for one in tuned if one.candidate.name != EVOLVED]
         known = min(names, key=lambda one: one.error, default=best)

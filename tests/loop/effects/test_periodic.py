@@ -5,6 +5,7 @@ import pytest
 from loop_systems import equations_of, multisine
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.lines import pumping
 from pysindy_evolve.loop.effects.periodic import lines_of, periodic_candidates, ripple_candidates
 
 STILL = np.empty((1000, 0))  # no inputs
@@ -180,3 +181,22 @@ def test_a_signal_without_a_value_somewhere_has_no_lines():
     assert lines_of(signal, driver, 1.0)
     signal[500] = np.nan
     assert lines_of(signal, driver, 1.0) == []
+
+
+T = np.arange(1500) * 0.02
+
+
+def test_what_pumps_a_population_that_has_its_line_is_found_all_the_same():
+    """It grows and falls with the pump, so that its own spectrum has the same line."""
+    values = np.exp(2.0 * np.sin(2.0 * np.pi * T + 1.0) + 0.6 * np.sin(2.0 * np.pi * 0.31 * T))
+    noise = 0.01 * values.std() * np.random.default_rng(0).standard_normal(len(T))
+    residual = 0.1 * values * np.cos(2.0 * np.pi * T + 0.3) + noise
+    (found,) = pumping(residual - 0.04 * values, values, 8)
+    assert found / 0.02 == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_is_pumped_by_nothing(seed):
+    values, residual = np.random.default_rng(seed).standard_normal((2, len(T)))
+    assert pumping(residual, 2.0 + values, 8) == []
+    assert pumping(np.full(len(T), np.nan), values, 8) == []

@@ -89,3 +89,13 @@ def test_an_unstable_machine_that_a_controller_held_keeps_its_effect():
     assert report.after.simulation_error.min() > 1e6  # nobody holds the run
     assert [effect.name for effect in report.effects] == ["linear stiffness"]
     assert report.effects[0].coefficients[0] == pytest.approx(15.0, rel=0.01)
+
+
+def test_a_machine_that_its_declared_model_follows_is_not_unstable(record):
+    """An effect that makes it so is wrong; of one that no model follows nobody knows."""
+    found = findings_of(design_of(YIELDING.model, [record]), Candidate("coupling", 1, (Q,)))
+    stable = equations_of(YIELDING.truth, ("F",))
+    burst = equations_of({"q": "v", "v": "300*q - 0.8*v + F"}, ("F",))
+    assert simulation_errors(stable, [record]).max() < 20.0
+    assert last_runaway(found, stable, burst, [record]) is found[0]
+    assert last_runaway(found, LINEAR, burst, [record]) is None
