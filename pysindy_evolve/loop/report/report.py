@@ -142,6 +142,14 @@ class LoopReport:
     def __str__(self) -> str:
         return as_text(self)
 
+    def __repr__(self) -> str:
+        found = ", ".join(f"{effect.name} of {effect.state}" for effect in self.effects)
+        return f"LoopReport({self.verdict!r}, {found or 'no effects'}; print it to read all)"
+
+    def _repr_markdown_(self) -> str:
+        """Return what a notebook shows."""
+        return self.to_markdown()
+
     def to_markdown(self) -> str:
         """Return the report as Markdown: what is printed, the twins, and what to measure next."""
         return as_markdown(self)

@@ -1,10 +1,13 @@
 """A delay and a lag one after the other: whichever is found first gives way to the other one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_memory import close, record_with
 
 from pysindy_evolve.hidden_states.memory import Memory
+from pysindy_evolve.loop.memories import reach
 from pysindy_evolve.loop.memories.chains import Chain, Traded, traded, untraded
 
 T = np.arange(0.0, 20.0, 0.01)
@@ -33,6 +36,14 @@ def test_only_a_longer_memory_of_the_other_kind_gives_way():
     assert traded(short, [LAG]) is short
     assert traded(short, [Memory("input delay", 1, (0.3,))]) is short
     assert untraded([]) == []
+
+
+def test_nothing_gives_way_by_more_than_there_is_of_it(monkeypatch):
+    """Then it changes nothing, which may be the least that a search finds."""
+    monkeypatch.setattr(reach, "_least", lambda loss, start: (0.1, 0.299))
+    began = Traded("actuator lag", 0, (0.1,), 0.3, 0.1)
+    assert not replace(began, given=0.299).leaves_some
+    assert reach.trade_of(began, None, None) is began
 
 
 @pytest.mark.slow

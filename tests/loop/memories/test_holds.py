@@ -121,6 +121,19 @@ def test_a_smooth_input_is_not_held_by_its_look():
     assert memory_beside_hold(late, design, segments([record])) == (0.0, late)
 
 
+@pytest.mark.parametrize(("share", "held"), [(0.5, True), (0.45, True), (0.2, False), (2.0, False)])
+@pytest.mark.parametrize("kind", ["input delay", "actuator lag"])
+def test_half_a_sample_is_a_hold_where_nobody_knows_the_raw_input(kind, share, held):
+    """A user's own low-pass has taken off the jumps that would show it."""
+    t = np.arange(0.0, 40.0, DT)
+    record = pse.Record(t=t, x=np.sin(t), x_dot=np.cos(t), u=multisine(1.0, 0)(t))
+    design = pse.DeclaredModel({"q": "b*F"}, inputs=["F"]).design()
+    late = Memory(kind, 0, (share * DT,))
+    found = memory_beside_hold(late, design, segments([record]))
+    assert found == ((0.5, None) if held else (0.0, late))
+    assert held_where_it_jumps(record, {0: 0.5}).held == {0: 0.5}
+
+
 def test_an_input_is_held_only_once():
     record = hold(oven(), {0: 0.1})
     late = Memory("input delay", 0, (0.3 * STEP,))

@@ -64,6 +64,11 @@ def test_page_is_well_formed_and_goes_from_equations_to_settings(page):
     ]
 
 
+def test_settings_have_the_unit_of_time(page):
+    assert "cycles per s<" in page
+    assert "per unit of t" not in page
+
+
 def test_page_needs_nothing_from_outside(page):
     outline = Outline()
     outline.feed(page)

@@ -198,6 +198,13 @@ def test_model_of_nothing_at_all_predicts_zeros():
     assert "q' = 0" in str(report)
 
 
+def test_a_notebook_shows_all_and_a_debugger_one_line(report):
+    first = report.effects[0]
+    assert repr(report).startswith(f"LoopReport('traced', {first.name} of {first.state}")
+    assert "\n" not in repr(report)
+    assert report._repr_markdown_() == report.to_markdown()
+
+
 def test_markdown_holds_the_table_and_every_effect(report):
     page = report.to_markdown()
     assert page.startswith("**Verdict:** traced")
