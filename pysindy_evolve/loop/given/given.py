@@ -90,6 +90,6 @@ def checked(
     fit_on, judge_on, shows_motion = with_own_slopes(design, fit_on, judge_on)
     held, like = held_inputs(fit_on), alike(fit_on, judge_on)
     fit_on, judge_on = ([hold(r, held) for r in records] for records in like)
-    acting = [as_held(record) for record in with_functions(design, [*fit_on, *judge_on])]
+    acting = [as_held(record) for record in with_functions(design, fit_on, judge_on)]
     fit_on, judge_on = acting[: len(fit_on)], acting[len(fit_on) :]
     return Given(doubted(design, fit_on), fit_on, judge_on, widened(fit_on), shows_motion)

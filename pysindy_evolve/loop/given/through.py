@@ -9,51 +9,57 @@ import numpy as np
 from ...signals import Record
 from ...signals.acting import InputFunction
 from ...signals.holds import acting_through
-from ...terms import Product
+from ...terms import Product, Sum, add, constant, mul
 from .design import Design
 from .input_errors import is_held
+from .segments import variables_of
 
 __all__ = ["with_functions"]
 
 
-def with_functions(design: Design, records: Sequence[Record]) -> list[Record]:
+def with_functions(
+    design: Design, train: Sequence[Record], others: Sequence[Record] = ()
+) -> list[Record]:
     """Return records whose inputs have the functions that act, after the low-pass.
 
     Parameters
     ----------
     design : Design
         The declared model.
-    records : sequence of Record
-        Training and held-out ones.
+    train, others : sequence of Record
+        Records to fit on, and more records.
 
     Returns
     -------
     list of Record
-        Changed are inputs that jump, and stand in the model in one and the same function.
+        All of them. Changed are inputs that jump, and stand in the model in one and the same
+        function, or in several of which nothing else is a factor: then their sum acts.
     """
-    found = {}
+    records, found = [*train, *others], {}
     for column in range(len(design.inputs)):
-        product = _function_of(design, column)
-        if product is not None and all(is_held(record, column) for record in records):
-            one = _over_range(product, len(design.states) + column, records, column)
-            if one.is_invertible:
+        if all(is_held(record, column) for record in records):
+            function = _function_of(design, column, train)
+            one = None if function is None else _over_range(function, design, records, column)
+            if one is not None and one.is_invertible:
                 found[column] = one
     return [acting_through(record, found) for record in records]
 
 
-def _function_of(design: Design, column: int) -> Product | None:
-    """Return the one function of an input that the model has; None if it is the input itself."""
+def _function_of(design: Design, column: int, train: Sequence[Record]) -> Sum | None:
+    """Return the function of an input that the model has; None if it is the input itself."""
     place = len(design.states) + column
-    found = {_part(term, place) for term in _terms(design) if place in term.variables}
-    if len(found) != 1:
+    parts = {_part(term, place) for _, term in _terms(design) if place in term.variables}
+    if not parts or None in parts or all(part is not None and part.size == 1 for part in parts):
         return None
-    (part,) = found
-    return None if part is None or part.size == 1 else part
+    if len(parts) > 1:
+        return _sum_of(design, place, train)
+    return Sum(tuple((1.0, part) for part in parts if part is not None))
 
 
-def _terms(design: Design) -> Iterator[Product]:
+def _terms(design: Design) -> Iterator[tuple[int, Product]]:
     for state in range(len(design.states)):
-        yield from design.terms_of(state)
+        for term in design.terms_of(state):
+            yield state, term
 
 
 def _part(term: Product, place: int) -> Product | None:
@@ -63,13 +69,35 @@ def _part(term: Product, place: int) -> Product | None:
     return Product(tuple(own)) if alone else None
 
 
+def _sum_of(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
+    """Return what all functions of an input give, fitted; None unless in one equation, alone."""
+    acting = [(state, term) for state, term in _terms(design) if place in term.variables]
+    states = {state for state, _ in acting}
+    if len(states) > 1 or any(term.variables != {place} for _, term in acting):
+        return None
+    (state,) = states
+    rows = np.concatenate([variables_of(record) for record in train])
+    rates = np.concatenate([record.x_dot[:, state] for record in train])
+    sides = [column.parts[state] for column in design.columns if column.parts[state].parts]
+    theta = np.column_stack([side.evaluate(rows) for side in sides])
+    known = design.known(rows)[:, state]
+    has_value = np.isfinite(theta).all(axis=1) & np.isfinite(known)
+    coef = np.linalg.lstsq(theta[has_value], (rates - known)[has_value], rcond=None)[0]
+    total = design.fixed[state]
+    for value, side in zip(coef.tolist(), sides, strict=True):
+        total = add(total, mul(constant(value), side))
+    return Sum(tuple((c, term) for c, term in total.parts if place in term.variables))
+
+
 def _over_range(
-    product: Product, place: int, records: Sequence[Record], column: int
+    function: Sum, design: Design, records: Sequence[Record], column: int
 ) -> InputFunction:
-    def function(u: np.ndarray) -> np.ndarray:
+    place = len(design.states) + column
+
+    def acts(u: np.ndarray) -> np.ndarray:
         variables = np.zeros((len(u), place + 1))
         variables[:, place] = u
-        return product.evaluate(variables)
+        return function.evaluate(variables)
 
     values = np.concatenate([record.recorded_u[:, column] for record in records])
-    return InputFunction(function, float(values.min()), float(values.max()))
+    return InputFunction(acts, float(values.min()), float(values.max()))

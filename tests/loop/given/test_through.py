@@ -25,7 +25,8 @@ def ship(side):
 
 
 def record(u=None):
-    return pse.prepare(T, np.sin(T), np.column_stack([LEVELS, OTHER]) if u is None else u, order=1)
+    V = 0.05 * np.cumsum(LEVELS + LEVELS**2)
+    return pse.prepare(T, V, np.column_stack([LEVELS, OTHER]) if u is None else u, order=1)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +36,8 @@ def record(u=None):
         ("a*n**2*V - c*V + b*n**2", {0}),
         ("a*n*Abs(n) + b*d*Abs(d)", {0, 1}),
         ("a*n + b*V*n - c*V", set()),
-        ("a*n + b*n**2 - c*V", set()),
+        ("a*n + b*n**2 - c*V", {0}),
+        ("a*n + b*n**2*V - c*V", set()),
         ("a*n**2 + b*sin(n*V) - c*V", set()),
         ("a*cos(9*n) - c*V", set()),
         ("a*n*d - c*V", set()),
@@ -70,3 +72,9 @@ def test_nothing_is_missing_where_a_held_speed_acts_by_its_square(seed):
     report = pse.close_loop(model, measured(), measured(), random_state=0)
     assert report.verdict == "complete"
     assert report.after.simulation_error < 1.0
+
+
+def test_what_several_functions_of_an_input_give_is_fitted():
+    (found,) = with_functions(ship("a*n + b*n**2 + c").design(), [record()])
+    acts = found.through[0].function(np.array([0.6, 0.9, 1.2]))
+    assert acts - acts[0] == pytest.approx([0.0, 0.75, 1.68], rel=0.05)
