@@ -16,6 +16,7 @@ from ..given.held import held_inputs
 from ..given.kinematics import disagreement
 from .extrapolation import beyond
 from .missed import missed
+from .one_force import one_force
 from .poles import exchangeable_poles
 from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
@@ -40,7 +41,8 @@ RUNAWAY = 100.0  # percent of the standard deviation: such an error cannot grow
 
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
-    found = [*_doubted(report), *_known(report), *_held(report), *_slow(report)]
+    found = [*_doubted(report), *_known(report), *one_force(report), *_held(report)]
+    found += _slow(report)
     found += [*_untold(report), *exchangeable_poles(report), *_turned(report)]
     found += [*_worse(report), *_undefined(report), *_lines(report), *_sessions(report)]
     found += _numbers(report)
