@@ -17,7 +17,7 @@ from .spectral import Array
 
 __all__ = ["InputFunction"]
 
-MARGIN = 0.5  # of the range of an input, by which a low-pass may pass its ends
+MARGINS = (0.5, 0.1)  # of the range of an input, by which a low-pass may pass its ends
 N_POINTS = 2049  # of a table, between which the inverse is a straight line
 
 
@@ -64,16 +64,19 @@ class InputFunction:
 
     @cached_property
     def _sides(self) -> list[tuple[Array, Array]]:
-        """Return inputs and values that rise, over the whole range or below and above zero."""
-        margin = MARGIN * (self.high - self.low)
-        low, high = self.low - margin, self.high + margin
-        whole = self._table(low, high)
-        if whole is not None:
-            return [whole]
-        ranges = [(low, 0.0)] * (self.low < 0.0) + [(0.0, high)] * (self.high > 0.0)
-        sides = [self._table(*one) for one in ranges]
-        known = [side for side in sides if side is not None]
-        return known if len(known) == len(sides) else []
+        """Return inputs and values that rise, over the whole range or below and above zero.
+
+        Where the function turns close to the range, it is followed less far beyond.
+        """
+        for margin in MARGINS:
+            beyond = margin * (self.high - self.low)
+            low, high = self.low - beyond, self.high + beyond
+            below = [(low, 0.0)] * (self.low < 0.0)
+            for ranges in ([(low, high)], [*below, *[(0.0, high)] * (self.high > 0.0)]):
+                sides = [side for one in ranges if (side := self._table(*one)) is not None]
+                if len(sides) == len(ranges):
+                    return sides
+        return []
 
     def _table(self, low: float, high: float) -> tuple[Array, Array] | None:
         """Return inputs and values that rise; None where the function turns, or has no values."""

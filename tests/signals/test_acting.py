@@ -42,6 +42,12 @@ def test_what_is_changed_is_the_function():
     assert found**2 == pytest.approx(0.5 * (STEPS**2 + 1.0), abs=1e-6)
 
 
+def test_a_function_that_turns_close_to_the_range_is_followed_less_far():
+    one = InputFunction(lambda u: (u - 0.45) ** 2, 0.6, 1.2)
+    u = np.linspace(0.6, 1.2, 31)
+    assert one.after(plain, u, u) == pytest.approx(u, abs=1e-3)
+
+
 @pytest.mark.parametrize("function", [np.sin, np.cos])
 def test_a_function_that_turns_has_no_inverse(function):
     assert not InputFunction(function, 0.3, 6.0).is_invertible

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -79,7 +80,7 @@ def _sum_of(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
     rows = np.concatenate([variables_of(record) for record in train])
     rates = np.concatenate([record.x_dot[:, state] for record in train])
     sides = [column.parts[state] for column in design.columns if column.parts[state].parts]
-    theta = np.column_stack([side.evaluate(rows) for side in sides])
+    theta = np.array([side.evaluate(rows) for side in sides]).reshape(len(sides), len(rows)).T
     known = design.known(rows)[:, state]
     has_value = np.isfinite(theta).all(axis=1) & np.isfinite(known)
     coef = np.linalg.lstsq(theta[has_value], (rates - known)[has_value], rcond=None)[0]
@@ -92,12 +93,19 @@ def _sum_of(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
 def _over_range(
     function: Sum, design: Design, records: Sequence[Record], column: int
 ) -> InputFunction:
-    place = len(design.states) + column
-
-    def acts(u: np.ndarray) -> np.ndarray:
-        variables = np.zeros((len(u), place + 1))
-        variables[:, place] = u
-        return function.evaluate(variables)
-
     values = np.concatenate([record.recorded_u[:, column] for record in records])
+    acts = _Acts(function, len(design.states) + column)
     return InputFunction(acts, float(values.min()), float(values.max()))
+
+
+@dataclass(frozen=True)
+class _Acts:
+    """What acts of an input, which is the variable of an expression; it can be pickled."""
+
+    expression: Sum
+    place: int
+
+    def __call__(self, u: np.ndarray) -> np.ndarray:
+        variables = np.zeros((len(u), self.place + 1))
+        variables[:, self.place] = u
+        return self.expression.evaluate(variables)

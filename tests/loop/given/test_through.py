@@ -1,5 +1,7 @@
 """Inputs that the declared model takes through a function."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -78,3 +80,10 @@ def test_what_several_functions_of_an_input_give_is_fitted():
     (found,) = with_functions(ship("a*n + b*n**2 + c").design(), [record()])
     acts = found.through[0].function(np.array([0.6, 0.9, 1.2]))
     assert acts - acts[0] == pytest.approx([0.0, 0.75, 1.68], rel=0.05)
+
+
+def test_what_is_known_needs_no_fit_and_all_can_be_pickled():
+    (found,) = with_functions(ship("2*n + 3*n**2").design(), [record()])
+    again = pickle.loads(pickle.dumps(found))
+    assert again.through[0].function(np.array([1.0])) == pytest.approx([5.0])
+    assert again.with_inputs(lambda _, u: u).u == pytest.approx(found.u)
