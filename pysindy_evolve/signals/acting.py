@@ -8,7 +8,7 @@ and the record holds the input that has such a function.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -41,6 +41,11 @@ class InputFunction:
     def is_invertible(self) -> bool:
         """Whether it goes one way over the range of the input, or on each side of zero."""
         return bool(self._sides)
+
+    def covering(self, u: Array) -> InputFunction:
+        """Return the same function over a range that holds these values as well."""
+        low, high = min(self.low, float(u.min())), max(self.high, float(u.max()))
+        return self if (low, high) == (self.low, self.high) else replace(self, low=low, high=high)
 
     def after(self, change: Callable[[Array], Array], u: Array, plain: Array) -> Array:
         """Return the input whose function is the changed function of another input.

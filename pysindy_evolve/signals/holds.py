@@ -82,16 +82,19 @@ def acting_through(record: Record, functions: Mapping[int, InputFunction]) -> Re
     made = record.preparation
     if not functions or made is None or made.u is None:
         return record
+    recorded = record.recorded_u
+    covering = {k: one.covering(recorded[:, k]) for k, one in functions.items()}
+    functions = {k: one for k, one in covering.items() if one.is_invertible}
     late = {column: share for column, share in record.held.items() if column in functions}
     known = {column: share for column, share in record.held.items() if column not in late}
 
     def as_recorded(_: Array, u: Array) -> Array:
-        recorded = u.copy()
-        recorded[:, list(late)] = record.recorded_u[:, list(late)]
-        return recorded
+        plain = u.copy()
+        plain[:, list(late)] = recorded[:, list(late)]
+        return plain
 
-    plain = replace(record, through=functions, held=known)
-    return hold(plain.with_inputs(as_recorded), late)
+    through = replace(record, through=functions, held=known)
+    return hold(through.with_inputs(as_recorded), late)
 
 
 def changed(record: Record, column: int, change: Callable[[Array], Array], u: Array) -> Array:

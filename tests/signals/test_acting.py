@@ -66,6 +66,16 @@ def test_the_low_pass_and_the_hold_are_those_of_the_function(held, order):
     assert found.held == given.held
 
 
+def test_a_record_that_goes_further_is_followed_there():
+    """A model that was found may be run with other inputs."""
+    further = pse.prepare(T, np.sin(T), 3.0 * STEPS, order=2, cutoff=2.0, decimate=1)
+    found = acting_through(further, {0: SQUARE})
+    assert found.u**2 == pytest.approx(further.lowpass(9.0 * STEPS**2)[:, None], abs=2e-3)
+    turning = InputFunction(np.sin, 0.5, 1.1)
+    assert turning.is_invertible
+    assert acting_through(further, {0: turning}).u == pytest.approx(further.u)
+
+
 def test_what_remembers_the_input_comes_before_the_function():
     given = pse.prepare(T, np.sin(T), STEPS, order=2, cutoff=2.0, decimate=1)
     late = np.roll(STEPS, 3)
