@@ -19,6 +19,7 @@ MOST_TRIED = 16  # lines; what is left beside as many that inputs have is their 
 HALF = FINENESS // 2  # of these make half of what the record resolves
 AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
 SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
+ROUGHNESS = 2  # of the same where a frequency is tuned afterwards
 PUMPED = 0.1  # of the squares of a residual, that a wave times a term explains
 SINGULAR = 0.01  # determinant below which cosine and sine are one on the record
 FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know the noise about a line
@@ -107,7 +108,7 @@ def pumping(
     """
     if not np.isfinite(residual * values).all():
         return []
-    n_fine = FINENESS * fft.next_fast_len(len(values), real=True)
+    n_fine = ROUGHNESS * fft.next_fast_len(len(values), real=True)
     places = np.arange(n_fine // 4 + 1)
     moved = fft.rfft(residual * values, n_fine)
     weight = fft.rfft(values**2, n_fine)
@@ -120,7 +121,7 @@ def pumping(
     det = np.maximum(cosines * sines - both**2, SINGULAR)
     gain = b.real**2 * sines - 2.0 * b.real * b.imag * both + b.imag**2 * cosines
     shares = gain / (det * total * max(float(np.sum(residual**2)), 1e-300))
-    free = (places > FINENESS * n_periods) & (places < highest * n_fine)
+    free = (places > ROUGHNESS * n_periods) & (places < highest * n_fine)
     peak = int(np.argmax(np.where(free, shares, 0.0)))
     return [_vertex(shares, peak) / n_fine] if free[peak] and shares[peak] > PUMPED else []
 
