@@ -164,19 +164,18 @@ def _is_aliased(record: Record) -> bool:
 
 def _with_means(record: Record) -> Record:
     """Return a record whose inputs are given as their means over a sampling time."""
-    columns = list(record.held)
 
     def meant(_: np.ndarray, u: np.ndarray) -> np.ndarray:
         acting = u.copy()
-        for column in columns:  # of the steps, from what samples show of them
-            acting[:, column] = changed(record, column, _twice_averaged, u[:, column])
+        for column, late in record.held.items():
+            if column in record.through:  # from the steps, as these functions may end at zero
+                mean, source = partial(averaged, late=late), record.recorded_u
+                acting[:, column] = changed(record, column, mean, source[:, column])
+            else:  # of the steps, from what samples show of them
+                acting[:, column] = averaged(averaged(u[:, column], 0.0), 0.0)
         return acting
 
     return record.with_inputs(meant) if _is_aliased(record) else record
-
-
-def _twice_averaged(u: np.ndarray) -> np.ndarray:
-    return averaged(averaged(u, 0.0), 0.0)
 
 
 def _seen(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> np.ndarray:

@@ -57,14 +57,16 @@ def test_an_input_that_runs_smoothly_stays():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2))
-def test_nothing_is_missing_where_a_held_speed_acts_by_its_square(seed):
+@pytest.mark.parametrize(
+    ("seed", "levels"), [(0, [0.6, 0.8, 1.0, 1.2]), (1, [0.6, 0.8, 1.0, 1.2]), (2, [0.2, 0.7, 1.3])]
+)
+def test_nothing_is_missing_where_a_held_speed_acts_by_its_square(seed, levels):
     """The mean of a square over a jump is not the square of the mean: this was an input gain."""
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, 300.0, 0.5)
 
     def measured():
-        n = rng.choice([0.6, 0.8, 1.0, 1.2], 38).repeat(16)[: len(t)]
+        n = rng.choice(levels, 38).repeat(16)[: len(t)]
         V = speeds(n, 0.5)
         return pse.prepare(
             t, V + 0.005 * V.std() * rng.standard_normal(len(V)), n, order=1, held=True
