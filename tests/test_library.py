@@ -136,8 +136,8 @@ def test_scored_is_printed_is_predicted_at_zero_too(data):
     np.testing.assert_array_equal(model.predict(np.zeros((1, 2))), [[0.0, 0.0]])
 
 
-def test_ctrl_c_keeps_the_best_so_far(data):
-    x, y = data
+def sign_until_ctrl_c():
+    """A sign with which Ctrl-C comes at its sixtieth use."""
     count = 0
 
     def interrupting(a):
@@ -147,25 +147,19 @@ def test_ctrl_c_keeps_the_best_so_far(data):
             raise KeyboardInterrupt
         return np.sign(a)
 
-    sign = Operator("sg", interrupting, 1)
+    return Operator("sg", interrupting, 1)
+
+
+def test_ctrl_c_keeps_the_best_so_far(data):
+    x, y = data
     with pytest.warns(UserWarning, match="interrupted after"):
-        fitted = library(operators=("mul", "add", sign), n_generations=200).fit(x, y)
+        fitted = library(operators=("mul", "add", sign_until_ctrl_c()), n_generations=200).fit(x, y)
     assert fitted.n_output_features_ >= 1
 
 
 def test_an_interrupt_ends_the_search_of_all_states(data):
     x, y = data
-    count = 0
-
-    def interrupting(a):
-        nonlocal count
-        count += 1
-        if count == 60:
-            raise KeyboardInterrupt
-        return np.sign(a)
-
-    sign = Operator("sg", interrupting, 1)
-    operators = ("mul", "add", sign)
+    operators = ("mul", "add", sign_until_ctrl_c())
     with pytest.warns(UserWarning, match="interrupted after"):
         fitted = library(operators=operators, n_generations=9).fit(
             x, np.hstack([y, y**2 + x[:, :1]])

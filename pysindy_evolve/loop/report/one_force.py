@@ -5,8 +5,6 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     from .effect import Effect
     from .report import LoopReport
@@ -39,5 +37,5 @@ def one_force(report: LoopReport) -> list[str]:
 def _is_one(one: Effect, other: Effect) -> bool:
     if not one.entry or (one.entry, one.name) != (other.entry, other.name):
         return False
-    (low, high), (lower, higher) = (np.sort(e.confidence_intervals[0]) for e in (one, other))
+    (low, high), (lower, higher) = (effect.confidence_intervals[0] for effect in (one, other))
     return bool(one.state != other.state and low <= higher and lower <= high)
