@@ -25,7 +25,7 @@ LAYERS = (
 )
 # The same for what the loop is made of.
 FLOORS = ("given", "effects", "fitting", "twins", "evidence", "memories", "free_runs", "growth")
-FLOORS += ("revision", "report", "search", "settle", "close")
+FLOORS += ("revision", "report", "search", "settling", "close")
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
 
 

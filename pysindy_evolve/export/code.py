@@ -14,7 +14,7 @@ from sympy.codegen.rewriting import create_expand_pow_optimization
 from sympy.core.function import AppliedUndef
 
 from ..equations import Equations
-from ..hidden_states.hidden import MemoryEquations
+from ..hidden_states.memory_equations import MemoryEquations
 from .code_printers import CPrinter, JuliaPrinter, MatlabPrinter, ModelicaPrinter, PythonPrinter
 from .symbolic import System, system_of
 

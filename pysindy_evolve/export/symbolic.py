@@ -8,7 +8,7 @@ from typing import Any
 
 from .. import terms
 from ..equations import Equations
-from ..hidden_states.hidden import MemoryEquations
+from ..hidden_states.memory_equations import MemoryEquations
 from ..reading.library_terms import from_model
 from ..terms import ONE, Product, Sum
 from .fractions import as_fractions

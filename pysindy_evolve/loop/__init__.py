@@ -1,7 +1,8 @@
 """The loop: declared model and measurement in, corrected equation and its evidence out.
 
-`close.py` is what a user calls, `search.py` the order of the looks. Each folder may use those above
-it in this table:
+`close.py` is what a user calls. It gives a `Search` to `search/order.py`, where the looks stand in
+their order, and what that found to `settling/order.py`, where it is fitted for good and what does
+not hold is withdrawn. Each folder may use those above it in this table:
 
 =============  ====================================================================
 given          the declared model, the records, pieces of them, the rules
@@ -12,8 +13,10 @@ evidence       one step: effects scored, tested on twins, held against rivals
 memories       what an input goes through before it acts
 free_runs      what only free runs show: slow memories, limits, effects held against each other
 growth         terms that no name fits, by genetic programming
-revision       what was found, exchanged, tuned again or dropped
-report         equations, errors, evidence, pictures, experiments
+revision       what was found, exchanged, tuned again or dropped while the search goes on
+report         equations, errors, evidence, pictures, experiments: what people read
+search         the looks in their order, and what they have found so far
+settling       what was found under its right name, fitted for good, or withdrawn
 =============  ====================================================================
 """
 

@@ -15,14 +15,14 @@ from ..threads import one_thread
 from .evidence.witness import witnessed
 from .fitting.aliases import without_aliases
 from .free_runs.state_limits import may_stop_itself
+from .given.checked import checked
 from .given.declared import DeclaredModel
-from .given.given import checked
 from .given.rules import Rules, generator
 from .growth.grow import OPERATORS
 from .report.report import LoopReport
 from .search.order import look_for_effects
 from .search.state import Search
-from .settle import settled
+from .settling.order import settled
 
 __all__ = ["close_loop"]
 

@@ -12,7 +12,7 @@ from tqdm.auto import tqdm
 
 from .. import checks
 from ..equations import Equations
-from ..hidden_states.hidden import MemoryEquations
+from ..hidden_states.memory_equations import MemoryEquations
 from ..reading.library_terms import from_model
 from .freerun import CHUNK, Diverged, FreeRun, Limits
 from .inputs import Input, check_input, check_start, check_time

@@ -10,7 +10,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.equations import AlgebraicEquations, Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden_states.boucwen import yielding, yielding_along
-from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.hidden_states.path_states import paths_in
 from pysindy_evolve.terms import variable
 

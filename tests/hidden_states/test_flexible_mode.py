@@ -9,7 +9,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden_states.flexible_mode import flexible_mode, stretch_along
-from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.hidden_states.path_states import hidden_along, kind_of, sayings
 from pysindy_evolve.terms import variable
 

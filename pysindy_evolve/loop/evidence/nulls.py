@@ -28,8 +28,8 @@ from ..given.rules import Rules
 from ..given.segments import Segments
 from ..twins.chance import p_value_of
 from ..twins.drifting import DriftingTwins
-from ..twins.testing import Statistic, twin_values
 from ..twins.twins import TwinMaker
+from ..twins.values import Statistic, twin_values
 
 __all__ = ["chance_of", "freed_of_noise"]
 

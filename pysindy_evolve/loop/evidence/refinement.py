@@ -18,8 +18,8 @@ from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from ..twins.chance import p_value_of
-from ..twins.testing import twin_values
 from ..twins.twins import TwinMaker
+from ..twins.values import twin_values
 from .scoring import MARGIN, columns_of, quick_fit, score
 
 __all__ = ["justified"]

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...equations import Equations, stack
-from ...hidden_states.hidden import MemoryEquations, with_memories
 from ...hidden_states.memory import preceded
+from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...hidden_states.path_states import hidden_along, kind_of
 from ...signals import Record
 from ..given.design import Design

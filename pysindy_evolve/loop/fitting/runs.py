@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ...equations import AlgebraicEquations, Equations
-from ...hidden_states.hidden import MemoryEquations, with_memories
+from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...signals import Record
 from ...simulation import simulate
 from ..given.segments import scale_of

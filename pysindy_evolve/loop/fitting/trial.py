@@ -28,7 +28,7 @@ from ..given.sensor import is_observed
 from .residual import MAX_GROWTH, forces, jacobian, respond
 from .saltation import saltation
 
-__all__ = ["Rows", "Trial", "bettered", "runs_of", "settled"]
+__all__ = ["Rows", "Trial", "bettered", "converged", "runs_of"]
 
 ROWS = 2000  # of the runs that a step looks at
 N_STEPS = 6  # of Gauss-Newton, each of which may be a shortened one
@@ -219,7 +219,7 @@ def picked(states: np.ndarray, keep: int) -> np.ndarray:
     return states[:, : last + 1 : keep].reshape(len(states), -1, 1)
 
 
-def settled(trials: Sequence[Trial]) -> list[Trial]:
+def converged(trials: Sequence[Trial]) -> list[Trial]:
     """Run and fit coefficients and starts of all trials; those that diverge stay as they are."""
     return bettered(runs_of(list(trials)))
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...equations import stack
-from ...hidden_states.hidden import with_memories
+from ...hidden_states.memory_equations import with_memories
 from ...hidden_states.path_states import (
     hidden_along,
     kind_of,

@@ -29,7 +29,7 @@ from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of
 from ..evidence.trace import EVOLVED
-from ..fitting.trial import Trial, settled
+from ..fitting.trial import Trial, converged
 from ..given.rules import Rules
 from .contenders import STEADY, STRETCHES, Pool, begun_with, fitted_with
 from .drift import drift_of
@@ -95,7 +95,7 @@ def _winner(
     best = _best(tuned, pool.matter, rules.significance / max(len(tuned) - 1, 1))
     plain = with_units(best.candidate)
     if plain is not None:  # sin(q), unless another number than one in it does clearly better
-        (trial,) = settled([begun_with(model, [plain], drift)])
+        (trial,) = converged([begun_with(model, [plain], drift)])
         best = Contender(plain, trial) if trial.error <= np.exp(pool.matter) * best.error else best
     candidate = beside(best.candidate, model.design)
     return replace(finding, candidate=candidate, columns=columns_of(candidate, model.design))

@@ -12,7 +12,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..evidence.scoring import columns_of, score, sharpened
 from ..fitting.fit import refit
-from ..fitting.trial import Trial, settled
+from ..fitting.trial import Trial, converged
 from ..given.segments import Segments, have_values, ranges
 from .drift import Drift
 from .leading_terms import stand_ins
@@ -79,7 +79,7 @@ class Pool:
         rivals = [c for c in dict.fromkeys([*closest, *shown, *forms]) if c != own.candidate]
         begun = [begun_with(model, [rival], drift) for rival in rivals]
         # The effect itself was fitted in other units of the errors.
-        first, *others = settled([own.trial, *begun])
+        first, *others = converged([own.trial, *begun])
         fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, others)]
         return tuned_by_runs(fitted, model, drift)
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...signals import Record
 from ..fitting.residual import MAX_GROWTH
-from ..fitting.trial import Trial, settled
+from ..fitting.trial import Trial, converged
 from ..given.design import Column
 from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
@@ -122,7 +122,7 @@ def drift_of(
     """
     for n in n_stretches:
         part = segments(records, may_rest(model.design, records), n, MAX_ROWS)
-        (trial,) = settled([model.trial(coef, part.state_scale, part)])
+        (trial,) = converged([model.trial(coef, part.state_scale, part)])
         rows = trial.rows(most_growth)
         with np.errstate(over="ignore"):  # of runs that leave the record
             missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
@@ -152,7 +152,7 @@ def gains_of_models(drift: Drift, models: Sequence[Model]) -> np.ndarray:
         for what cannot be run.
     """
     one = np.ones((1, len(drift.part.z)))
-    trials = settled([drift.begun(model) for model in models])
+    trials = converged([drift.begun(model) for model in models])
     gains = np.full((len(drift.views), len(models)), -np.inf)
     for row, whitener in zip(gains, drift.views, strict=True):
         before = _log_errors(drift.trial, None, whitener, one)[0]
@@ -178,7 +178,7 @@ def chance_of_models(drift: Drift, models: Sequence[Model], signs: np.ndarray) -
     ndarray of shape (n_views, n_twins)
     """
     begun = [drift.begun(model).aimed_at(drift.trial.shown) for model in models]
-    trials, left = settled(begun), drift.left
+    trials, left = converged(begun), drift.left
     largest = []
     for whitener in drift.views:
         errors = [_log_errors(trial, left, whitener, signs) for trial in trials]

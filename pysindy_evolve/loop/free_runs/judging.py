@@ -20,7 +20,7 @@ from ..evidence.scoring import MARGIN, columns_of, score
 from ..evidence.trace import Score
 from ..fitting.fit import refit
 from ..fitting.linear import TINY
-from ..fitting.trial import settled
+from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.limits import off_limits
 from ..given.rules import Rules
@@ -89,7 +89,7 @@ def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
         return removed
     coef = refit(declared, drift.records, "derivative")
     trial = Model(declared).trial(coef, drift.trial.scale, drift.part)
-    (first,) = settled([trial])
+    (first,) = converged([trial])
     if not np.isfinite(first.error):  # nothing to be compared with
         return removed
     return removed * min(drift.trial.error / max(first.error, TINY), 1.0)

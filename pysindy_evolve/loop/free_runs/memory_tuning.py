@@ -10,7 +10,7 @@ import numpy as np
 from ...signals import Record
 from ..fitting.fit import Fit
 from ..fitting.linear import solve_gram
-from ..fitting.trial import Trial, runs_of, settled
+from ..fitting.trial import Trial, converged, runs_of
 from ..given.design import Design
 from .drift import LONG, Drift, drift_of
 from .variants import Model, Pasts
@@ -45,7 +45,7 @@ def tuned_memories(drift: Drift, model: Model) -> Model:
     if not len(numbers.start):
         return model
     begun = drift.begun(numbers.at(numbers.start))
-    (now,), place = settled([begun]), numbers.start
+    (now,), place = converged([begun]), numbers.start
     for _ in range(MAX_STEPS):
         tried = _steps(drift, now, numbers, place) if np.isfinite(now.error) else []
         moved = runs_of([trial for trial, _ in tried])

@@ -18,7 +18,7 @@ from ..effects.missing import beside
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of
 from ..evidence.trace import EVOLVED
-from ..fitting.trial import settled
+from ..fitting.trial import converged
 from .contenders import STEADY, STRETCHES, Pool, begun_with, fitted_with
 from .drift import drift_of
 from .shape_tuning import Contender
@@ -91,7 +91,7 @@ def _single(
     drift = drift_of(*fitted_with(without, effects, records), records, STRETCHES, STEADY)
     if drift is None:
         return None
-    (trial,) = settled([drift.trial])
+    (trial,) = converged([drift.trial])
     whole = replace(first.candidate, terms=tuple(t for effect in effects for t in effect.terms))
     own = Contender(first.candidate, begun_with(without, [first.candidate], drift))
     most = np.exp(MARGIN) * trial.error

@@ -15,7 +15,7 @@ from ...terms import Sum, add, constant, mul, sub
 from ..effects.candidate import Candidate, Shape
 from ..effects.shaping import shape_of
 from ..evidence.scoring import columns_of
-from ..fitting.trial import Trial, settled
+from ..fitting.trial import Trial, converged
 from ..given.design import Column, Design
 from .drift import Drift
 from .variants import Model
@@ -68,7 +68,7 @@ def tuned_by_runs(contenders: Sequence[Contender], model: Model, drift: Drift) -
     for _ in range(N_STEPS):
         moved = {k: _moved(found[k], model, drift) for k in active}
         begun = {k: one for k, one in moved.items() if one is not None}
-        trials = settled([one.trial for one in begun.values()])
+        trials = converged([one.trial for one in begun.values()])
         active = []
         for (k, one), trial in zip(begun.items(), trials, strict=True):
             if trial.error < found[k].error:

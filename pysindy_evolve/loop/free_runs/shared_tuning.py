@@ -16,7 +16,7 @@ from ..effects.candidate import Candidate
 from ..effects.partners import joined, partnerships
 from ..evidence.findings import Finding, at_numbers, with_columns
 from ..evidence.scoring import MARGIN
-from ..fitting.trial import settled
+from ..fitting.trial import converged
 from .contenders import STEADY, STRETCHES, begun_with, fitted_with
 from .drift import drift_of
 from .shape_tuning import Contender, tuned_by_runs
@@ -103,7 +103,7 @@ def _shared(
     together = [apart.at(values) for values in begun]
     trials = [begun_with(model, [one], drift) for one in together]
     # The effects as they are were fitted in other units of the errors.
-    own, *fitted = settled([drift.trial, *trials])
+    own, *fitted = converged([drift.trial, *trials])
     tuned = tuned_by_runs(list(map(Contender, together, fitted)), model, drift)
     best = min(tuned, key=lambda one: one.error)
     if best.candidate.shape is None or not best.error <= np.exp(MARGIN) * own.error:

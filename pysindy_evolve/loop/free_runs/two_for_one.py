@@ -21,7 +21,7 @@ from ..effects.missing import candidates
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of, score
 from ..evidence.trace import EVOLVED
-from ..fitting.trial import settled
+from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments, ranges
@@ -104,7 +104,7 @@ def _closest(
     if drift is None:
         return ()
     begun = [begun_with(model, pair, drift) for pair in pairs]
-    one, *twos = settled([drift.trial, *begun])
+    one, *twos = converged([drift.trial, *begun])
     best = min(range(len(pairs)), key=lambda k: twos[k].error)
     own, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
     if own.name == EVOLVED and size <= own.size:

@@ -22,7 +22,7 @@ from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .chains import Chain, Traded, chains_in
-from .memories_first import memory_instead, outdoes_memories
+from .effect_or_memory import memory_instead, outdoes_memories
 from .probes import MemoryCandidate, Probes, grid_of, users_of
 from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
 

@@ -14,10 +14,10 @@ from ...terms import ONE
 from ..effects.relaxation import longest_relaxation
 from ..given.held import held_inputs
 from ..given.kinematics import disagreement
+from .exchangeable_poles import exchangeable_poles
 from .extrapolation import beyond
 from .missed import missed
 from .one_force import one_force
-from .poles import exchangeable_poles
 from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
 from .shared_lines import shared_lines

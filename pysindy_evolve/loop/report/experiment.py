@@ -22,8 +22,8 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal.windows import tukey
 
 from ...equations import Equations
-from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
+from ...hidden_states.memory_equations import MemoryEquations
 from ...signals import Record
 from ..evidence.spectral import TAPER, spectral_rows
 from ..fitting.linear import solve_gram

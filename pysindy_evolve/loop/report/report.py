@@ -13,7 +13,7 @@ import numpy as np
 import pysindy as ps
 
 from ...equations import Equations
-from ...hidden_states.hidden import MemoryEquations
+from ...hidden_states.memory_equations import MemoryEquations
 from ...signals import Record
 from ..evidence.rejected import Rejected
 from ..fitting.runs import free_run
@@ -22,7 +22,7 @@ from ..given.held import held_like
 from ..given.rules import Rules
 from .effect import Effect, Errors, Step
 from .experiment import Plan, plan
-from .quantities import as_read
+from .readings import as_read
 from .residuals import residual_of
 from .sindy import as_sindy
 from .text import as_markdown, as_text

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
+from ...hidden_states.memory_equations import MemoryEquations
 from ...signals import Record
 from ..fitting.past import rates_on
 from ..given.sensor import as_observed

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
+from ...hidden_states.memory_equations import MemoryEquations
 from ..evidence.noise_floor import noise_alone
 from .residuals import in_percent, percent_left
 from .units import percent

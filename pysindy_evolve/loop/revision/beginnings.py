@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.hidden import with_memories
 from ...hidden_states.memory import remembered
+from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
 from ..evidence.scoring import quick_fit

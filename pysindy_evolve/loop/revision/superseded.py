@@ -13,7 +13,7 @@ from ..evidence.findings import Finding, LimitFinding, MemoryFinding, is_needed
 from ..evidence.scoring import MARGIN
 from ..fitting.fit import derivative_square, refit
 from ..fitting.linear import log_ratio
-from ..fitting.trial import settled
+from ..fitting.trial import converged
 from ..free_runs.drift import drift_of
 from ..free_runs.judging import model_of
 from ..free_runs.variants import Model
@@ -75,5 +75,5 @@ def _loss_of_runs(many: Model, few: Model, records: Sequence[Record]) -> float:
     drift = drift_of(many, coef[0], records)
     if drift is None:
         return float("inf")
-    (trial,) = settled([few.trial(coef[1], drift.trial.scale, drift.part)])
+    (trial,) = converged([few.trial(coef[1], drift.trial.scale, drift.part)])
     return log_ratio(trial.error, drift.trial.error)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..evidence.structure import structure_chance
 from ..growth.short import find_small, is_better
-from .names import find_named
+from .named import find_named
 from .state import Search
 
 __all__ = ["grow_terms"]

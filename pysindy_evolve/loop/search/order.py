@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from .free_runs import find_in_runs, hold_against_runs
 from .grown import grow_terms
-from .names import find_named, tune_memories
-from .runs import find_in_runs, hold_against_runs
+from .named import find_named, tune_memories
 from .state import Search
 
 __all__ = ["look_for_effects"]

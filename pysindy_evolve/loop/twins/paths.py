@@ -17,7 +17,7 @@ from numpy.polynomial import Polynomial
 from scipy.interpolate import CubicSpline
 
 from ...equations import Equations
-from ...hidden_states.hidden import MemoryEquations, with_memories
+from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...signals import Preparation, Record
 from ...simulation import simulate
 from ...substitution import acting

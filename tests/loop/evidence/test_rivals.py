@@ -16,7 +16,7 @@ from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.segments import ranges, segments
-from pysindy_evolve.loop.revision.contest import contested
+from pysindy_evolve.loop.settling.contest import contested
 from pysindy_evolve.loop.twins.chance import draws_for, p_value_of
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import add, call, constant, mul, power, variable

@@ -7,7 +7,7 @@ import pytest
 from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.fitting.trial import settled
+from pysindy_evolve.loop.fitting.trial import converged
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.band import driven, straightened
 from pysindy_evolve.loop.given.declared import design_of
@@ -32,7 +32,7 @@ def missed(record, model, coef, band=True):
     if not band:
         plain = part.of([record])
         trial = replace(trial, part=replace(plain, band=None))
-    (trial,) = settled([trial])
+    (trial,) = converged([trial])
     inner = trial.miss[:, 20:-20] / part.state_scale
     return np.sqrt(np.mean(inner**2)), trial.coef
 

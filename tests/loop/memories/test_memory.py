@@ -6,8 +6,8 @@ import sympy
 from loop_systems import DT, equations_of, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden_states.hidden import MemoryEquations, with_memories
 from pysindy_evolve.hidden_states.memory import Memory, remembered
+from pysindy_evolve.hidden_states.memory_equations import MemoryEquations, with_memories
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.reach import settled_memory
 

@@ -13,7 +13,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden_states.boucwen import yielding
-from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.hidden_states.path_states import sayings
 from pysindy_evolve.hidden_states.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, rewritten
@@ -26,7 +26,7 @@ from pysindy_evolve.loop.fitting.shooting import gains_of_runs
 from pysindy_evolve.loop.fitting.unfolding import square_left, unfolded, with_paths
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.memories.memories_first import outdoes_memories
+from pysindy_evolve.loop.memories.effect_or_memory import outdoes_memories
 from pysindy_evolve.loop.memories.probes import grid_of
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.substitution import substituted

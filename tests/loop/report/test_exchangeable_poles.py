@@ -8,9 +8,9 @@ from loop_systems import equations_of
 from scipy.signal import lfilter
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.memory import LAG, Memory
-from pysindy_evolve.loop.report.poles import exchangeable_poles
+from pysindy_evolve.hidden_states.memory_equations import with_memories
+from pysindy_evolve.loop.report.exchangeable_poles import exchangeable_poles
 
 
 def steered(bend: float, seed: int = 0) -> pse.Record:

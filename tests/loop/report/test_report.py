@@ -11,18 +11,18 @@ from loop_systems import equations_of, measured, multisine, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_number
-from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.memory import Memory
+from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.hidden_states.relaxing import relaxing
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.given.design import in_state
-from pysindy_evolve.loop.report.doubtful import most_doubtful
 from pysindy_evolve.loop.report.effect_text import evidence
 from pysindy_evolve.loop.report.interval_text import interval, value_within
-from pysindy_evolve.loop.report.quantities import with_share_of_runs
 from pysindy_evolve.loop.report.start_noise import moved_by_starts
 from pysindy_evolve.loop.report.units import percent
+from pysindy_evolve.loop.settling.doubtful import most_doubtful
+from pysindy_evolve.loop.settling.quantities import with_share_of_runs
 from pysindy_evolve.terms import constant, mul, power, variable
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")

@@ -7,10 +7,10 @@ from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.boucwen import BOUC_WEN, yielding_along
-from pysindy_evolve.hidden_states.hidden import with_memories
+from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.loop.effects.hysteresis import remembered_ways
 from pysindy_evolve.loop.fitting.past import first_state
-from pysindy_evolve.loop.fitting.trial import Trial, settled
+from pysindy_evolve.loop.fitting.trial import Trial, converged
 from pysindy_evolve.loop.fitting.unfolding import unfolded, with_paths
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
@@ -117,7 +117,7 @@ def test_runs_over_stretches_find_numbers_and_starts_of_what_nobody_measured(exa
     part = segments([own], design.velocities, 8, max_rows=None)
     x = part.z[:, :, :3]
     wrong = np.array([*NUMBERS, 1.2 / LENGTH, 0.7 / LENGTH])
-    (found,) = settled([Trial(free, part, part.state_scale, wrong, x[:, 0] * [1, 1, 0.5], x)])
+    (found,) = converged([Trial(free, part, part.state_scale, wrong, x[:, 0] * [1, 1, 0.5], x)])
     assert 1.0 / found.coef[-2] == pytest.approx(LENGTH, rel=0.02)
     assert found.coef[-1] / found.coef[-2] == pytest.approx(UNLOADING, rel=0.1)
     assert found.coef[:4] == pytest.approx(NUMBERS, rel=0.02)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...export import format_number
-from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import LAG
+from ...hidden_states.memory_equations import MemoryEquations
 from ...terms import Sum, variable
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ import pysindy_evolve as pse
 from pysindy_evolve.datasets import friction_drive
 from pysindy_evolve.loop.fitting.fit import fit
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.report import bias
-from pysindy_evolve.loop.report.bias import unbiased
+from pysindy_evolve.loop.settling import bias
+from pysindy_evolve.loop.settling.bias import unbiased
 
 MODEL = pse.DeclaredModel({"q": "v", "v": "b*F - c*v - f*sgn(v)"}, inputs=["F"])
 TRUE = {"b": 0.5, "c": 3.0, "f": 1.5}

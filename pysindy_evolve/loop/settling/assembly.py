@@ -29,7 +29,9 @@ from ..evidence.scoring import columns_of
 from ..fitting.fit import Fit, derivative_fit_errors, refit
 from ..given.design import Design
 from ..given.rules import Rules
-from .effect import Alternative, Effect, Errors, Step
+from ..report.effect import Alternative, Effect, Errors, Step
+from ..report.report import LoopReport
+from ..report.unidentified import unidentified
 from .judge import judge
 from .quantities import (
     with_intervals,
@@ -38,8 +40,6 @@ from .quantities import (
     with_sensor,
     with_share_of_runs,
 )
-from .report import LoopReport
-from .unidentified import unidentified
 
 __all__ = ["make_report"]
 

@@ -8,7 +8,7 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.revision.products import with_products_named
+from pysindy_evolve.loop.settling.products import with_products_named
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import add, call, mul, power, variable
 

@@ -12,12 +12,12 @@ from dataclasses import replace
 
 from ...signals import Record
 from ..evidence.findings import Finding
-from ..fitting.trial import settled
+from ..fitting.trial import converged
+from ..free_runs.contenders import STEADY, STRETCHES, begun_with, fitted_with
+from ..free_runs.drift import drift_of
+from ..free_runs.judging import EXCESS, model_of, over_noise
+from ..free_runs.shape_tuning import Contender, tuned_by_runs
 from ..given.design import Design
-from .contenders import STEADY, STRETCHES, begun_with, fitted_with
-from .drift import drift_of
-from .judging import EXCESS, model_of, over_noise
-from .shape_tuning import Contender, tuned_by_runs
 
 __all__ = ["unrefuted"]
 
@@ -57,7 +57,7 @@ def _unrefuted(
         return finding
     rivals = [rival.candidate for rival in finding.rivals]
     begun = [begun_with(without, [rival], drift) for rival in rivals]
-    own, *trials = settled([drift.trial, *begun])
+    own, *trials = converged([drift.trial, *begun])
     fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
     tuned = tuned_by_runs(fitted, without, drift)
     pairs = zip(finding.rivals, tuned, strict=True)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...hidden_states.hidden import with_memories
 from ...hidden_states.memory import Memory, remembered
+from ...hidden_states.memory_equations import with_memories
 from ...signals import Record, choose_windows
 from ..fitting.fit import Fit, derivative_errors, fit
 from ..fitting.past import begun, rates_on
@@ -16,8 +16,8 @@ from ..fitting.shooting import fit_by_shooting
 from ..free_runs.memory_tuning import fit_by_runs
 from ..given.design import Design
 from ..given.rules import Rules
+from ..report.effect import Errors
 from .bias import unbiased
-from .effect import Errors
 
 __all__ = ["judge"]
 

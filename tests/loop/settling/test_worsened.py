@@ -10,9 +10,9 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding, SensorFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.free_runs.worsened import last_worsened
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.limits import Limit
+from pysindy_evolve.loop.settling.worsened import last_worsened
 from pysindy_evolve.terms import power, variable
 
 SIDES = {"q": "v", "v": "50*q - 2*v + F"}  # a ball on a hill, which a controller holds

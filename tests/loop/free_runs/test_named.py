@@ -7,17 +7,17 @@ import pytest
 from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden_states.hidden import with_memories
 from pysindy_evolve.hidden_states.memory import Memory, remembered
+from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding, LimitFinding, MemoryFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.fitting.past import begun
 from pysindy_evolve.loop.fitting.runs import free_run
-from pysindy_evolve.loop.free_runs.by_runs import find_by_runs
 from pysindy_evolve.loop.free_runs.drift import drift_of
 from pysindy_evolve.loop.free_runs.judging import matters, share_of_miss
 from pysindy_evolve.loop.free_runs.memory_tuning import tuned_memories
+from pysindy_evolve.loop.free_runs.named import find_by_runs
 from pysindy_evolve.loop.free_runs.state_limits import drift_from
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of

@@ -11,7 +11,7 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.revision.transfer import last_untransferred
+from pysindy_evolve.loop.settling.transfer import last_untransferred
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
 

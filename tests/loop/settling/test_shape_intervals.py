@@ -14,8 +14,8 @@ from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import ranges, segments
-from pysindy_evolve.loop.report.assembly import make_report
-from pysindy_evolve.loop.report.shape_intervals import with_numbers_known
+from pysindy_evolve.loop.settling.assembly import make_report
+from pysindy_evolve.loop.settling.shape_intervals import with_numbers_known
 from pysindy_evolve.operators import BUILTIN, Operator
 from pysindy_evolve.terms import call, constant, mul, variable
 

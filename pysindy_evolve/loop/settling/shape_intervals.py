@@ -26,8 +26,8 @@ from ..free_runs.shape_tuning import slopes_of
 from ..given.design import Column, Design
 from ..given.rules import Rules
 from ..given.segments import variables_of
-from .effect import Effect, Errors
-from .report import LoopReport
+from ..report.effect import Effect, Errors
+from ..report.report import LoopReport
 
 __all__ = ["with_numbers_known"]
 

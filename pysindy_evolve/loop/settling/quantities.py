@@ -9,7 +9,7 @@ import numpy as np
 import sympy
 
 from ...equations import Equations
-from ...hidden_states.hidden import with_memories
+from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding, memories_in
 from ..fitting.linear import TINY
@@ -20,10 +20,9 @@ from ..given.design import Design
 from ..given.limits import Limit
 from ..given.sensor import limits_of_states, shown
 from ..memories.polish import row_interval
-from .effect import Effect, Errors
+from ..report.effect import Effect, Errors
 
 __all__ = [
-    "as_read",
     "with_intervals",
     "with_limit",
     "with_memory",
@@ -83,16 +82,6 @@ def with_sensor(
         for k, there in enumerate((run, shown(run, limits))):
             squares[k] += np.sum((there[:, limit.state] - reading) ** 2)
     return replace(effect, explained=float(1.0 - squares[1] / max(squares[0], TINY)))
-
-
-def as_read(run: np.ndarray, states: Sequence[str], effects: Sequence[Effect]) -> np.ndarray:
-    """Return a run (n_samples, n_states) as sensors show it that were found to clip."""
-    run = np.array(run)
-    for effect in (one for one in effects if one.of_sensor):
-        reading = run[:, states.index(effect.state)]
-        end = np.minimum if isinstance(effect.term, sympy.Min) else np.maximum
-        end(reading, effect.coefficients[0], out=reading)
-    return run
 
 
 def with_intervals(

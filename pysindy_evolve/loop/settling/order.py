@@ -7,33 +7,33 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..hidden_states.memory import remembered
-from ..signals import Record
-from .effects.periodic import frequency_of
-from .evidence.findings import Finding, limits_in, memories_in, with_findings
-from .evidence.offers import awaited
-from .fitting.unfolding import paths_of
-from .free_runs.refuted import unrefuted
-from .free_runs.runaway import last_runaway
-from .free_runs.worsened import last_worsened
-from .given.held import held_like
-from .given.limits import off_limits
-from .given.records import widened
-from .memories.polish import polished
-from .report.assembly import make_report
-from .report.cautions import is_hold_only
-from .report.doubtful import most_doubtful
-from .report.record_offsets import offsets_by_record
-from .report.report import LoopReport
-from .report.shape_intervals import with_numbers_known
-from .report.shared_lines import shared_lines
-from .revision.asymmetry import with_asymmetry
-from .revision.contest import contested
-from .revision.dead_zones import told_by_slopes
-from .revision.end_stops import on_steep_side
-from .revision.products import with_products_named
-from .revision.transfer import last_untransferred
-from .search.state import Search
+from ...hidden_states.memory import remembered
+from ...signals import Record
+from ..effects.periodic import frequency_of
+from ..evidence.findings import Finding, limits_in, memories_in, with_findings
+from ..evidence.offers import awaited
+from ..fitting.unfolding import paths_of
+from ..given.held import held_like
+from ..given.limits import off_limits
+from ..given.records import widened
+from ..memories.polish import polished
+from ..report.cautions import is_hold_only
+from ..report.record_offsets import offsets_by_record
+from ..report.report import LoopReport
+from ..report.shared_lines import shared_lines
+from ..search.state import Search
+from .assembly import make_report
+from .asymmetry import with_asymmetry
+from .contest import contested
+from .dead_zones import told_by_slopes
+from .doubtful import most_doubtful
+from .end_stops import on_steep_side
+from .products import with_products_named
+from .refuted import unrefuted
+from .runaway import last_runaway
+from .shape_intervals import with_numbers_known
+from .transfer import last_untransferred
+from .worsened import last_worsened
 
 __all__ = ["settled"]
 

@@ -9,13 +9,13 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding, SensorFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.fitting.runs import simulation_errors
-from pysindy_evolve.loop.free_runs.runaway import last_runaway
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.limits import Limit
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.search.state import Search
-from pysindy_evolve.loop.settle import settled
+from pysindy_evolve.loop.settling.order import settled
+from pysindy_evolve.loop.settling.runaway import last_runaway
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
 

@@ -9,7 +9,7 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import ranges, segments
-from pysindy_evolve.loop.revision.dead_zones import told_by_slopes
+from pysindy_evolve.loop.settling.dead_zones import told_by_slopes
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from loop_systems import equations_of
 import pysindy_evolve as pse
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
-from pysindy_evolve.loop.report.judge import judge
+from pysindy_evolve.loop.settling.judge import judge
 
 RULES = Rules(0.05, 59, 0.05, 8, by_trajectory=True)
 DECAY = {"q": "v", "v": "-40*q - 0.8*v - 3*sgn(v)"}

@@ -10,7 +10,7 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.revision.end_stops import on_steep_side
+from pysindy_evolve.loop.settling.end_stops import on_steep_side
 from pysindy_evolve.terms import variable
 
 

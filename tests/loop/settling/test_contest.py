@@ -12,7 +12,7 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import Rival
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.revision.contest import plainer
+from pysindy_evolve.loop.settling.contest import plainer
 from pysindy_evolve.terms import mul, power, variable
 
 H, V, T = variable(0), variable(1), variable(2)

@@ -10,9 +10,9 @@ from ...hidden_states.memory import preceded
 from ..evidence.findings import memories_in, with_columns
 from ..evidence.trace import EVOLVED
 from ..fitting.unfolding import paths_of
-from ..free_runs.by_runs import find_by_runs
 from ..free_runs.comparison import held_against
 from ..free_runs.contenders import Pool
+from ..free_runs.named import find_by_runs
 from ..free_runs.one_for_several import one_for_several
 from ..free_runs.sensor_limits import clipped_sensors
 from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs
@@ -23,7 +23,7 @@ from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
 from ..revision.revise import exchange, merged, prune
 from ..revision.superseded import without_outlived
 from ..revision.thinning import thinned
-from .names import without_holds
+from .named import without_holds
 from .state import Search
 
 __all__ = ["find_in_runs", "hold_against_runs"]

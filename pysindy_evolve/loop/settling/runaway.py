@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.hidden import MemoryEquations
 from ...hidden_states.memory import remembered
+from ...hidden_states.memory_equations import MemoryEquations
 from ...signals import Record
 from ..evidence.findings import Finding, SensorFinding, is_needed
 from ..fitting.residual import MAX_GROWTH, jacobian, respond

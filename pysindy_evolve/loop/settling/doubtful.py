@@ -14,7 +14,7 @@ import numpy as np
 
 from ..evidence.findings import Finding, MemoryFinding, is_needed
 from ..given.design import Design
-from .effect import Effect
+from ..report.effect import Effect
 
 __all__ = ["most_doubtful"]
 
