@@ -10,13 +10,14 @@ import numpy as np
 import sympy
 
 from ..equations import Equations, collected, stack
+from ..signals import Record
 from ..substitution import substituted
 from ..terms import Call, Sum, variable
-from .memory import Memory, balance, rate
+from .memory import Memory, balance, rate, remembered
 from .memory import acting as acting_of
 from .path_states import hidden_along, kind_of, moved, n_hidden_of, path_rates, paths_in
 
-__all__ = ["MemoryEquations", "with_memories"]
+__all__ = ["MemoryEquations", "as_acting", "with_memories"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,6 +181,13 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
         paths=paths,
         acting=tuple(acts),
     )
+
+
+def as_acting(equations: Equations, record: Record) -> tuple[Equations, Record]:
+    """Return equations without memories, and a record whose inputs are what comes out of them."""
+    if not isinstance(equations, MemoryEquations):
+        return equations, record
+    return equations.inner, remembered(record, equations.memories)
 
 
 def _delays(memories: Sequence[Memory], n_inputs: int) -> tuple[float, ...]:

@@ -9,34 +9,23 @@ import numpy as np
 
 from ...terms import Sum, variable
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, bare
 from .vocabulary import of_equation
 
 __all__ = ["beside", "candidates", "fitted", "standing", "with_parents", "zeros_of"]
 
 
-def candidates(
-    design: Design,
-    scales: np.ndarray,
-    signed: np.ndarray | None = None,
-    apart: np.ndarray | None = None,
-    middle: np.ndarray | None = None,
-) -> list[Candidate]:
+def candidates(design: Design, ranges: Ranges) -> list[Candidate]:
     """Return the effects that may be missing from a design.
 
     Parameters
     ----------
     design : Design
         The model so far.
-    scales : ndarray of shape (n_variables,)
-        Largest magnitude of each variable: states, inputs, time.
-    signed : ndarray of bool of shape (n_variables,), optional
-        Which variables change their sign; by default all. The powers of one that does not pose
-        as an offset no more than itself, and need none beside them.
-    apart : ndarray of shape (n_variables, n_variables), optional
-        Largest magnitude of the difference of each two variables; by default the sum of theirs.
-    middle : ndarray of shape (n_variables,), optional
-        Halfway between the smallest and the largest value of each variable; by default zero.
+    ranges : Ranges
+        How far states, inputs and time go. The powers of a variable that keeps its sign pose as an
+        offset no more than itself, and need none beside them.
 
     Returns
     -------
@@ -46,20 +35,18 @@ def candidates(
         for a free one absorbs a part of whatever is missing. Nor is what has one value only: the
         sign of a temperature in kelvin.
     """
-    apart = np.add.outer(scales, scales) if apart is None else apart
-    middle = np.zeros_like(scales) if middle is None else middle
-    free = set() if signed is None else {int(v) for v in np.flatnonzero(~signed)}
+    free = {int(v) for v in np.flatnonzero(~ranges.signed)}
     taken = _taken(design, free)
     return [
         _freed(candidate, design, free)
         for state in design.open_states
-        for candidate in of_equation(design, state, scales, apart, middle)
+        for candidate in of_equation(design, state, ranges.largest, ranges.apart, ranges.middle)
         if not all((state, bare(term)) in taken for term in candidate.terms)
-        and not (candidate.variables & free and _is_idle(candidate, design, scales, middle))
+        and not (candidate.variables & free and _is_idle(candidate, design, ranges))
     ]
 
 
-def _is_idle(candidate: Candidate, design: Design, scales: np.ndarray, middle: np.ndarray) -> bool:
+def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:
     """Tell whether an effect of a variable that keeps its sign is constant, or that variable.
 
     A dead zone about zero is nothing to what never is there. A friction of a body that moves one
@@ -72,7 +59,8 @@ def _is_idle(candidate: Candidate, design: Design, scales: np.ndarray, middle: n
     if candidate.name != "saturation" or candidate.shape is None or candidate.whole:
         return False
     (own,) = candidate.variables
-    return candidate.shape.values[0] <= 2.0 * abs(middle[own]) - scales[own]  # the least magnitude
+    least = 2.0 * abs(ranges.middle[own]) - ranges.largest[own]  # magnitude
+    return bool(candidate.shape.values[0] <= least)
 
 
 def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:

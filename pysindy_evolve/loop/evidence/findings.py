@@ -20,6 +20,7 @@ __all__ = [
     "MemoryFinding",
     "SensorFinding",
     "at_numbers",
+    "excluding",
     "is_needed",
     "limits_in",
     "memories_in",
@@ -123,6 +124,11 @@ def with_columns(design: Design, findings: Iterable[Finding]) -> Design:
 def with_findings(declared: Design, findings: Sequence[Finding]) -> Design:
     """Return a design with the columns and limits of findings."""
     return limited(with_columns(declared, findings), limits_in(findings))
+
+
+def excluding(findings: Iterable[Finding], *gone: Finding) -> list[Finding]:
+    """Return findings but these."""
+    return [finding for finding in findings if finding not in gone]
 
 
 def is_needed(finding: Finding, others: Iterable[Finding]) -> bool:

@@ -21,7 +21,7 @@ from ..effects.hysteresis import remembered_ways
 from ..effects.stops import end_stops, is_stop
 from ..fitting.unfolding import paths_of
 from ..given.design import Design
-from ..given.segments import Segments, ranges
+from ..given.segments import Segments
 from .scoring import LEAD, propose, quick_fit, score, sharpened, takes_energy
 
 __all__ = ["Offer", "awaited", "leading", "offer_for"]
@@ -113,12 +113,12 @@ def _end_stops_for(design: Design, part: Segments) -> list[Candidate]:
 
     They meet little of a record, and would stand in for much where nothing of the kind is there.
     """
-    largest, _, _, middle = ranges(part.rows)
+    ranges = part.ranges
     found: list[Candidate] = []
     for state in design.velocities:
         place = design.position_of(state)
         if place is not None:
-            size, center = float(largest[place]), float(middle[place])
+            size, center = float(ranges.largest[place]), float(ranges.middle[place])
             found += end_stops(CandidateMaker(state), variable(place), size, center)
     alone = [replace(stop, parents=()) for stop in found]
     if not leading(alone, (), design, part):

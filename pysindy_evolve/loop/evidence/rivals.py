@@ -14,7 +14,7 @@ from ..effects.candidate import OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
 from ..effects.missing import candidates, standing, with_parents
 from ..given.design import Design
-from ..given.segments import Segments, ranges
+from ..given.segments import Segments
 from .drifting_rivals import leads_over, twin_chance
 from .encompassing import chance, explained
 from .same_model import hold
@@ -86,7 +86,7 @@ def rivals_of(
         count as well.
     """
     known = standing(design)
-    proposed = candidates(design, *ranges(part.rows))
+    proposed = candidates(design, part.ranges)
     proposed += [*_rounded(candidate, part), *_grown_forms(candidate, grown)]
     complete = [_with_offset(c, known) for c in proposed]
     able = with_parents(complete, design)

@@ -26,7 +26,9 @@ from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams, residual_on
 from ..fitting.trajectory import Trajectories
 from ..given.design import Column, Design, in_state
-from ..given.segments import Segments, ranges, variables_of
+from ..given.ranges import Ranges
+from ..given.rows import variables_of
+from ..given.segments import Segments
 from .spectral import spectral_grams
 from .trace import Score, rank, ranked
 
@@ -67,7 +69,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     """Return what may be missing: the vocabulary, and waves over time and position."""
     records = part.records
     variables = np.concatenate([variables_of(record) for record in records])
-    proposed = candidates(design, *ranges(variables))
+    proposed = candidates(design, Ranges.of(variables))
     left = [residual_on(equations, record) for record in records]
     first = int(np.argmax([len(record) for record in records]))
     longest, time = records[first], len(design.states) + len(design.inputs)

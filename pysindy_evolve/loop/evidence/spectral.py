@@ -18,7 +18,8 @@ from ...terms import Cache
 from ..fitting.linear import solve
 from ..fitting.residual import force_on
 from ..given.design import Column, Design
-from ..given.segments import LARGEST, Segments
+from ..given.rows import LARGEST
+from ..given.segments import Segments
 
 __all__ = ["n_frequencies", "spectral_grams", "spectral_rows", "spectral_weights"]
 

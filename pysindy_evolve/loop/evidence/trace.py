@@ -19,7 +19,7 @@ import numpy as np
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
 from ..fitting.linear import TINY, errors_of, solve_many
-from ..given.segments import LARGEST
+from ..given.rows import LARGEST
 
 __all__ = ["Score", "are_new", "fold_errors", "rank", "ranked"]
 

@@ -17,7 +17,9 @@ from ..effects.missing import candidates
 from ..effects.stops import has_two_ends
 from ..fitting.trajectory import followable
 from ..given.design import Design
-from ..given.segments import Segments, ranges, segments, variables_of
+from ..given.ranges import Ranges
+from ..given.rows import variables_of
+from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
 from .spectral import n_frequencies
 
@@ -50,7 +52,7 @@ def _says_enough(design: Design, part: Segments) -> bool:
     What has two ends is hardly another column than what has one, or ends at the same distance.
     """
     variables = np.concatenate([variables_of(record) for record in part.records])
-    single = [c for c in candidates(design, *ranges(variables)) if not has_two_ends(c)]
+    single = [c for c in candidates(design, Ranges.of(variables)) if not has_two_ends(c)]
     offered = [c.state for c in single for _ in c.terms]
     n_columns = len(design.columns) + max(offered.count(state) for state in design.open_states)
     n_numbers = len(part.places) * (2 * n_frequencies(part) - 1)

@@ -16,7 +16,8 @@ import numpy as np
 from ...signals import Record, Windows, choose_windows, project
 from ...terms import Cache
 from ..given.design import Design
-from ..given.segments import places_of, scale_of, segments, variables_of
+from ..given.rows import scale_of, variables_of
+from ..given.segments import places_of, segments
 from ..given.sticking import may_rest, moving
 from .bootstrap import block_intervals
 from .linear import solve_gram

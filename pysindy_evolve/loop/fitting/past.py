@@ -13,7 +13,7 @@ from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...hidden_states.path_states import hidden_along, kind_of
 from ...signals import Record
 from ..given.design import Design
-from ..given.segments import scale_of
+from ..given.rows import scale_of
 from ..given.sticking import noise_of
 
 __all__ = ["begun", "first_state", "hidden_on", "rates_on", "settled_rows"]

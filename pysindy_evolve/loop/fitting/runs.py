@@ -12,7 +12,7 @@ from ...equations import AlgebraicEquations, Equations
 from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...signals import Record
 from ...simulation import simulate
-from ..given.segments import scale_of
+from ..given.rows import scale_of
 from ..given.sensor import limits_of_states, missed, shown
 from .past import begun, first_state, hidden_on
 

@@ -42,7 +42,7 @@ from scipy.stats import t as student
 from ...signals import Preparation, Record
 from ...terms import Cache
 from ..given.design import Column, Design
-from ..given.segments import LARGEST, variables_of
+from ..given.rows import LARGEST, variables_of
 from .linear import errors_of, solve_gram
 from .random_force import NOISES, drift_size, whitening
 

@@ -26,13 +26,12 @@ from ..effects.candidate import Candidate
 from ..effects.missing import beside
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
-from ..evidence.findings import Finding, is_needed, with_columns
+from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of
 from ..evidence.trace import EVOLVED
 from ..fitting.trial import Trial, converged
 from ..given.rules import Rules
-from .contenders import STEADY, STRETCHES, Pool, begun_with, fitted_with
-from .drift import drift_of
+from .contenders import Pool, begun_with, steady_drift
 from .shape_tuning import Contender
 from .variants import Model
 
@@ -69,7 +68,7 @@ def held_against(
     kept = list(findings)
     bar = tqdm(findings, desc="free runs", disable=not rules.progress, leave=False)
     for place, finding in enumerate(bar):
-        rest = [f for k, f in enumerate(kept) if k != place]
+        rest = excluding(kept, finding)
         if finding.columns and not is_needed(finding, rest):
             without = replace(model, design=with_columns(model.design, rest))
             tied = any(shares_number(finding.candidate, f.candidate) for f in rest)
@@ -88,7 +87,7 @@ def _winner(
 ) -> Finding:
     """Return a finding, or the one that takes its place in a model without it."""
     own = finding.candidate
-    drift = drift_of(*fitted_with(model, [own], records), records, STRETCHES, STEADY)
+    drift = steady_drift(model, [own], records)
     if drift is None:
         return finding
     tuned = pool.contenders(model, Contender(own, drift.trial, tied), drift)

@@ -13,14 +13,15 @@ from ..effects.missing import candidates
 from ..evidence.scoring import columns_of, score, sharpened
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, converged
-from ..given.segments import Segments, have_values, ranges
-from .drift import Drift
+from ..given.rows import have_values
+from ..given.segments import Segments
+from .drift import Drift, drift_of
 from .leading_terms import stand_ins
 from .other_forms import other_forms
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
-__all__ = ["STEADY", "STRETCHES", "Pool", "begun_with", "fitted_with"]
+__all__ = ["Pool", "begun_with", "steady_drift"]
 
 N_RIVALS = 5  # that come closest in the spectral view
 STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
@@ -92,7 +93,7 @@ def _closest(
     A narrow dead zone between two places of the grid would lose to a grown step, so its width is
     tuned before. Of those that differ in their numbers alone, one is enough.
     """
-    options = [*candidates(model.design, *ranges(part.rows)), *grown]
+    options = [*candidates(model.design, part.ranges), *grown]
     alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
     scores = score(model.design, part, sharpened(model.design, part, list(alike)), pairs=False)
     best: dict[object, Candidate] = {}
@@ -101,7 +102,14 @@ def _closest(
     return list(best.values())[:N_RIVALS]
 
 
-def fitted_with(
+def steady_drift(
+    model: Model, effects: Sequence[Candidate], records: Sequence[Record]
+) -> Drift | None:
+    """Return runs of a model with effects over stretches on which deviations stay small."""
+    return drift_of(*_fitted_with(model, effects, records), records, STRETCHES, STEADY)
+
+
+def _fitted_with(
     model: Model, effects: Sequence[Candidate], records: Sequence[Record]
 ) -> tuple[Model, np.ndarray]:
     """Return a model with effects, and the coefficients that the derivative gives."""
@@ -112,5 +120,5 @@ def fitted_with(
 
 def begun_with(model: Model, effects: Sequence[Candidate], drift: Drift) -> Trial:
     """Return a trial of a model with effects, begun where the derivative says."""
-    whole, coef = fitted_with(model, effects, drift.records)
+    whole, coef = _fitted_with(model, effects, drift.records)
     return whole.trial(coef, drift.trial.scale, drift.part)

@@ -23,8 +23,10 @@ from ..fitting.linear import TINY
 from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.limits import off_limits
+from ..given.ranges import Ranges
+from ..given.rows import variables_of
 from ..given.rules import Rules
-from ..given.segments import ranges, segments, variables_of
+from ..given.segments import segments
 from ..given.sticking import may_rest, noise_of
 from ..memories.reach import exchanged
 from ..twins.chance import draws_for, p_value_of
@@ -100,7 +102,7 @@ def named_terms(drift: Drift) -> list[Variant]:
     design = drift.model.design
     acted = drift.model.acted(drift.records)
     variables = np.concatenate([variables_of(record) for record in acted])
-    return variants_of(drift, with_parents(candidates(design, *ranges(variables)), design))
+    return variants_of(drift, with_parents(candidates(design, Ranges.of(variables)), design))
 
 
 def variants_of(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:

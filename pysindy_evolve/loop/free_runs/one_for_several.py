@@ -19,8 +19,7 @@ from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of
 from ..evidence.trace import EVOLVED
 from ..fitting.trial import converged
-from .contenders import STEADY, STRETCHES, Pool, begun_with, fitted_with
-from .drift import drift_of
+from .contenders import Pool, begun_with, steady_drift
 from .shape_tuning import Contender
 from .variants import Model
 
@@ -88,7 +87,7 @@ def _single(
 ) -> Finding | None:
     """Return the one effect whose runs come as close to the record as those of a group do."""
     first, effects = group[0], [finding.candidate for finding in group]
-    drift = drift_of(*fitted_with(without, effects, records), records, STRETCHES, STEADY)
+    drift = steady_drift(without, effects, records)
     if drift is None:
         return None
     (trial,) = converged([drift.trial])

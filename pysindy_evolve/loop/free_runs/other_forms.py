@@ -18,7 +18,8 @@ from ..effects.missing import standing
 from ..effects.stops import is_stop, pressed
 from ..evidence.trace import EVOLVED
 from ..given.design import Design
-from ..given.segments import Segments, ranges
+from ..given.ranges import Ranges
+from ..given.segments import Segments
 
 __all__ = ["other_forms"]
 
@@ -75,7 +76,7 @@ def _straight(product: Product) -> Iterator[Sum]:
 
 def _vanishes_at_rest(term: Sum, rows: np.ndarray) -> bool:
     """Tell whether a term is zero where all variables are, and some of its variables come there."""
-    signed = ranges(rows)[1]
+    signed = Ranges.of(rows).signed
     with np.errstate(all="ignore"):  # 1 / q has no value there
         at_rest = float(term.evaluate(np.zeros((1, rows.shape[1])))[0])
     return at_rest == 0.0 and any(signed[variable] for variable in term.variables)

@@ -17,8 +17,7 @@ from ..effects.partners import joined, partnerships
 from ..evidence.findings import Finding, at_numbers, with_columns
 from ..evidence.scoring import MARGIN
 from ..fitting.trial import converged
-from .contenders import STEADY, STRETCHES, begun_with, fitted_with
-from .drift import drift_of
+from .contenders import begun_with, steady_drift
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
@@ -96,7 +95,7 @@ def _shared(
 ) -> tuple[float, ...] | None:
     """Return the numbers that partners share in a model without them; None if they do not."""
     apart = joined(group)
-    drift = drift_of(*fitted_with(model, [apart], records), records, STRETCHES, STEADY)
+    drift = steady_drift(model, [apart], records)
     if drift is None:
         return None
     begun = dict.fromkeys(c.shape.values for c in group if c.shape is not None)

@@ -18,16 +18,15 @@ import numpy as np
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
-from ..evidence.findings import Finding, is_needed, with_columns
+from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of, score
 from ..evidence.trace import EVOLVED
 from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.rules import Rules
-from ..given.segments import Segments, ranges
+from ..given.segments import Segments
 from .comparison import is_closer
-from .contenders import STEADY, STRETCHES, begun_with, fitted_with
-from .drift import drift_of
+from .contenders import begun_with, steady_drift
 from .variants import Model
 
 __all__ = ["two_for_one"]
@@ -63,7 +62,7 @@ def two_for_one(
     """
     kept = list(findings)
     for finding in findings:
-        rest = [other for other in kept if other is not finding]
+        rest = excluding(kept, finding)
         if not finding.columns or is_needed(finding, rest) or len(rest) + 2 > rules.max_effects:
             continue
         without = replace(model, design=with_columns(model.design, rest))
@@ -83,7 +82,7 @@ def _best_pairs(design: Design, own: Candidate, part: Segments) -> list[tuple[Ca
 
     Where it is one of the best pair itself, it is right, and the other one was not shown.
     """
-    offered = [c for c in candidates(design, *ranges(part.rows)) if c.state == own.state]
+    offered = [c for c in candidates(design, part.ranges) if c.state == own.state]
     scores = score(design, part, list(dict.fromkeys([*offered, own])), pairs=True)
     alone = max((s.value for s in scores if s.group == (own,)), default=0.0)
     pairs = [s for s in scores if len(s.group) == 2 and 2.0 * s.value > alone - MARGIN]
@@ -99,8 +98,7 @@ def _closest(
     rules: Rules,
 ) -> tuple[Candidate, ...]:
     """Return the pair whose runs come closest to the record, if they do better than an effect's."""
-    whole, coef = fitted_with(model, [finding.candidate], records)
-    drift = drift_of(whole, coef, records, STRETCHES, STEADY) if pairs else None
+    drift = steady_drift(model, [finding.candidate], records) if pairs else None
     if drift is None:
         return ()
     begun = [begun_with(model, pair, drift) for pair in pairs]

@@ -14,7 +14,7 @@ from ...checks import SIZES
 from ...signals import Preparation, Record, as_target, prepare
 from .common_step import common_step
 from .design import Design
-from .segments import LARGEST, variables_of
+from .rows import LARGEST, variables_of
 from .through import with_functions
 
 __all__ = ["alike", "check_records", "split_records", "undecimated", "widened"]

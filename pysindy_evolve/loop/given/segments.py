@@ -9,18 +9,16 @@ from itertools import pairwise
 import numpy as np
 from scipy.fft import dct, prev_fast_len
 
-from ...equations import stack
 from ...signals import Record, Windows, choose_windows
-from ...terms import Sum
 from .band import Band
 from .input_errors import known_up_to
+from .ranges import Ranges
+from .rows import scale_of, variables_of
 from .sensor import limits_of_states, missed
 from .sticking import moving
 
-__all__ = ["LARGEST", "Segments", "have_values", "places_of", "ranges", "scale_of", "segments"]
-__all__ += ["variables_of"]
+__all__ = ["Segments", "places_of", "segments"]
 
-LARGEST = 1e100  # value of a term: its square is finite, and so is the cube of a large state
 N_SEGMENTS = 16
 N_FOLDS = 8
 TO_TRANSFER = 3  # records, from which on each fold is made of whole ones
@@ -96,6 +94,11 @@ class Segments:
     def rows(self) -> np.ndarray:
         """Variables of all pieces one below the other, shape (n_rows, n_variables)."""
         return self.z.reshape(-1, self.z.shape[-1])
+
+    @property
+    def ranges(self) -> Ranges:
+        """How far the variables go in these pieces."""
+        return Ranges.of(self.rows)
 
     @property
     def folds(self) -> np.ndarray:
@@ -246,44 +249,6 @@ def places_of(
     return tuple(places), length
 
 
-def have_values(expressions: Sequence[Sum], records: Sequence[Record]) -> bool:
-    """Tell whether expressions have a finite value, and no huge one, on every row of records."""
-    rows = [variables_of(record) for record in records]
-    with np.errstate(all="ignore"):
-        values = (one.evaluate(z) for one in expressions for z in rows)
-        return all(bool((np.abs(value) < LARGEST).all()) for value in values)
-
-
-def variables_of(record: Record) -> np.ndarray:
-    """Return states, inputs and time side by side, shape (n_samples, n_variables)."""
-    return stack(record.x, record.u, record.t)
-
-
-def ranges(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return the ranges of variables.
-
-    Parameters
-    ----------
-    variables : ndarray of shape (n_samples, n_variables)
-        States, inputs, time.
-
-    Returns
-    -------
-    largest : ndarray of shape (n_variables,)
-        Largest magnitudes.
-    signed : ndarray of bool of shape (n_variables,)
-        Which of them change their sign.
-    apart : ndarray of shape (n_variables, n_variables)
-        Largest magnitude of the difference of each two.
-    middle : ndarray of shape (n_variables,)
-        Halfway between the smallest and the largest value.
-    """
-    low, high = variables.min(axis=0), variables.max(axis=0)
-    largest, signed = np.maximum(np.abs(low), np.abs(high)), (low < 0.0) & (high > 0.0)
-    apart = [np.abs(variables - column[:, None]).max(axis=0) for column in variables.T]
-    return largest, signed, np.array(apart), 0.5 * (low + high)
-
-
 def _cut(
     records: Sequence[Record],
     resting: Sequence[int],
@@ -326,9 +291,3 @@ def _band(record: Record, slowest: float) -> float:
     share = np.cumsum(power, axis=0) / power.sum(axis=0)
     reached = 1 + int(np.max(np.argmax(share >= BAND, axis=0)))
     return max(reached / (2.0 * record.n_samples * record.dt), slowest)
-
-
-def scale_of(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the standard deviation of each column over all parts; one where nothing changes."""
-    scale = np.concatenate(parts).std(axis=0)
-    return np.where(scale > 0.0, scale, 1.0)

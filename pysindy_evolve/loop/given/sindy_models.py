@@ -14,7 +14,7 @@ from ...reading.library_terms import check_ordinary, from_model
 from ...signals import Record
 from ...terms import Sum, variable
 from .design import Column, Design
-from .segments import variables_of
+from .rows import variables_of
 
 __all__ = ["design_of_sindy"]
 

@@ -13,7 +13,7 @@ from ...signals.holds import acting_through
 from ...terms import Product, Sum, add, constant, mul
 from .design import Design
 from .input_errors import is_held
-from .segments import variables_of
+from .rows import variables_of
 
 __all__ = ["with_functions"]
 

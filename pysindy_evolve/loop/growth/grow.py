@@ -32,8 +32,9 @@ from ..evidence.trace import EVOLVED, Score
 from ..fitting.fit import derivative_intervals
 from ..fitting.residual import forces
 from ..given.design import Design
+from ..given.rows import have_values
 from ..given.rules import Rules
-from ..given.segments import Segments, have_values, ranges
+from ..given.segments import Segments
 from .climbing import climbed
 from .levels import begun_at_levels
 from .naming import named, shifted, without_signs
@@ -83,7 +84,7 @@ def grow(
     list of Candidate
         One for each term, under the name of the vocabulary if one fits.
     """
-    known = candidates(design, *ranges(part.rows))
+    known = candidates(design, part.ranges)
     extra = [column for candidate in known for column in columns_of(candidate, design)]
     weights = spectral_weights(part, design, [*design.columns, *extra])
     force = forces(part, design, design.columns, weighed=False)
@@ -125,7 +126,7 @@ def _grow_in(
     rng: np.random.Generator,
 ) -> list[Candidate]:
     """Grow terms in one equation, whose declared ones the search begins with as well."""
-    variables, (_, signed, *_) = problem.x, ranges(part.rows)
+    variables = problem.x
     small = [*small_terms(operators, variables), *varied(declared, operators, variables)]
     seeds = screened(problem, list(dict.fromkeys(small)), N_SEEDS)
     evolution = evolve(
@@ -146,7 +147,7 @@ def _grow_in(
         state=state,
         known=known,
         variables=variables,
-        signed=shifted(design, state, signed),
+        signed=shifted(design, state, part.ranges.signed),
         declared=declared,
     )
     plain = (one for term in finalists for one in without_signs(term, variables))
@@ -248,7 +249,7 @@ class TermGrower:
 
     def _leak(self, design: Design, state: int) -> Score | None:
         """Return what a state and an offset gain together in its equation of the first order."""
-        known = candidates(design, *ranges(self.fresh.rows))
+        known = candidates(design, self.fresh.ranges)
         straight = ((variable(state),), (OFFSET,))
         both = [c for c in known if c.state == state and c.terms in straight]
         if design.position_of(state) is not None or len(both) < 2:
@@ -258,7 +259,7 @@ class TermGrower:
 
     def _of_two_names(self, design: Design, state: int) -> float:
         """Return what two names gain together in an equation: a leak k (p - p0) takes two looks."""
-        known = candidates(design, *ranges(self.fresh.rows))
+        known = candidates(design, self.fresh.ranges)
         offered = [candidate for candidate in known if candidate.state == state]
         pairs = (s for s in score(design, self.fresh, offered, pairs=True) if len(s.group) == 2)
         return max((2.0 * net(pair) for pair in pairs), default=0.0)

@@ -19,7 +19,7 @@ from ..effects.stops import LEAST, PLACES, is_stop, stops
 from ..evidence.scoring import sharpened
 from ..evidence.trace import EVOLVED
 from ..given.design import Design
-from ..given.segments import Segments, ranges
+from ..given.segments import Segments
 
 __all__ = ["begun_at_levels"]
 
@@ -44,12 +44,13 @@ def begun_at_levels(design: Design, state: int, part: Segments) -> list[Candidat
     """
     if design.position_of(state) is not None:
         return []
-    largest, signed, _, middle = ranges(part.rows)
-    seen = CandidateMaker(state), variable(state), float(largest[state]), float(middle[state])
+    ranges = part.ranges
+    largest, middle = float(ranges.largest[state]), float(ranges.middle[state])
+    seen = CandidateMaker(state), variable(state), largest, middle
     found: list[Candidate] = []
     for family in (filter(is_stop, stops(*seen)), *_flows(*seen)):
         # A level is where it is: no offset beside it where the state has a zero of its own.
-        grid = [one if signed[state] else replace(one, parents=()) for one in family]
+        grid = [one if ranges.signed[state] else replace(one, parents=()) for one in family]
         found += sharpened(design, part, grid)[len(grid) :]
     return found
 

@@ -14,7 +14,7 @@ from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates
 from ..evidence.trace import EVOLVED
 from ..given.design import Design
-from ..given.segments import Segments, ranges
+from ..given.segments import Segments
 from .seeds import small_terms
 
 __all__ = ["named", "shifted", "small_candidates", "sparing", "without_signs"]
@@ -45,11 +45,10 @@ def small_candidates(
     """
     variables = part.rows[:, :-1]
     terms = small_terms(operators, variables) if operators else []
-    largest, signed, *others = ranges(part.rows)
-    known = candidates(design, largest, signed, *others)
+    known = candidates(design, part.ranges)
     found = []
     for state in design.open_states:
-        acting, anywhere = _acting(design, state), shifted(design, state, signed)
+        acting, anywhere = _acting(design, state), shifted(design, state, part.ranges.signed)
         able = (term for term in terms if term.variables <= acting)
         found += [named(term, state, known, variables, anywhere) for term in able]
     return found

@@ -26,8 +26,10 @@ from ..evidence.trace import EVOLVED
 from ..fitting.linear import log_ratio
 from ..fitting.trajectory import Trajectories
 from ..given.design import Design
+from ..given.ranges import Ranges
+from ..given.rows import variables_of
 from ..given.rules import Rules
-from ..given.segments import Segments, ranges, variables_of
+from ..given.segments import Segments
 from .naming import named, shifted
 from .seeds import small_terms
 
@@ -105,11 +107,11 @@ def _proposed(
     rows = np.concatenate([variables_of(record) for record in part.records])
     terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: term.size)
     terms = terms[: MOST // len(design.open_states)]
-    largest, signed, *others = ranges(rows)
-    known, present = candidates(design, largest, signed, *others), fitted(design)
+    ranges = Ranges.of(rows)
+    known, present = candidates(design, ranges), fitted(design)
     found = []
     for state in design.open_states:
-        anywhere = shifted(design, state, signed)
+        anywhere = shifted(design, state, ranges.signed)
         grown = [named(term, state, known, rows[:, :-1], anywhere) for term in terms]
         found += [c for c in grown if c.name == EVOLVED and (state, c.terms[0]) not in present]
     return [replace(c, parents=(), shape=shape_of(c), alone=True) for c in found]

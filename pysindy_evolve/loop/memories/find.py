@@ -12,7 +12,7 @@ import numpy as np
 from ...hidden_states.memory import LAG, Memory, remembered
 from ...terms import variable
 from ..effects.candidate import Candidate, rewritten
-from ..evidence.findings import Finding, MemoryFinding, memories_in
+from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in
 from ..evidence.offers import offer_for
 from ..evidence.rejected import Rejected
 from ..evidence.rivals import Rival
@@ -152,7 +152,7 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
     findings = _with_tuned_chains(findings, design, part)
     kept = list(findings)
     for finding in (f for f in findings if isinstance(f, MemoryFinding)):
-        others = memories_in([f for f in kept if f is not finding])
+        others = memories_in(excluding(kept, finding))
         there = part.of([remembered(record, others) for record in part.records])
         tuned = reach_of(finding.memory, design, there)
         (exchange,) = exchanged([tuned], design, there)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...export import format_number
-from ..given.segments import variables_of
+from ..given.rows import variables_of
 from .residuals import percent_left
 from .units import percent
 

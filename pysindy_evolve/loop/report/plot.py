@@ -9,7 +9,7 @@ import numpy as np
 
 from ...signals import Record, Windows, choose_windows
 from ..given.kinematics import positions
-from ..given.segments import variables_of
+from ..given.rows import variables_of
 from .panels import draw_frequency, draw_plane, draw_time, draw_twins, draw_variable, tidy
 from .units import check_units, label, rate_label, with_unit
 

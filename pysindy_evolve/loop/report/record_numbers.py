@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..fitting.fit import derivative_square, refit
-from ..given.segments import variables_of
+from ..given.rows import variables_of
 
 if TYPE_CHECKING:
     from .report import LoopReport

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import remembered
-from ...hidden_states.memory_equations import MemoryEquations
+from ...hidden_states.memory_equations import as_acting
 from ...signals import Record
 from ..fitting.past import rates_on
 from ..given.sensor import as_observed
@@ -20,8 +19,7 @@ STEADY = 1e-6  # of its size, that a derivative varies by if only rounding or no
 
 def residual_of(equations: Equations, record: Record) -> np.ndarray:
     """Return x_dot minus the model, (n_samples, n_states); zero where no sensor saw the state."""
-    if isinstance(equations, MemoryEquations):
-        record, equations = remembered(record, equations.memories), equations.inner
+    equations, record = as_acting(equations, record)
     return as_observed(record, record.x_dot - rates_on(equations, record))
 
 

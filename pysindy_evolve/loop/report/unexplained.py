@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...hidden_states.memory import remembered
-from ...hidden_states.memory_equations import MemoryEquations
+from ...hidden_states.memory_equations import as_acting
 from ..evidence.noise_floor import noise_alone
 from .residuals import in_percent, percent_left
 from .units import percent
@@ -56,7 +55,5 @@ def unexplained(report: LoopReport) -> list[str]:
 def _noise(report: LoopReport) -> np.ndarray:
     """Return what the noise of the sensors leaves, (n_samples, n_states) of all records."""
     model, rng = report.after.model, np.random.default_rng(SEED)
-    memories = model.memories if isinstance(model, MemoryEquations) else ()
-    inner = model.inner if isinstance(model, MemoryEquations) else model
-    drawn = (noise_alone(inner, remembered(r, memories), rng) for r in report.train)
+    drawn = (noise_alone(*as_acting(model, record), rng) for record in report.train)
     return np.concatenate([columns for columns in drawn if columns is not None])

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ...signals import Record
 from ..given.design import Design
-from ..given.segments import variables_of
+from ..given.rows import variables_of
 
 __all__ = ["unidentified", "unidentified_sentences"]
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...equations import Equations
 from ...signals import Record
-from ..evidence.findings import Finding, with_findings
+from ..evidence.findings import Finding, excluding, with_findings
 from ..evidence.scoring import quick_fit
 from ..evidence.spectral import spectral_rows
 from ..fitting.linear import TINY
@@ -83,7 +83,7 @@ def _is_of_inputs(finding: Finding, declared: Design) -> bool:
 
 def _worth(finding: Finding, declared: Design, found: Sequence[Finding], part: Segments) -> float:
     """Return the power that a finding takes off what is left of its equation."""
-    fewer = with_findings(declared, [f for f in found if f is not finding])
+    fewer = with_findings(declared, excluding(found, finding))
     sides = fewer, with_findings(declared, found)
     without, beside = (_left(quick_fit(design, part), part) for design in sides)
     return float((without - beside)[finding.candidate.state])

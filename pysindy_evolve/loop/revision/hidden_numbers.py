@@ -21,7 +21,7 @@ from ...hidden_states.wen_spring import WEN_SPRING
 from ...signals import Record
 from ...terms import Call
 from ..effects.followers import is_sound
-from ..evidence.findings import Finding, with_findings
+from ..evidence.findings import Finding, excluding, with_findings
 from ..evidence.scoring import LEAD, columns_of, tuned
 from ..fitting.fit import refit
 from ..fitting.shooting import fit_to_runs, gains_of_runs
@@ -59,7 +59,7 @@ def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) 
         return kept
     for _ in range(N_ROUNDS):
         for place, finding in enumerate(kept):
-            rest = with_findings(declared, [f for f in kept if f is not finding])
+            rest = with_findings(declared, excluding(kept, finding))
             if paths_of(rest) != paths_of(with_findings(declared, kept)):
                 candidate = tuned(finding.candidate, rest, part)
                 columns = columns_of(candidate, declared)
@@ -132,7 +132,7 @@ def needed_by_runs(
     """
     kept, longest = list(findings), max(records, key=len)
     for finding in findings:
-        rest = [f for f in kept if f is not finding]
+        rest = excluding(kept, finding)
         few, many = (with_findings(declared, those) for those in (rest, kept))
         new = set(smooth_in(many)) - set(smooth_in(few))
         sound = all(is_sound(path, longest) for path in new)

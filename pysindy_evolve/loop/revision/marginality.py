@@ -14,7 +14,7 @@ from dataclasses import replace
 from ...terms import Call, Sum
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import standing
-from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
+from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, score
 from ..given.design import Design
 from ..given.segments import Segments
@@ -42,7 +42,7 @@ def without_parents(declared: Design, findings: Sequence[Finding], part: Segment
     """
     for child in findings:
         parents = _parents_of(child, findings, declared)
-        rest = [f for f in findings if f is not child and f not in parents]
+        rest = excluding(findings, child, *parents)
         for gone in (parents, [f for f in parents if f.candidate.terms != (OFFSET,)]):
             staying = [f for f in parents if f not in gone]
             if not gone or any(is_needed(f, rest) for f in gone):

@@ -11,10 +11,10 @@ import numpy as np
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.stops import begun_at_same
-from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
+from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of, score, tuned
 from ..given.design import Design
-from ..given.segments import Segments, ranges
+from ..given.segments import Segments
 from .marginality import without_parents
 
 __all__ = ["exchange", "merged", "prune"]
@@ -32,11 +32,11 @@ def exchange(
     for place, finding in enumerate(findings if latest else findings[:-1]):
         if isinstance(finding, MemoryFinding):
             continue
-        rest = [f for k, f in enumerate(findings) if k != place]
+        rest = excluding(findings, finding)
         if is_needed(finding, rest):
             continue
         design = with_columns(declared, rest)
-        others = candidates(design, *ranges(part.rows))
+        others = candidates(design, part.ranges)
         allowed = [c for c in others if finding.candidate.name not in c.refines]
         options = dict.fromkeys([*allowed, finding.candidate])
         scores = score(design, part, list(options), pairs=False)
@@ -62,7 +62,7 @@ def merged(declared: Design, findings: list[Finding], part: Segments) -> list[Fi
     for first, second in combinations(findings, 2):
         one = _in_place_of(first, second, declared, findings, part)
         if one is not None:
-            rest = [f for f in findings if f is not first and f is not second]
+            rest = excluding(findings, first, second)
             return merged(declared, [*rest, one], part)
     return findings
 
@@ -71,7 +71,7 @@ def _in_place_of(
     first: Finding, second: Finding, declared: Design, findings: list[Finding], part: Segments
 ) -> Finding | None:
     pair = (first.candidate, second.candidate)
-    rest = [f for f in findings if f is not first and f is not second]
+    rest = excluding(findings, first, second)
     if (
         isinstance(first, MemoryFinding)
         or isinstance(second, MemoryFinding)
@@ -83,7 +83,7 @@ def _in_place_of(
     design = with_columns(declared, rest)
     own = [c for c in pair if not c.whole]
     # What refines an effect has to pass a test of its own, and a stop has a place besides.
-    offered = candidates(design, *ranges(part.rows))
+    offered = candidates(design, part.ranges)
     others = [c for c in offered if not (c.refines or (c.whole and c.shape is not None))]
     mirrors = [tuned(there, design, part) for c in pair for there in begun_at_same(c)]
     options = [*mirrors, *(c for c in others if c not in own)]
@@ -125,7 +125,7 @@ def _is_single(
 def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
     """Drop effects that later ones made superfluous, unless one of those needs them."""
     for finding in list(findings):
-        rest = [f for f in findings if f is not finding]
+        rest = excluding(findings, finding)
         if isinstance(finding, MemoryFinding) or finding.by_runs:  # the derivative is blind to it
             continue
         if is_needed(finding, rest):

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from ...hidden_states.memory import remembered
 from ...signals import Record
-from ..evidence.findings import Finding, LimitFinding, MemoryFinding, is_needed
+from ..evidence.findings import Finding, LimitFinding, MemoryFinding, excluding, is_needed
 from ..evidence.scoring import MARGIN
 from ..fitting.fit import derivative_square, refit
 from ..fitting.linear import log_ratio
@@ -43,7 +43,7 @@ def without_outlived(
     list of Finding
     """
     for finding in findings:
-        rest = [f for f in findings if f is not finding]
+        rest = excluding(findings, finding)
         if _may_go(finding, rest):
             sides = model_of(declared, findings), model_of(declared, rest)
             if _derivative_loss(*sides, wide) < MARGIN and _loss_of_runs(*sides, records) < MARGIN:

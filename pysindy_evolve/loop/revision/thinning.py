@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.shaping import shape_of
-from ..evidence.findings import Finding, MemoryFinding, is_needed, with_columns
+from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of, tuned
 from ..evidence.spectral import spectral_grams
 from ..evidence.trace import EVOLVED, fold_errors
@@ -70,7 +70,7 @@ def _without(
     part: Segments,
 ) -> list[Finding]:
     """Return findings without some, a grown term tuned for it; none if these are needed."""
-    rest = [f for f in findings if f is not grown and f not in dropped]
+    rest = excluding(findings, grown, *dropped)
     shape = shape_of(grown.candidate)
     if shape is None or any(is_needed(f, (*rest, grown)) for f in dropped):
         return []

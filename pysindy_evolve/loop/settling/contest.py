@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.candidate import OFFSET, Candidate
-from ..evidence.findings import Finding, is_needed, with_columns
+from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.rivals import Rival, rivals_of
 from ..evidence.scoring import columns_of
 from ..given.design import Design
@@ -36,7 +36,7 @@ def contested(
     """
     judged, level = [], REFUTED * significance
     for finding in findings:
-        rest = [f for f in findings if f is not finding]
+        rest = excluding(findings, finding)
         design = with_columns(declared, rest)
         if finding.columns and not is_needed(finding, rest):
             found = rivals_of(finding.candidate, design, part, level, rng, grown)

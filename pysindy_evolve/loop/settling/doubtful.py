@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..evidence.findings import Finding, MemoryFinding, is_needed
+from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed
 from ..given.design import Design
 from ..report.effect import Effect
 
@@ -43,7 +43,7 @@ def most_doubtful(
         k: _ratio(effect)
         for k, (finding, effect) in enumerate(zip(findings, effects, strict=True))
         if (finding.columns or _is_time(finding))
-        and not is_needed(finding, [f for f in findings if f is not finding])
+        and not is_needed(finding, excluding(findings, finding))
         and not _remembers(finding, design)
     }
     worst = min(doubts, key=lambda k: doubts[k], default=None)

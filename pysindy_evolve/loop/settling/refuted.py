@@ -11,10 +11,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...signals import Record
-from ..evidence.findings import Finding
+from ..evidence.findings import Finding, excluding
 from ..fitting.trial import converged
-from ..free_runs.contenders import STEADY, STRETCHES, begun_with, fitted_with
-from ..free_runs.drift import drift_of
+from ..free_runs.contenders import begun_with, steady_drift
 from ..free_runs.judging import EXCESS, model_of, over_noise
 from ..free_runs.shape_tuning import Contender, tuned_by_runs
 from ..given.design import Design
@@ -50,16 +49,15 @@ def _unrefuted(
 ) -> Finding:
     if not finding.rivals:
         return finding
-    without = model_of(declared, [f for f in findings if f is not finding])
-    whole, coef = fitted_with(without, [finding.candidate], records)
-    drift = drift_of(whole, coef, records, STRETCHES, STEADY)
+    rest = model_of(declared, excluding(findings, finding))
+    drift = steady_drift(rest, [finding.candidate], records)
     if drift is None or over_noise(drift) > EXCESS:
         return finding
     rivals = [rival.candidate for rival in finding.rivals]
-    begun = [begun_with(without, [rival], drift) for rival in rivals]
+    begun = [begun_with(rest, [rival], drift) for rival in rivals]
     own, *trials = converged([drift.trial, *begun])
     fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
-    tuned = tuned_by_runs(fitted, without, drift)
+    tuned = tuned_by_runs(fitted, rest, drift)
     pairs = zip(finding.rivals, tuned, strict=True)
     kept = [rival for rival, one in pairs if one.error <= FARTHER * own.error]
     return replace(finding, rivals=tuple(kept))

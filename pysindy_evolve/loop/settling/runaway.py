@@ -13,10 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import remembered
-from ...hidden_states.memory_equations import MemoryEquations
+from ...hidden_states.memory_equations import as_acting
 from ...signals import Record
-from ..evidence.findings import Finding, SensorFinding, is_needed
+from ..evidence.findings import Finding, SensorFinding, excluding, is_needed
 from ..fitting.residual import MAX_GROWTH, jacobian, respond
 from ..fitting.runs import simulation_errors
 from ..given.segments import segments
@@ -73,7 +72,7 @@ def free_of(findings: Sequence[Finding]) -> list[Finding]:
         one
         for one in findings
         if not isinstance(one, SensorFinding)  # which changes no equation
-        and not is_needed(one, [f for f in findings if f is not one])
+        and not is_needed(one, excluding(findings, one))
     ]
 
 
@@ -84,8 +83,7 @@ def _is_lost(before: float, after: float) -> bool:
 
 def _is_unstable(equations: Equations, record: Record) -> bool:
     """Tell whether deviations grow along a record by so much that no run can follow it."""
-    if isinstance(equations, MemoryEquations):
-        record, equations = remembered(record, equations.memories), equations.inner
+    equations, record = as_acting(equations, record)
     whole = segments([record], (), 1, max_rows=None)
     slopes = jacobian(equations, whole.z, whole.state_scale)
     nothing = np.zeros((*slopes.shape[:3], 0))

@@ -24,8 +24,8 @@ from ..evidence.findings import Finding, memories_in
 from ..fitting.fit import fit
 from ..free_runs.shape_tuning import slopes_of
 from ..given.design import Column, Design
+from ..given.rows import variables_of
 from ..given.rules import Rules
-from ..given.segments import variables_of
 from ..report.effect import Effect, Errors
 from ..report.report import LoopReport
 

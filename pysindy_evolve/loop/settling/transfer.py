@@ -13,7 +13,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..effects.candidate import OFFSET
-from ..evidence.findings import Finding, MemoryFinding, SensorFinding, is_needed, with_findings
+from ..evidence.findings import (
+    Finding,
+    MemoryFinding,
+    SensorFinding,
+    excluding,
+    is_needed,
+    with_findings,
+)
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams
 from ..given.design import Design, in_state
@@ -51,7 +58,7 @@ def last_untransferred(
         return None
     design = with_findings(declared, findings)
     for finding in reversed(findings):
-        rest = [other for other in findings if other is not finding]
+        rest = excluding(findings, finding)
         if is_needed(finding, rest) or not set(finding.columns) <= set(design.columns):
             continue
         if _is_of_time(finding, design) and _differs(finding, design, part, records):

@@ -18,7 +18,7 @@ from ...signals import Record
 from ..evidence.findings import Finding
 from ..fitting.past import begun, rates_on
 from ..fitting.runs import simulation_errors
-from ..given.segments import scale_of
+from ..given.rows import scale_of
 from .runaway import LOST, free_of
 
 __all__ = ["last_worsened"]

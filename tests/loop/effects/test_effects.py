@@ -1,5 +1,7 @@
 """The vocabulary: which effects are proposed for which equation, and under which condition."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates, standing
 from pysindy_evolve.loop.effects.vocabulary import VOCABULARY
 from pysindy_evolve.loop.given.design import in_state
+from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import mul, sub, variable
 
 ONE_MASS = {"q": "v", "v": "-k*q - c*v"}
@@ -40,7 +43,8 @@ def design_of(equations, inputs=("F",)):
 
 
 def proposed(design, scale=3.0):
-    return candidates(design, np.full(len(design.states) + len(design.inputs) + 1, scale))
+    n = len(design.states) + len(design.inputs) + 1
+    return candidates(design, Ranges.about_zero(np.full(n, scale)))
 
 
 def points(design, n=200):
@@ -178,8 +182,8 @@ def test_the_sign_of_what_keeps_its_sign_is_no_friction_but_that_of_a_velocity()
     ):
         design = design_of(equations, inputs)
         n = len(design.states) + 2
-        always_positive = np.zeros(n, dtype=bool)
-        found = candidates(design, np.full(n, 3.0), always_positive, None, np.full(n, 2.0))
+        positive = {"signed": np.zeros(n, dtype=bool), "middle": np.full(n, 2.0)}
+        found = candidates(design, replace(Ranges.about_zero(np.full(n, 3.0)), **positive))
         names = {candidate.name for candidate in found}
         assert ("Coulomb friction" in names) is friction
         # All readings lie between 1 and 3: a clip below 1 is a constant.
@@ -192,12 +196,12 @@ def test_a_known_constant_is_looked_at_again_unless_it_is_the_weight_of_what_onl
     tank, weight = design_of({"T": "350 - T + b*F"}), design_of({"q": "v", "v": "b*F - 9.81"})
     falls = np.array([True, False, True, True])
     for design, signed, names in (
-        (tank, None, {"constant offset"}),
-        (weight, None, {"constant offset"}),
+        (tank, np.ones(3, dtype=bool), {"constant offset"}),
+        (weight, np.ones(4, dtype=bool), {"constant offset"}),
         (weight, falls, set()),
     ):
-        scales = np.full(len(design.states) + 2, 3.0)
-        offered = candidates(design, scales, signed)
+        reach = Ranges.about_zero(np.full(len(design.states) + 2, 3.0))
+        offered = candidates(design, replace(reach, signed=signed))
         assert {c.name for c in offered if OFFSET in c.terms} == names
 
 

@@ -1,11 +1,14 @@
 """What a declared term is worth may change with a state or an input, and is found where it does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import sub, variable
 
 CURRENTS = {"i": "b*u - r*i", "T": "c*u**2 - h*(T - Ta)"}
@@ -14,7 +17,7 @@ CURRENTS = {"i": "b*u - r*i", "T": "c*u**2 - h*(T - Ta)"}
 def varying_in(sides, inputs):
     design = pse.DeclaredModel(sides, inputs=inputs).design()
     names = (*design.states, *design.inputs, "t")
-    offered = candidates(design, np.full(len(names), 3.0))
+    offered = candidates(design, Ranges.about_zero(np.full(len(names), 3.0)))
     return {(c.state, c.terms[0].name(names)): c for c in offered if c.alone and c.parents}
 
 
@@ -63,9 +66,8 @@ def test_a_fan_that_cools_better_the_faster_it_turns(loss, found):
 
 
 def test_surroundings_that_are_measured_but_act_nowhere_take_heat():
-    offered = candidates(
-        pse.DeclaredModel({"T": "c*u"}, inputs=("u", "Ta")).design(), np.full(4, 3.0)
-    )
+    design = pse.DeclaredModel({"T": "c*u"}, inputs=("u", "Ta")).design()
+    offered = candidates(design, Ranges.about_zero(np.full(4, 3.0)))
     terms = [c.terms[0] for c in offered if c.name == "coupling"]
     assert sub(variable(2), variable(0)) in terms
     assert sub(variable(1), variable(0)) not in terms  # what heats it is no surroundings
@@ -74,7 +76,7 @@ def test_surroundings_that_are_measured_but_act_nowhere_take_heat():
 def test_angles_in_degrees_have_a_weight_where_they_go_that_far():
     design = pse.DeclaredModel({"q": "v", "v": "-c*v"}).design()
     for reach, n_sines in ((20.0, 1), (90.0, 2)):
-        offered = candidates(design, np.full(3, reach))
+        offered = candidates(design, Ranges.about_zero(np.full(3, reach)))
         weights = [c.terms[0] for c in offered if c.name == "gravity" and not c.parents]
         assert len(weights) == n_sines
     at_right_angle = weights[-1].evaluate(np.array([[90.0, 0.0, 0.0]]))
@@ -83,7 +85,8 @@ def test_angles_in_degrees_have_a_weight_where_they_go_that_far():
 
 def test_a_height_from_which_something_falls_is_no_angle_in_degrees():
     design = pse.DeclaredModel({"h": "v", "v": "-g"}).design()
-    offered = candidates(design, np.full(3, 40.0), middle=np.array([20.0, 0.0, 0.0]))
+    reach = Ranges.about_zero(np.full(3, 40.0))
+    offered = candidates(design, replace(reach, middle=np.array([20.0, 0.0, 0.0])))
     weights = [c.terms[0].name(("h", "v", "t")) for c in offered if c.name == "gravity"]
     assert weights
     assert not any("0.017" in name for name in weights)
@@ -91,7 +94,8 @@ def test_a_height_from_which_something_falls_is_no_angle_in_degrees():
 
 def test_an_angle_in_a_sine_of_the_model_is_in_radians_and_its_multiples_are_no_effects():
     design = pse.DeclaredModel({"q": "v", "v": "a*sin(q) - b*v"}).design()
-    names = [c.terms[0].name(("q", "v", "t")) for c in candidates(design, np.full(3, 90.0))]
+    offered = candidates(design, Ranges.about_zero(np.full(3, 90.0)))
+    names = [c.terms[0].name(("q", "v", "t")) for c in offered]
     assert "cos(q)" in names
     assert "v sin(q)" in names
     assert not [name for name in names if "0.017" in name or name == "q sin(q)"]

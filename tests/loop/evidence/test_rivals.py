@@ -15,7 +15,8 @@ from pysindy_evolve.loop.evidence.same_model import hold
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
-from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.given.ranges import Ranges
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.settling.contest import contested
 from pysindy_evolve.loop.twins.chance import draws_for, p_value_of
 from pysindy_evolve.operators import BUILTIN
@@ -106,7 +107,7 @@ def rivals_in(hidden, name, **options):
     design = design_of(hidden.model, [record])
     part = segments([record], design.velocities)
     variables = part.z.reshape(-1, part.z.shape[-1])
-    effect = next(c for c in candidates(design, *ranges(variables)) if c.name == name)
+    effect = next(c for c in candidates(design, Ranges.of(variables)) if c.name == name)
     return rivals_of(effect, design, part, 0.05, np.random.default_rng(0))
 
 
@@ -121,11 +122,12 @@ def test_a_rival_brings_the_offset_that_it_needs():
     record = pse.Record(t=t, x=x, x_dot=np.column_stack([v, rate]), u=push[:, None])
     model = pse.DeclaredModel({"q": "v", "v": "b*F - c*v"}, inputs=["F"])
     design, part = design_of(model, [record]), segments([record])
-    spring = next(c for c in candidates(design, np.ones(4)) if c.name == "linear stiffness")
+    offered = candidates(design, Ranges.about_zero(np.ones(4)))
+    spring = next(c for c in offered if c.name == "linear stiffness")
     found = rivals_of(spring, design, part, 0.05, np.random.default_rng(0))
     drift = next(rival.candidate for rival in found if rival.name == "drift")
     assert len(drift.terms) == 2  # the offset and the slope in time
-    offset = next(c for c in candidates(design, np.ones(4)) if c.name == "constant offset")
+    offset = next(c for c in offered if c.name == "constant offset")
     others = rivals_of(offset, design, part, 0.05, np.random.default_rng(0))
     assert not any(OFFSET in rival.candidate.terms for rival in others)  # as a drift brings it
 
@@ -244,7 +246,7 @@ def test_an_effect_that_another_one_needs_has_no_rivals():
     record = hidden.record(noise=0.02)
     design = design_of(hidden.model, [record])
     part = segments([record], design.velocities)
-    proposed = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    proposed = candidates(design, part.ranges)
     friction, slanted = (
         next(finding_of(c, design) for c in proposed if c.name == name)
         for name in ("Coulomb friction", "asymmetric Coulomb friction")

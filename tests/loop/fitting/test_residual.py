@@ -8,7 +8,8 @@ from pysindy_evolve.loop.evidence.spectral import spectral_grams
 from pysindy_evolve.loop.fitting.linear import solve
 from pysindy_evolve.loop.fitting.residual import jacobian, respond, view_grams
 from pysindy_evolve.loop.given.design import in_state
-from pysindy_evolve.loop.given.segments import segments, variables_of
+from pysindy_evolve.loop.given.rows import variables_of
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.terms import mul, power, variable
 
 SPRING = {"q": "v", "v": "-k*q - c*v - e*q^3 + b*F"}

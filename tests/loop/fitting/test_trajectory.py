@@ -14,7 +14,8 @@ from pysindy_evolve.loop.fitting.random_force import NOISES, drift_size, whiteni
 from pysindy_evolve.loop.fitting.trajectory import MAX_ROWS, Trajectories, followable
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
-from pysindy_evolve.loop.given.segments import ranges, variables_of
+from pysindy_evolve.loop.given.ranges import Ranges
+from pysindy_evolve.loop.given.rows import variables_of
 from pysindy_evolve.loop.twins.drifting import DriftingTwins
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, mul, variable
@@ -157,7 +158,7 @@ def test_a_model_that_cannot_run_has_no_twin_but_the_record():
 
 def test_the_cause_stays_among_the_alternatives_and_a_wrong_one_does_not(design):
     record = filmed(WHIFFLE, seed=1)
-    offered = [c for c in candidates(design, *ranges(variables_of(record))) if not c.parents]
+    offered = [c for c in candidates(design, Ranges.of(variables_of(record))) if not c.parents]
     chances = {
         c.name: twin_chance(c, design, offered, [record], 0.05, np.random.default_rng(0))
         for c in offered

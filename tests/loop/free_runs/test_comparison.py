@@ -15,7 +15,7 @@ from pysindy_evolve.loop.free_runs.contenders import Pool
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
-from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.reading.text import parse
 from pysindy_evolve.terms import call, constant, mul, variable
@@ -32,7 +32,7 @@ def held(hidden, name, grown=(), small=(), **options):
     record = hidden.record(**options)
     design = design_of(hidden.model, [record])
     part = segments([record], design.velocities)
-    offered = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    offered = candidates(design, part.ranges)
     planted = name if isinstance(name, Candidate) else next(c for c in offered if c.name == name)
     finding = Finding(planted, columns_of(planted, design), 1.0, 0.016, np.zeros(60), step=1)
     pool = Pool(grown, small, part, -np.log1p(-RULES.min_share))

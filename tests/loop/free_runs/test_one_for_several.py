@@ -17,7 +17,7 @@ from pysindy_evolve.loop.free_runs.two_for_one import two_for_one
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
-from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
 
@@ -34,7 +34,7 @@ def planted(hidden, *wanted):
     record = hidden.record()
     design = design_of(hidden.model, [record])
     part = segments([record], design.velocities)
-    offered = candidates(design, *ranges(part.rows))
+    offered = candidates(design, part.ranges)
     chosen = [
         one if isinstance(one, Candidate) else next(c for c in offered if c.name == one)
         for one in wanted

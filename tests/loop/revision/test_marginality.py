@@ -9,7 +9,7 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.revision.marginality import without_parents
 
 ASYMMETRY = ("constant offset", "Coulomb friction", "asymmetric Coulomb friction")
@@ -21,7 +21,7 @@ def kept_of(names, term, declared="-k*q - c*v + b*F", **options):
     record = hidden.record(noise=2e-3, **options)
     design = design_of(hidden.model, [record])
     part = segments([record], design.velocities)
-    offered = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    offered = candidates(design, part.ranges)
     planted = [next(c for c in offered if c.name == name) for name in names]
     findings = [
         Finding(c, columns_of(c, design), 1.0, 0.016, np.zeros(60), step)

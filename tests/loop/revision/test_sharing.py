@@ -15,8 +15,9 @@ from pysindy_evolve.loop.free_runs.contenders import Pool
 from pysindy_evolve.loop.free_runs.shared_tuning import shared_by_runs
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.loop.given.rules import Rules
-from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.revision.sharing import with_shared_numbers
 
 RULES = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
@@ -58,7 +59,7 @@ def clutch():
     between = ("a", "b")
     design = design_of(WITHOUT_GAP, [record])
     places = {design.states.index(name) for name in between}
-    found = candidates(design, *ranges(segments([record]).rows))
+    found = candidates(design, segments([record]).ranges)
     gaps = [c for c in found if c.name == "dead zone" and c.variables == places]
     return record, design, [next(c for c in gaps if c.state == state) for state in (1, 3)]
 
@@ -70,7 +71,7 @@ def test_a_force_between_two_bodies_has_partners_of_any_number(clutch):
     assert not are_partners(one, one.at([3.0]))  # in one equation
     to_ground = next(
         c
-        for c in candidates(design, np.ones(6))
+        for c in candidates(design, Ranges.about_zero(np.ones(6)))
         if c.name == "dead zone" and c.state == 3 and len(c.variables) == 1
     )
     assert not are_partners(one, to_ground)
@@ -112,7 +113,7 @@ def test_two_valves_that_saturate_at_two_places_keep_their_numbers():
     record = measured(rates, order=1, duration=20.0)
     model = pse.DeclaredModel({"x": "-k*x", "y": "-m*y"}, inputs=["F"])
     design = design_of(model, [record])
-    found = candidates(design, *ranges(segments([record]).rows))
+    found = candidates(design, segments([record]).ranges)
     one, other = (next(c for c in found if (c.name, c.state) == ("saturation", s)) for s in (0, 1))
     part = segments([record], design.velocities)
     apart = planted([one.at([8.0]), other.at([20.0])], design)

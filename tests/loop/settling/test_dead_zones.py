@@ -8,7 +8,7 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.settling.dead_zones import told_by_slopes
 
 
@@ -26,7 +26,7 @@ def test_a_clipped_input_is_called_what_it_is(lacking, name):
     hidden = oscillator(name, lacking)
     record = hidden.record()
     design, part = design_of(hidden.model, [record]), segments([record])
-    offered = candidates(design, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    offered = candidates(design, part.ranges)
     clipped = [c for c in offered if c.name == "saturation"]
     near = min(clipped, key=lambda c: abs(c.shape.values[0] - 12.0))
     finding = Finding(near, columns_of(near, design), 1.0, 0.016, np.zeros(60), 1)

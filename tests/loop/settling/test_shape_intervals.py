@@ -13,7 +13,7 @@ from pysindy_evolve.loop.evidence.findings import Finding, with_findings
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
-from pysindy_evolve.loop.given.segments import ranges, segments
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.settling.assembly import make_report
 from pysindy_evolve.loop.settling.shape_intervals import with_numbers_known
 from pysindy_evolve.operators import BUILTIN, Operator
@@ -34,7 +34,7 @@ def reported(model, record, name, values, states=(1,)):
     """Report effects of one name with these numbers in them; return it, findings and design."""
     declared = design_of(model, [record])
     part = segments([record], declared.velocities)
-    offered = candidates(declared, *ranges(part.z.reshape(-1, part.z.shape[-1])))
+    offered = candidates(declared, part.ranges)
     findings = []
     for state in states:
         of_name = [c for c in offered if (c.name, c.state, c.whole) == (name, state, False)]

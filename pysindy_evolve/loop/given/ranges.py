@@ -1,0 +1,45 @@
+"""How far variables go, which says what an effect of them can be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+__all__ = ["Ranges"]
+
+
+@dataclass(frozen=True, eq=False)
+class Ranges:
+    """Ranges of states, inputs and time, in their units.
+
+    Attributes
+    ----------
+    largest : ndarray of shape (n_variables,)
+        Largest magnitudes.
+    signed : ndarray of bool of shape (n_variables,)
+        Which of them change their sign.
+    apart : ndarray of shape (n_variables, n_variables)
+        Largest magnitude of the difference of each two.
+    middle : ndarray of shape (n_variables,)
+        Halfway between the smallest and the largest value.
+    """
+
+    largest: np.ndarray
+    signed: np.ndarray
+    apart: np.ndarray
+    middle: np.ndarray
+
+    @classmethod
+    def of(cls, variables: np.ndarray) -> Ranges:
+        """Return the ranges of rows of variables, (n_samples, n_variables)."""
+        low, high = variables.min(axis=0), variables.max(axis=0)
+        largest, signed = np.maximum(np.abs(low), np.abs(high)), (low < 0.0) & (high > 0.0)
+        apart = [np.abs(variables - column[:, None]).max(axis=0) for column in variables.T]
+        return cls(largest, signed, np.array(apart), 0.5 * (low + high))
+
+    @classmethod
+    def about_zero(cls, largest: np.ndarray) -> Ranges:
+        """Return the ranges of variables that go as far to both sides, (n_variables,)."""
+        both = np.ones(largest.shape, dtype=bool)
+        return cls(largest, both, np.add.outer(largest, largest), np.zeros_like(largest))
