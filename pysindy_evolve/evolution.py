@@ -36,7 +36,7 @@ from .sparse.parsimony import PERFECT
 from .terms import ONE, Product, Variable, lowest
 from .threads import one_thread
 
-__all__ = ["evolve"]
+__all__ = ["ROWS", "evolve"]
 
 ROWS = 3000  # rows that a generation is scored on; the final refit sees all of them
 FINALISTS = 24  # terms that are weighed against each other on all rows
@@ -135,7 +135,7 @@ def generations(
     for number in range(1, settings.n_generations + 1):
         dictionary = build_dictionary(problem.sample(ROWS, rng), [*survivors, *population])
         found = solve_elastic_net(
-            dictionary, survivors, best, settings.max_terms, alike=genetics.smooth
+            dictionary, survivors, best, settings.max_terms, smooth=genetics.smooth
         )
         best = tuple(dictionary.terms[j] for j in found.best)
         fitness, partners = rate(dictionary, found.front, found.n_effective)
@@ -145,7 +145,7 @@ def generations(
         yield Generation.of(dictionary, found.best, number, start), _unique([*ranking, *plain])
 
         tuned = tune_constants(
-            dictionary, found.front, fitness, partners, known, alike=genetics.smooth
+            dictionary, found.front, fitness, partners, known, smooth=genetics.smooth
         )
         if number == 1:  # of two that are nearly one signal, the first stays
             tuned = [*tune_beside(dictionary, leaves), *tuned]

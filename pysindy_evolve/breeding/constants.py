@@ -94,13 +94,14 @@ def tune_constants(
     fitness: np.ndarray,
     partners: np.ndarray,
     known: set[Hashable],
-    alike: bool = False,
+    *,
+    smooth: bool,
 ) -> list[Product]:
     """Tune the inner constants of the best terms that have some, each beside its equation.
 
     First those of small equations, which are right or wrong as a whole. What has been tuned beside
-    an equation of the same form is `known`; where terms are `alike`, it makes way for another, and
-    the best equation is tuned again.
+    an equation of the same form is `known`; where all operators are `smooth`, and terms look alike,
+    it makes way for another, and the best equation is tuned again.
     """
     order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
     forms = [term.skeleton for term in dictionary.terms]
@@ -108,10 +109,10 @@ def tune_constants(
     small = sorted((support for support in front if len(support) <= SMALL), key=len)
     few = [(j, support) for support in small for j in support if dictionary.terms[j].constants]
     each = [(j, front[partners[j]]) for j in order]
-    for j, equation in [*few, *(each if alike else each[:N_TUNED])]:
+    for j, equation in [*few, *(each if smooth else each[:N_TUNED])]:
         beside = [i for i in equation if i != j]
         case = forms[j], frozenset(forms[i] for i in beside)
-        fresh = case not in known or (alike and j in front[0])
+        fresh = case not in known or (smooth and j in front[0])
         if fresh and case not in cases:
             cases[case] = j, beside
         if len(cases) == N_TUNED:

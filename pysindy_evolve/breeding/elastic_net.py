@@ -25,13 +25,15 @@ def solve_elastic_net(
     survivors: Sequence[Product],
     best: Sequence[Product],
     max_terms: int,
-    alike: bool,
+    *,
+    smooth: bool,
 ) -> Selection:
     """Find the best equations that the dictionary holds: the best first, then smaller ones.
 
     The elastic net proposes supports, along with what survived and the best equation so far; each
-    is pruned by the information criterion. Smooth terms are `alike` over a record: small equations
-    of them are searched as well, and each is returned without one of its terms besides.
+    is pruned by the information criterion. Terms of `smooth` operators look alike over a record:
+    small equations of them are searched as well, and each is returned without one of its terms
+    besides.
     """
     gram, terms = dictionary.gram, dictionary.terms
     known = {term: j for j, term in enumerate(terms)}
@@ -45,6 +47,6 @@ def solve_elastic_net(
         dictionary.residual,
         float(dictionary.y @ dictionary.y),
         max_terms,
-        propose=partial(best_subsets, scaled, max_terms=max_terms) if alike else None,
+        propose=partial(best_subsets, scaled, max_terms=max_terms) if smooth else None,
     )
-    return replace(found, front=with_exchanges(found.front)) if alike else found
+    return replace(found, front=with_exchanges(found.front)) if smooth else found

@@ -8,7 +8,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.given.records import alike
 
 HOUSE_FORM = re.compile(r"^\w+.*\(.+=\.\.\.\) must .+; got .+\. .+", re.DOTALL)
 SPRING = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})
@@ -124,7 +123,7 @@ def test_rates_without_a_common_step_are_refused_by_their_own_names(ratio, cutof
     fast = pse.prepare(t, np.sin(3.0 * t), cutoff=cutoff, decimate=1)
     slow = pse.prepare(ratio * t, np.sin(3.0 * ratio * t), cutoff=cutoff, decimate=1)
     with pytest.raises(ValueError, match=re.escape(advice)) as caught:
-        alike([fast], [slow])
+        at_one_step([fast], [slow])
     assert HOUSE_FORM.match(str(caught.value))
     assert "resample" in str(caught.value)
 
@@ -133,7 +132,7 @@ def test_records_of_two_rates_meet_at_a_step_that_both_go_into():
     t = 0.001 * np.arange(9000)
     fast = pse.prepare(t, np.sin(3.0 * t), cutoff=30.0, decimate=3)
     slow = pse.prepare(2.0 * t, np.sin(6.0 * t), cutoff=20.0)
-    train, test = alike([fast], [slow])
+    train, test = at_one_step([fast], [slow])
     assert [round(record.dt, 9) for record in (*train, *test)] == [0.002, 0.002]
     assert [r.preparation.cutoff for r in (*train, *test)] == pytest.approx([30.0, 30.0])
 
@@ -142,7 +141,7 @@ def test_a_slower_record_to_judge_on_sets_the_step_where_the_training_has_a_shor
     t = 0.01 * np.arange(2000)
     fast = pse.prepare(t, np.sin(3.0 * t), cutoff=5.0, decimate=1)
     slow = pse.prepare(2.0 * t, np.sin(6.0 * t), cutoff=5.0, decimate=1)
-    train, test = alike([fast], [slow])
+    train, test = at_one_step([fast], [slow])
     assert [round(record.dt, 9) for record in (*train, *test)] == [0.02, 0.02]
 
 
@@ -150,14 +149,14 @@ def test_training_decimated_to_the_step_of_the_test_is_taken():
     t = 0.01 * np.arange(2000)
     fast = pse.prepare(t, np.sin(3.0 * t), cutoff=5.0, decimate=2)
     slow = pse.prepare(2.0 * t, np.sin(6.0 * t), cutoff=5.0, decimate=1)
-    train, test = alike([fast], [slow])
+    train, test = at_one_step([fast], [slow])
     assert train[0].dt == pytest.approx(test[0].dt)
 
 
 def test_three_records_decimated_each_in_its_own_way_are_brought_to_one_step():
     t = 0.01 * np.arange(3000)
     records = [pse.prepare(t, np.sin(3.0 * t), cutoff=4.0, decimate=k) for k in (3, 2, 2)]
-    train, test = alike(records[:2], records[2:])
+    train, test = at_one_step(records[:2], records[2:])
     assert {round(record.dt, 9) for record in (*train, *test)} == {0.02}
 
 

@@ -77,13 +77,14 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     made = longest.preparation
     cutoff = np.inf if made is None or made.cutoff is None else made.cutoff
     for state in design.open_states:
-        line = state, time, left[first][:, state]
-        proposed += periodic_candidates(*line, drivers, longest.dt, cutoff)
+        residual, dt = left[first][:, state], longest.dt
+        proposed += periodic_candidates(state, time, residual, drivers, dt, cutoff)
         sides = (one for one in parts_of(design, state) if time not in one.variables)
         for branch, side in enumerate(sides, N_LINES):
             values = side.evaluate(variables_of(longest))
-            given = drivers, longest.dt, cutoff
-            proposed += pumped_candidates(*line, side, values, *given, branch=branch)
+            proposed += pumped_candidates(
+                state, time, residual, side, values, drivers, dt, cutoff, branch=branch
+            )
         position = design.position_of(state)
         if position is not None:
             residuals = [own[:, state] for own in left]

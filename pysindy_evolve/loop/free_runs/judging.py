@@ -122,8 +122,9 @@ def best_of(
     gains: np.ndarray,
     of_terms: np.ndarray,
     signs: np.ndarray,
-    first: bool,
     rules: Rules,
+    *,
+    must_be_clear: bool,
 ) -> tuple[Finding, Model] | None:
     """Return the plainest of the variants that gain most, with its chance.
 
@@ -142,10 +143,10 @@ def best_of(
         What the best of all terms gains in each twin.
     signs : ndarray of shape (n_draws, n_stretches)
         Of the twins.
-    first : bool
-        Whether a term must be clear, and show in what is new as well.
     rules : Rules
         When an effect counts.
+    must_be_clear : bool
+        Whether a term must be clear, and show in what is new as well.
 
     Returns
     -------
@@ -154,21 +155,24 @@ def best_of(
     """
     heads = _heads(tried, gains, notable(rules))
     heads = [(k, variant) for k, variant in heads if not _is_refuted(drift, wide, variant)]
-    if first:
+    if must_be_clear:
         heads = [(k, v) for k, v in heads if v.memory is not None or _is_clear(drift, gains[k])]
     if not heads:
         return None
     models = [v.model for v in tried if v.memory is not None]
-    models += [v.model for _, v in heads if first and v.memory is None]
+    models += [v.model for _, v in heads if must_be_clear and v.memory is None]
     twins = chance_of_models(drift, models, signs)
     twins[0] = np.maximum(twins[0], of_terms)
-    judged = _judged(drift, [v for _, v in heads], gains[[k for k, _ in heads]], twins, first)
+    variants, own = [v for _, v in heads], gains[[k for k, _ in heads]]
+    judged = _judged(drift, variants, own, twins, must_be_clear=must_be_clear)
     passing = [one for one in judged if one[2] <= rules.level_of_runs]
     variant, gain, p_value = _plainest(drift, passing) if passing else judged[0]
-    own = (variant.candidate, variant.columns, gain, p_value, twins[0])
-    if variant.memory is not None:
-        return MemoryFinding(*own, by_runs=True, memory=variant.memory), variant.model
-    return Finding(*own, by_runs=True), variant.model
+    named, columns, memory = variant.candidate, variant.columns, variant.memory
+    evidence = gain, p_value, twins[0]
+    if memory is None:
+        return Finding(named, columns, *evidence, by_runs=True), variant.model
+    found = MemoryFinding(named, columns, *evidence, by_runs=True, memory=memory)
+    return found, variant.model
 
 
 def _heads(tried: Sequence[Variant], gains: np.ndarray, least: float) -> list[tuple[int, Variant]]:
@@ -216,7 +220,12 @@ def over_noise(drift: Drift) -> float:
 
 
 def _judged(
-    drift: Drift, heads: Sequence[Variant], gains: np.ndarray, twins: np.ndarray, first: bool
+    drift: Drift,
+    heads: Sequence[Variant],
+    gains: np.ndarray,
+    twins: np.ndarray,
+    *,
+    must_be_clear: bool,
 ) -> list[Judged]:
     """Return variants with their gains and chances.
 
@@ -225,7 +234,7 @@ def _judged(
     """
     views = gains_of_models(drift, [variant.model for variant in heads])
     views[0] = gains
-    views[1, [variant.memory is None and not first for variant in heads]] = np.inf
+    views[1, [variant.memory is None and not must_be_clear for variant in heads]] = np.inf
     chances = [max(map(p_value_of, view, twins)) for view in views.T]  # the view less sure of it
     return list(zip(heads, gains.tolist(), chances, strict=True))
 

@@ -75,7 +75,7 @@ def find_by_runs(
         drift = drift_from(model, records)
         if drift is None:
             break
-        best = _memory_or_term(drift, wide, not new, rules, rng)
+        best = _memory_or_term(drift, wide, rules, rng, must_be_clear=not new)
         if best is None:
             break
         rejected = refused(best[0], declared, drift, rules)
@@ -100,20 +100,30 @@ def _retuned(new: list[Finding], model: Model) -> list[Finding]:
 def _memory_or_term(
     drift: Drift,
     wide: Sequence[Record],
-    first: bool,
     rules: Rules,
     rng: np.random.Generator,
+    *,
+    must_be_clear: bool,
 ) -> tuple[Finding, Model] | None:
     """Return the plainest memory or term of those that gain most, with its chance."""
     signs = signs_for(drift, rules, rng)
     memories = memories_beside(drift.model, segments(drift.records))
-    terms = [v for v in named_terms(drift) if not first or _is_of_motion(v, drift)]
+    terms = [v for v in named_terms(drift) if not must_be_clear or _is_of_motion(v, drift)]
     by_terms = gains_of_terms(drift, [v.columns for v in terms])
     # Nothing is held against the twins where no term gains enough.
     sought = [v.columns for v in terms] if np.any(by_terms >= notable(rules)) else []
     in_twins = chance_of_terms(drift, sought, signs)
     gains = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
-    return best_of(drift, wide, [*terms, *memories], gains, in_twins, signs, first, rules)
+    return best_of(
+        drift,
+        wide,
+        [*terms, *memories],
+        gains,
+        in_twins,
+        signs,
+        rules,
+        must_be_clear=must_be_clear,
+    )
 
 
 def _is_of_motion(variant: Variant, drift: Drift) -> bool:

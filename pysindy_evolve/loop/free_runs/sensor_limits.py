@@ -54,6 +54,6 @@ def clipped_sensors(
     found: list[Finding] = []
     for limit, length, p_value, lengths in tested(limits, equations, acted, rules, rng.spawn(1)[0]):
         candidate = Candidate(LIMITED, limit.state, (limit.reading,))
-        own = (candidate, (), float(length), p_value, lengths)
-        found.append(SensorFinding(*own, step=step, limit=limit))
+        evidence = float(length), p_value, lengths
+        found.append(SensorFinding(candidate, (), *evidence, step=step, limit=limit))
     return [*findings, *found]

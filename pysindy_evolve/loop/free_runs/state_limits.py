@@ -46,8 +46,8 @@ def stops_of(
     found = []
     for limit, length, p_value, lengths in tested(shown, equations, acted, rules, rng):
         candidate = Candidate(LIMITED, limit.state, (limit.term,))
-        own = (candidate, (), float(length), p_value, lengths)
-        found.append(LimitFinding(*own, by_runs=True, limit=limit))
+        evidence = float(length), p_value, lengths
+        found.append(LimitFinding(candidate, (), *evidence, by_runs=True, limit=limit))
     return found
 
 

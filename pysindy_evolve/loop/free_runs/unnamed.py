@@ -90,5 +90,5 @@ def _leading(
     sought = [*(v.columns for v in terms), *(columns_of(c, drift.model.design) for c in small)]
     gains = gains_of_terms(drift, [v.columns for v in terms])
     in_twins = chance_of_terms(drift, sought, signs)
-    best = best_of(drift, wide, terms, gains, in_twins, signs, True, rules)
+    best = best_of(drift, wide, terms, gains, in_twins, signs, rules, must_be_clear=True)
     return None if best is None else best[0]

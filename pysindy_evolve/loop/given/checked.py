@@ -15,7 +15,9 @@ from .declared import DeclaredModel, design_of, doubted
 from .design import Design
 from .held import held_inputs
 from .input_errors import as_held
-from .records import alike, check_records, split_records, undecimated, widened
+from .record_checks import check_records
+from .records import split_records
+from .resampled import at_one_step, undecimated, widened
 from .smoothing import with_own_slopes
 from .through import with_functions
 
@@ -83,12 +85,12 @@ def checked(
     check_records(design, [*fit_on, *judge_on], whole)
     if design.algebraic:
         # A force that nothing integrates follows a held input at once.
-        held, like = held_inputs(fit_on), undecimated(*alike(fit_on, judge_on))
+        held, like = held_inputs(fit_on), undecimated(*at_one_step(fit_on, judge_on))
         fit_on, judge_on = ([as_algebraic(hold(r, held)) for r in records] for records in like)
         wide = [replace(r, x=np.zeros_like(r.x)) for r in widened(fit_on)]
         return Given(design, fit_on, judge_on, wide)
     fit_on, judge_on, shows_motion = with_own_slopes(design, fit_on, judge_on)
-    held, like = held_inputs(fit_on), alike(fit_on, judge_on)
+    held, like = held_inputs(fit_on), at_one_step(fit_on, judge_on)
     fit_on, judge_on = ([hold(r, held) for r in records] for records in like)
     acting = [as_held(record) for record in with_functions(design, fit_on, judge_on)]
     fit_on, judge_on = acting[: len(fit_on)], acting[len(fit_on) :]

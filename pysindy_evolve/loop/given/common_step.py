@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ...signals.prepare import LEAST_OVERSAMPLING
 
-__all__ = ["common_step"]
+__all__ = ["TOLERANCE", "common_step"]
 
 TOLERANCE = 0.01  # share by which a multiple may miss the step, as clocks are not exact
 COARSER = 2.0  # steps wanted that a common one may be long; a coarser one is for the user to choose

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...hidden_states.memory import preceded
-from ..evidence.findings import memories_in, with_columns
+from ..evidence.findings import memories_in
 from ..evidence.trace import EVOLVED
-from ..fitting.unfolding import paths_of
 from ..free_runs.comparison import held_against
 from ..free_runs.contenders import Pool
+from ..free_runs.judging import model_of
 from ..free_runs.named import find_by_runs
 from ..free_runs.one_for_several import one_for_several
 from ..free_runs.sensor_limits import clipped_sensors
@@ -38,12 +36,13 @@ def find_in_runs(search: Search) -> None:
         What was found so far; what this look finds is added.
     """
     child = search.rng.spawn(1)[0]
-    if paths_of(search.design):  # whose state those runs do not have
+    if search.remembers_states:
         return
-    tuned = numbers_by_runs(search.model, search.findings, search.plain)
+    tuned = numbers_by_runs(search.bare_model, search.findings, search.plain)
     search.findings = merged(search.declared, tuned, search.part)
-    given = search.findings, search.plain, search.wide, search.rules, child
-    look, pasts = find_by_runs(search.declared, *given)
+    look, pasts = find_by_runs(
+        search.declared, search.findings, search.plain, search.wide, search.rules, child
+    )
     search.rejected = look.rejected or search.rejected
     known, more = search.findings, list(look.found[len(search.findings) :])
     if more:
@@ -75,10 +74,17 @@ def hold_against_runs(search: Search) -> None:
 
 def _find_unnamed(search: Search) -> None:
     child = search.rng.spawn(1)[0]
-    if paths_of(search.design):
+    if search.remembers_states:
         return
-    given = search.plain, search.wide, search.small_terms(), search.rules, child
-    look = find_unnamed(search.declared, search.findings, *given)
+    look = find_unnamed(
+        search.declared,
+        search.findings,
+        search.plain,
+        search.wide,
+        search.small_terms(),
+        search.rules,
+        child,
+    )
     search.rejected, search.findings = look.rejected or search.rejected, list(look.found)
 
 
@@ -86,7 +92,7 @@ def _drop_superfluous(search: Search) -> None:
     """Drop what grown terms made superfluous, once each has the name that is right by now."""
     found = exchange(search.declared, search.findings, search.part)
     kept = prune(search.declared, found, search.part)
-    if not paths_of(search.design):
+    if not search.remembers_states:
         kept = without_outlived(search.declared, kept, search.plain, search.wide)
     if len(memories_in(kept)) < len(memories_in(search.findings)):
         search.look_through(kept)
@@ -94,11 +100,11 @@ def _drop_superfluous(search: Search) -> None:
 
 
 def _hold_against_rivals(search: Search) -> None:
-    if paths_of(search.design):
+    if search.remembers_states:
         found = with_numbers_of_runs(search.declared, search.findings, search.part.records)
         search.findings = needed_by_runs(search.declared, found, search.part.records)
         return
-    model = search.model
+    model = search.bare_model
     grown = [c for c in search.grower.grown if c.name == EVOLVED]
     small = search.small_terms()
     found = shared_by_runs(model, search.findings, search.plain)
@@ -111,13 +117,16 @@ def _hold_against_rivals(search: Search) -> None:
 
 
 def _doubt_inputs(search: Search) -> None:
-    given = search.declared, search.findings, search.wide, search.part
-    found = without_errors_in_inputs(*given, search.rng.spawn(1)[0])
+    child = search.rng.spawn(1)[0]
+    found = without_errors_in_inputs(
+        search.declared, search.findings, search.wide, search.part, child
+    )
     search.findings = prune(search.declared, found, search.part)
 
 
 def _find_clipped_sensors(search: Search) -> None:
     if search.has_room:
-        model = replace(search.model, design=with_columns(search.declared, search.findings))
-        given = search.findings, search.plain, search.rules, search.rng
-        search.findings = clipped_sensors(model, *given)
+        model = model_of(search.declared, search.findings)
+        search.findings = clipped_sensors(
+            model, search.findings, search.plain, search.rules, search.rng
+        )

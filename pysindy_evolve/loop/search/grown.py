@@ -42,9 +42,9 @@ def _grow_by_trajectory(search: Search) -> None:
     """Let a small term come in where no name did, or where it does better than all of them."""
     if not search.operators or search.rules.max_effects == 0:
         return
-    given = search.declared, search.part, search.rules, search.operators, search.rng
-    found = find_small(*given)
-    if found and is_better(search.declared, found, search.findings, search.part):
+    declared, part = search.declared, search.part
+    found = find_small(declared, part, search.rules, search.operators, search.rng)
+    if found and is_better(declared, found, search.findings, part):
         search.findings = []
         search.findings = search.numbered(found)
         find_named(search)

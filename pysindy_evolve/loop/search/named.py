@@ -94,9 +94,16 @@ def without_holds(search: Search, found: list[Finding]) -> list[Finding]:
 
 
 def _look_once(search: Search, memories: Sequence[Memory]) -> Sequence[Finding]:
-    relaxing, springs = search.relaxing and not memories, search.relaxing
-    given = search.declared, search.design, search.part, search.rules, search.rng, memories
-    look = find_with_memories(*given, relaxing=relaxing, springs=springs)
+    look = find_with_memories(
+        search.declared,
+        search.design,
+        search.part,
+        search.rules,
+        search.rng,
+        memories,
+        relaxing=search.relaxing and not memories,
+        springs=search.relaxing,
+    )
     search.rejected = look.rejected or search.rejected
     return look.found
 

@@ -23,13 +23,14 @@ from ..evidence.findings import (
 from ..evidence.offers import awaited
 from ..evidence.rejected import Rejected
 from ..evidence.structure import structure_chance
+from ..fitting.unfolding import paths_of
 from ..free_runs.variants import Model
 from ..given.design import Design
 from ..given.held import held_inputs
 from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..growth.grow import TermGrower
+from ..growth.grower import TermGrower
 from ..growth.naming import small_candidates
 
 __all__ = ["Holding", "Search"]
@@ -88,14 +89,19 @@ class Search:
         return with_findings(self.declared, self.findings)
 
     @property
-    def model(self) -> Model:
-        """The declared model, with the memories and limits among the findings."""
+    def bare_model(self) -> Model:
+        """The declared model, with the memories and limits among the findings, and no terms."""
         return Model(self.declared, memories_in(self.findings), limits_in(self.findings))
 
     @property
     def has_room(self) -> bool:
         """Whether more effects may be found."""
         return len(self.findings) < self.rules.max_effects
+
+    @property
+    def remembers_states(self) -> bool:
+        """Whether an effect has a hidden state that follows others, which no free run has."""
+        return bool(paths_of(self.design))
 
     @property
     def runs_tell_more(self) -> bool:

@@ -12,10 +12,9 @@ from ...signals import Record
 from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, limits_in, memories_in, with_findings
 from ..evidence.offers import awaited
-from ..fitting.unfolding import paths_of
 from ..given.held import held_like
 from ..given.limits import off_limits
-from ..given.records import widened
+from ..given.resampled import widened
 from ..memories.polish import polished
 from ..report.cautions import is_hold_only
 from ..report.record_offsets import offsets_by_record
@@ -103,8 +102,9 @@ def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport)
     gone = gone or last_untransferred(search.declared, findings, search.part)
     if gone is not None:
         return gone
-    sides = report.before.model, report.after.model, search.plain
-    return last_runaway(findings, *sides) or last_worsened(findings, *sides)
+    before, after, records = report.before.model, report.after.model, search.plain
+    gone = last_runaway(findings, before, after, records)
+    return gone or last_worsened(findings, before, after, records)
 
 
 def _differs_by_record(report: LoopReport) -> bool:
@@ -131,7 +131,7 @@ def _with_alternatives(search: Search) -> list[Finding]:
     acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)))
     child = search.rng.spawn(1)[0]
     rivals = contested(design, found, acted, rules.significance, child, search.grower.grown)
-    if search.runs_tell_more and not paths_of(search.design):
+    if search.runs_tell_more and not search.remembers_states:
         rivals = unrefuted(design, rivals, search.plain)
     told = told_by_slopes(design, with_asymmetry(rivals), acted)
     named = with_products_named(design, on_steep_side(design, told, acted))

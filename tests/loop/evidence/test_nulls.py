@@ -11,7 +11,7 @@ from pysindy_evolve.loop.evidence.nulls import chance_of, freed_of_noise
 from pysindy_evolve.loop.evidence.scoring import propose, quick_fit
 from pysindy_evolve.loop.evidence.step import _best_score
 from pysindy_evolve.loop.evidence.witness import witnessed
-from pysindy_evolve.loop.given.records import widened
+from pysindy_evolve.loop.given.resampled import widened
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.twins.twins import TwinMaker
 from pysindy_evolve.loop.twins.values import twin_values

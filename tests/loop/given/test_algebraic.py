@@ -6,7 +6,7 @@ from loop_systems import equations_of
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_equations
-from pysindy_evolve.loop.given.records import alike, undecimated
+from pysindy_evolve.loop.given.resampled import undecimated
 from pysindy_evolve.signals import as_target
 
 DECLARED = pse.DeclaredModel({"F": "c*v + k*x + F0"}, inputs=["x", "v"], algebraic=True)
@@ -159,7 +159,7 @@ def test_forces_decimated_each_in_its_own_way_are_brought_to_one_step():
         as_target(pse.prepare(t, np.sin(t), np.cos(t), order=1, cutoff=4.0, decimate=k))
         for k in (3, 2, 2)
     ]
-    train, test = alike(records[:2], records[2:])
+    train, test = at_one_step(records[:2], records[2:])
     assert {round(record.dt, 9) for record in (*train, *test)} == {0.02}
     middle = slice(100, -100)
     assert train[0].u[middle, 0] == pytest.approx(np.sin(train[0].t[middle]), abs=1e-3)

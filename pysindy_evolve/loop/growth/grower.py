@@ -1,0 +1,165 @@
+"""Grown terms beside the vocabulary: when they count.
+
+The search sees every other segment only. What it finds is then tested on the segments in between,
+as one fixed candidate among few, so the size of the search does not enter the chance of an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from ...breeding.poles import has_pole
+from ...operators import Operator
+from ...terms import variable
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.missing import candidates, fitted, standing, zeros_of
+from ..effects.stops import is_stop
+from ..evidence.findings import Finding, with_columns
+from ..evidence.scoring import net, score
+from ..evidence.shares import view_gain
+from ..evidence.step import find
+from ..evidence.trace import EVOLVED, Score
+from ..fitting.fit import derivative_intervals
+from ..given.design import Design
+from ..given.rows import have_values
+from ..given.rules import Rules
+from ..given.segments import Segments
+from .grow import grow
+
+__all__ = ["TermGrower"]
+
+# Times the log error that names gain, or two of them that of a grown term: the same effect filtered
+# does a little better.
+BETTER = 1.25
+USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
+MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary
+
+
+class TermGrower:
+    """Grown terms beside the vocabulary: where they do clearly better, and where nothing else does.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    part : Segments
+        Pieces of the training records: every other one is searched in, those between are tested on.
+    rules : Rules
+        When a term counts.
+    operators : sequence of Operator
+        Basis functions; without any, nothing grows.
+    rng : numpy.random.Generator
+        Source of all randomness.
+    """
+
+    def __init__(
+        self,
+        declared: Design,
+        part: Segments,
+        rules: Rules,
+        operators: Sequence[Operator],
+        rng: np.random.Generator,
+    ) -> None:
+        self.declared, self.rules = declared, rules
+        self.operators, self.rng = operators, rng
+        self.look(part)
+        self.pool: list[Candidate] | None = None
+        self.grown: list[Candidate] = []
+
+    def look(self, part: Segments) -> None:
+        """Search in every other of these pieces, and test on those between."""
+        self.seen, self.fresh = part.every_other(0), part.every_other(1)
+
+    def better(self, design: Design, found: Sequence[Finding]) -> list[Finding]:
+        """Return what does clearly better on fresh segments than named effects.
+
+        That is a grown term, or a leak k (x - x0) unless a grown one does clearly better than it.
+        """
+        if self.pool is None:
+            self.pool = self._grow(self.declared)
+        names = [finding.candidate for finding in found]
+        ours = score(design, self.fresh, [*names, *_zeros_beside(names, design)], pairs=True)
+        named_scores = [len(s.group) * net(s) for s in ours if set(names) <= set(s.group)]
+        bar = BETTER * max(named_scores, default=0.0)
+        fresh = [c for c in self.pool if c.name == EVOLVED or is_stop(c)]
+        best = max(score(design, self.fresh, fresh, pairs=False), key=net, default=None)
+        leak = self._leak(design, names[0].state)
+        if leak is not None and 2.0 * net(leak) > max(bar, net(best) / BETTER if best else 0.0):
+            return self._test(design, list(leak.group))
+        if best is None or net(best) <= bar:
+            return []
+        if BETTER * net(best) <= self._of_two_names(design, best.group[0].state):
+            return []
+        return self._test(design, list(best.group))
+
+    def _leak(self, design: Design, state: int) -> Score | None:
+        """Return what a state and an offset gain together in its equation of the first order."""
+        straight = ((variable(state),), (OFFSET,))
+        both = [c for c in self._offered(design, state) if c.terms in straight]
+        if design.position_of(state) is not None or len(both) < 2:
+            return None
+        return next(self._pairs(design, both), None)
+
+    def _of_two_names(self, design: Design, state: int) -> float:
+        """Return what two names gain together in an equation: a leak k (p - p0) takes two looks."""
+        pairs = self._pairs(design, self._offered(design, state))
+        return max((2.0 * net(pair) for pair in pairs), default=0.0)
+
+    def _offered(self, design: Design, state: int) -> list[Candidate]:
+        """Return what the vocabulary has for an equation."""
+        return [c for c in candidates(design, self.fresh.ranges) if c.state == state]
+
+    def _pairs(self, design: Design, offered: Sequence[Candidate]) -> Iterator[Score]:
+        """Go through the scores of two effects together, best first."""
+        scores = score(design, self.fresh, offered, pairs=True)
+        return (one for one in scores if len(one.group) == 2)
+
+    def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
+        """Grow terms on what a design leaves, and return the best one that passes."""
+        grown = [c for _ in range(n_searches) for c in self._grow(design)]
+        return self._test(design, list(dict.fromkeys(grown)))
+
+    def _grow(self, design: Design) -> list[Candidate]:
+        if not self.operators or self.seen.by_trajectory or len(self.fresh.z) < MIN_FRESH:
+            return []
+        known = fitted(design)  # what is known may be wrong
+        grown = grow(self.declared, design, self.seen, self.operators, self.rng, self.rules.n_jobs)
+        fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
+        rows, records = self.seen.rows, self.seen.records
+        new = [
+            c
+            for c in fresh
+            if have_values(c.terms, records) and not any(has_pole(t, rows) for t in c.terms)
+        ]
+        self.grown += new
+        return new
+
+    def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
+        # Pairs too: 3 sin(v) - 4 sin(v)^3 is sin(3 v), and neither term gains anything alone.
+        scores = [s for s in score(design, self.fresh, grown, pairs=True) if net(s) > 0.0]
+        useful = [s for s in scores if view_gain(design, s.group, self.fresh) > USEFUL]
+        given = partial(_always, list(dict.fromkeys(c for s in useful for c in s.group)))
+        look = find(self.declared, design, self.fresh, self.rules, self.rng, given)
+        found = list(look.found)
+        return found if found and self._are_certain(design, found) else []
+
+    def _are_certain(self, design: Design, found: Sequence[Finding]) -> bool:
+        """Tell whether all records together know the sign of each coefficient."""
+        richer = with_columns(design, found)
+        low, high = derivative_intervals(richer, self.fresh.records, self.rng).T
+        own = slice(len(design.columns), None)
+        return bool(np.all(low[own] * high[own] > 0.0))
+
+
+def _zeros_beside(names: Sequence[Candidate], design: Design) -> list[Candidate]:
+    """Return the offsets that names may still get, to say where a state is measured from."""
+    terms = {(c.state, term) for c in names for term in c.terms}
+    zeros = zeros_of(terms, len(design.states)) - terms - standing(design)
+    return [Candidate("constant offset", state, (term,)) for state, term in zeros]
+
+
+def _always(grown: list[Candidate], *_: object) -> list[Candidate]:
+    return grown
