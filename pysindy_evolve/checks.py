@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "SIZES",
+    "TINY",
     "choice",
     "columns",
     "count",
@@ -35,6 +36,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+TINY = 1e-300  # what nothing is divided by less than
 
 # Beyond these sizes powers of values and frequencies leave the range of floating point.
 LARGEST = 1e50

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.polynomial import hermite_e
 from scipy import fft
 
+from ..checks import TINY
 from .bands import AGREE, Bins, averaged, lowest_quarter, widening_edges
 from .spectral import Array
 
@@ -147,6 +148,6 @@ def _flatness(power: Array, floor: float, size: Bins, share: float) -> float:
 
 def _wiener(power: Array, noise: Array, edges: Bins) -> Array:
     """Return the share of the amplitude that is signal at each frequency."""
-    share = 1.0 - 1.0 / np.maximum(averaged(power / noise, edges), 1e-300)
+    share = 1.0 - 1.0 / np.maximum(averaged(power / noise, edges), TINY)
     middle = 0.5 * (edges[1:] + edges[:-1])
     return np.asarray(np.interp(np.arange(len(noise)), middle, np.clip(share, 0.0, 1.0)))

@@ -9,6 +9,8 @@ import numpy as np
 from scipy import fft
 from scipy.ndimage import median_filter
 
+from ...checks import TINY
+
 __all__ = ["FEWEST_FREQUENCIES", "find_lines", "pumping"]
 
 FINENESS = 8  # of the grid of frequencies: the true one lies close to it
@@ -112,7 +114,7 @@ def pumping(
     places = np.arange(n_fine // 4 + 1)
     moved = fft.rfft(residual * values, n_fine)
     weight = fft.rfft(values**2, n_fine)
-    total = max(float(weight[0].real), 1e-300)
+    total = max(float(weight[0].real), TINY)
     once, twice = weight[places] / total, weight[2 * places] / total
     b = moved[places] - moved[0].real * once  # beside the multiple: cosine less i times sine
     cosines = 0.5 * (1.0 + twice.real) - once.real**2
@@ -120,7 +122,7 @@ def pumping(
     both = 0.5 * twice.imag - once.real * once.imag
     det = np.maximum(cosines * sines - both**2, SINGULAR)
     gain = b.real**2 * sines - 2.0 * b.real * b.imag * both + b.imag**2 * cosines
-    shares = gain / (det * total * max(float(np.sum(residual**2)), 1e-300))
+    shares = gain / (det * total * max(float(np.sum(residual**2)), TINY))
     free = (places > ROUGHNESS * n_periods) & (places < highest * n_fine)
     peak = int(np.argmax(np.where(free, shares, 0.0)))
     return [_vertex(shares, peak) / n_fine] if free[peak] and shares[peak] > PUMPED else []
@@ -141,7 +143,7 @@ def _spectrum_and_floor(signal: np.ndarray, n_fine: int) -> tuple[np.ndarray, np
     places = np.arange(len(spectrum))
     coarse = places[::HALF]
     floor = median_filter(spectrum[coarse], SURROUNDINGS)
-    return spectrum, np.maximum(np.interp(places, coarse, floor), 1e-300)
+    return spectrum, np.maximum(np.interp(places, coarse, floor), TINY)
 
 
 def _transform(signal: np.ndarray, n_fine: int) -> np.ndarray:
@@ -175,7 +177,7 @@ def _vertex(spectrum: np.ndarray, peak: int) -> float:
     """Return the place of a peak between grid points, from the parabola through three of them."""
     if not 0 < peak < len(spectrum) - 1:
         return float(peak)
-    left, top, right = np.log(np.maximum(spectrum[peak - 1 : peak + 2], 1e-300))
+    left, top, right = np.log(np.maximum(spectrum[peak - 1 : peak + 2], TINY))
     bend = left - 2.0 * top + right
     return peak + (0.5 * float((left - right) / bend) if bend < 0.0 else 0.0)
 

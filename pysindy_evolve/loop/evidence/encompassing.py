@@ -38,6 +38,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...checks import TINY
 from ..fitting.linear import solve
 from ..twins.chance import draws_for, p_value_of
 
@@ -81,7 +82,7 @@ class Left:
         mixed = signs @ (weight * self.shares * self.slopes)
         own, moved = (np.sum(weight * part**2, axis=0) for part in (self.slopes, self.shares))
         scatter = own - 2.0 * total * mixed + total**2 * moved
-        return np.asarray(total**2 / np.maximum(scatter, 1e-9 * own + 1e-300))
+        return np.asarray(total**2 / np.maximum(scatter, 1e-9 * own + TINY))
 
 
 def chance(

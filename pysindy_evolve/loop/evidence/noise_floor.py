@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...checks import TINY
 from ...equations import Equations
 from ...signals import Record
 from ..fitting.residual import residual_on
@@ -70,7 +71,7 @@ class NoiseFloor:
         """Return how many times this power a model leaves in the band where it leaves most."""
         left = [residual_on(equations, record) for record in self.part.records]
         power = _power(left, self.design, self.part)
-        return float(np.max(power / np.maximum(self.power, 1e-300)))
+        return float(np.max(power / np.maximum(self.power, TINY)))
 
 
 def noise_alone(

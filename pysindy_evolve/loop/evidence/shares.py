@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...checks import TINY
 from ..effects.candidate import Candidate
 from ..fitting.linear import log_ratio, solve
 from ..fitting.residual import derivative_grams, jacobian, view_grams
@@ -61,7 +62,7 @@ class Shares:
         others = tuple(place for place in score.places if place not in own)
         return max(
             (self._left(name, self._base + others) - self._left(name, self._base + score.places))
-            / max(explainable[name], 1e-300)
+            / max(explainable[name], TINY)
             for name in self._grams
         )
 

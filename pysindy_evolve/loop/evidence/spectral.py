@@ -14,6 +14,7 @@ import numpy as np
 from scipy import fft
 from scipy.signal.windows import tukey
 
+from ...checks import TINY
 from ...terms import Cache
 from ..fitting.linear import solve
 from ..fitting.residual import force_on
@@ -139,4 +140,4 @@ def _smooth(power: np.ndarray) -> np.ndarray:
     sums = np.concatenate([np.zeros((len(power), 1)), np.cumsum(power, axis=-1)], axis=-1)
     low, high = np.maximum(index - reach, 0), np.minimum(index + reach + 1, n)
     flat = (sums[:, high] - sums[:, low]) / (high - low)
-    return np.maximum(flat, np.max(flat, axis=-1, keepdims=True) * LEAST_POWER + 1e-300)
+    return np.maximum(flat, np.max(flat, axis=-1, keepdims=True) * LEAST_POWER + TINY)

@@ -16,10 +16,11 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from ...checks import TINY
 from ...equations import Equations
 from ...operators import BUILTIN
 from ...terms import Cache, call, constant, mul, variable
-from ..fitting.linear import TINY, log_ratio
+from ..fitting.linear import log_ratio
 from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
 from ..given.segments import Segments

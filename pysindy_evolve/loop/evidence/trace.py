@@ -16,9 +16,10 @@ from itertools import combinations
 
 import numpy as np
 
+from ...checks import TINY
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
-from ..fitting.linear import TINY, errors_of, solve_many
+from ..fitting.linear import errors_of, solve_many
 from ..given.rows import LARGEST
 
 __all__ = ["Score", "are_new", "fold_errors", "rank", "ranked"]

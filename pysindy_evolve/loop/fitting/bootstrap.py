@@ -16,7 +16,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import stats
 
-from .linear import TINY, solve_gram, solve_many
+from ...checks import TINY
+from .linear import solve_gram, solve_many
 
 __all__ = ["block_intervals"]
 

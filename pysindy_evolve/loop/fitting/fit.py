@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...checks import TINY
 from ...signals import Record, Windows, choose_windows, project
 from ...terms import Cache
 from ..given.design import Design
@@ -233,7 +234,7 @@ def derivative_errors(
         squares.append(project(error * weight, wide) ** 2)
         samples.append(project(record.x_dot, wide))
         weights.append(project(weight, wide) ** 2)
-    rows = np.maximum(np.concatenate(weights).sum(axis=0), 1e-300)
+    rows = np.maximum(np.concatenate(weights).sum(axis=0), TINY)
     rms = np.sqrt(np.concatenate(squares).sum(axis=0) / rows)
     return np.where(known, 100.0 * rms / scale_of(samples), np.inf)
 

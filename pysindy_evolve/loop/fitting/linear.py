@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["TINY", "errors_of", "log_ratio", "solve", "solve_gram", "solve_many"]
+from ...checks import TINY
 
-TINY = 1e-300  # what nothing is divided by less than
+__all__ = ["errors_of", "log_ratio", "solve", "solve_gram", "solve_many"]
+
 RIDGE = 1e-10  # relative; keeps a column that repeats another one from blowing up
 
 

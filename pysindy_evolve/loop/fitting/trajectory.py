@@ -39,6 +39,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.signal import lfilter
 from scipy.stats import t as student
 
+from ...checks import TINY
 from ...signals import Preparation, Record
 from ...terms import Cache
 from ..given.design import Column, Design
@@ -134,7 +135,7 @@ class _Course:
         places = np.zeros(self.rows[0].shape[1], dtype=int)
         places[self.acting] = np.arange(1, len(self.acting) + 1)
         apart, alike = np.unique(places[models], axis=0, return_inverse=True)
-        least = ROUNDING * self.grams[:, -1, -1] + 1e-300
+        least = ROUNDING * self.grams[:, -1, -1] + TINY
         left = np.maximum(errors_of(self.grams, self.grams, apart), least).T[:, alike.ravel()]
         return np.asarray(self.n_free * np.log(left / self.n_free) + self.logdets[:, None])
 
@@ -145,7 +146,7 @@ class _Course:
         gram = self.gram(place)
         left = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
         free = max(self.n_free - n_columns, 1)
-        return place, float(max(left, ROUNDING * gram[-1, -1], 1e-300)) / free
+        return place, float(max(left, ROUNDING * gram[-1, -1], TINY)) / free
 
 
 class Trajectories:
@@ -180,7 +181,7 @@ class Trajectories:
     def total(self, place: int) -> np.ndarray:
         """Return the Gram matrix for one of the ratios, each equation in units of its target."""
         grams = [course.gram(place) for course in self.courses]
-        return np.sum([gram / max(gram[-1, -1], 1e-300) for gram in grams], axis=0)
+        return np.sum([gram / max(gram[-1, -1], TINY) for gram in grams], axis=0)
 
     def errors(self, models: np.ndarray) -> np.ndarray:
         """Return the variance that each model leaves, each with its own likeliest force.
@@ -209,7 +210,7 @@ class Trajectories:
         total = np.sum(grams, axis=0)
         coef = solve_gram(total)
         free = max(sum(c.n_free for c in self.courses) - len(coef), 1)
-        size = np.sqrt(np.maximum(np.diagonal(total)[:-1], 1e-300))
+        size = np.sqrt(np.maximum(np.diagonal(total)[:-1], TINY))
         inverse = np.linalg.pinv(total[:-1, :-1] / np.outer(size, size), hermitian=True)
         half = student.ppf(0.975, free) * np.sqrt(np.diagonal(inverse)) / size
         return coef, np.column_stack([coef - half, coef + half])

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...checks import TINY
 from ...equations import Equations
 from ...lazily import lazily
 from ...simulation.pieces import simulate_pieces
@@ -202,7 +203,7 @@ class Rows:
         """
         both = (response, miss)
         columns, target = (self.freed(part).reshape(-1, part.shape[-1]) for part in both)
-        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        size = np.maximum(np.linalg.norm(columns, axis=0), TINY)
         damped = np.vstack([columns / size, np.sqrt(damping) * np.eye(len(size))])
         wanted = np.append(target[:, 0], np.zeros(len(size)))
         return np.asarray(np.linalg.lstsq(damped, wanted, rcond=1e-8)[0] / size)
@@ -256,7 +257,7 @@ def bettered(
             break
         moved = run([_moved(found[k], changes[k], share) for k, share in active.items()])
         for (k, share), after in zip(list(active.items()), moved, strict=True):
-            gain = 1.0 - after.error / max(found[k].error, 1e-300)
+            gain = 1.0 - after.error / max(found[k].error, TINY)
             if gain <= 0.0:
                 active[k] = share * SHORTER
                 continue

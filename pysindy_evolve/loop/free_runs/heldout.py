@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...checks import TINY
 from ..evidence.trace import are_new
 from ..fitting.linear import solve_many
 from ..fitting.trial import Trial
@@ -80,7 +81,7 @@ class HeldOut:
             for gram, sign in zip(grams[held], signs[:, held].T, strict=True):
                 left = np.column_stack([coef, -np.ones(len(signs)), -sign])
                 total += np.sum((left @ gram) * left, axis=1)
-        return np.maximum(total, 1e-300)
+        return np.maximum(total, TINY)
 
     def is_new(self, own: int, columns: Sequence[int]) -> bool:
         """Tell whether columns are finite and no combinations of the first `own` ones."""

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...checks import TINY
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, with_parents
@@ -19,7 +20,6 @@ from ..evidence.rejected import Rejected
 from ..evidence.scoring import MARGIN, columns_of, score
 from ..evidence.trace import Score
 from ..fitting.fit import refit
-from ..fitting.linear import TINY
 from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.limits import off_limits

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...checks import TINY
 from ...signals import Record
 from ..fitting.fit import Fit
 from ..fitting.linear import solve_gram
@@ -50,7 +51,7 @@ def tuned_memories(drift: Drift, model: Model) -> Model:
         tried = _steps(drift, now, numbers, place) if np.isfinite(now.error) else []
         moved = runs_of([trial for trial, _ in tried])
         best = min(range(len(moved)), key=lambda k: moved[k].error, default=None)
-        gain = 0.0 if best is None else 1.0 - moved[best].error / max(now.error, 1e-300)
+        gain = 0.0 if best is None else 1.0 - moved[best].error / max(now.error, TINY)
         if best is not None and gain > 0.0:
             now, place = moved[best], tried[best][1]
         if gain < SETTLED:
@@ -205,7 +206,7 @@ class _Numbers:
             np.append(logs, pasts),
             np.append(logs - REACH, least),
             np.append(logs + REACH, most),
-            np.append(np.full(len(logs), STEP), STEP * np.maximum(most - least, 1e-300)),
+            np.append(np.full(len(logs), STEP), STEP * np.maximum(most - least, TINY)),
             free,
             given,
             columns,

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...checks import TINY
+
 __all__ = ["Whitener"]
 
 ORDER = 2  # looks back
@@ -47,7 +49,7 @@ class Whitener:
         past = _past(misses, stride).reshape(-1, ORDER * n_states)
         now = misses[:, ORDER * stride :].reshape(-1, n_states)
         coef = np.linalg.lstsq(past, now, rcond=1e-8)[0]
-        return cls(coef, np.maximum((now - past @ coef).std(axis=0), 1e-300), stride)
+        return cls(coef, np.maximum((now - past @ coef).std(axis=0), TINY), stride)
 
     def __call__(self, rows: np.ndarray) -> np.ndarray:
         """Return what is new in columns of shape (n_stretches, n_rows * n_states, n_columns)."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...checks import TINY
 from ...equations import Equations
 from ...signals import Record, choose_windows, project
 from ...terms import Sum, Variable
@@ -84,4 +85,4 @@ def disagreement(records: Sequence[Record], position: int, velocity: int) -> flo
     if not long:
         return 0.0
     spread = float(np.concatenate(rates).std())
-    return float(np.sqrt(np.mean(np.concatenate(misses) ** 2))) / max(spread, 1e-300)
+    return float(np.sqrt(np.mean(np.concatenate(misses) ** 2))) / max(spread, TINY)

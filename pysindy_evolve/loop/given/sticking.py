@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import ndimage
 
+from ...checks import TINY
 from ...operators import BUILTIN
 from ...signals import Record
 from ...terms import Call, variable
@@ -96,7 +97,7 @@ def _speed(record: Record, state: int) -> np.ndarray:
     """Return the magnitude of a state, relative to what counts as slow."""
     speed = np.abs(record.x[:, state])
     low = max(AT_REST * noise_of(record, state), LEAST * float(np.sqrt(np.mean(speed**2))))
-    return speed / max(low, 1e-300)
+    return speed / max(low, TINY)
 
 
 def _away_from_rest(record: Record, speed: np.ndarray) -> np.ndarray:

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...export import format_expression, format_number
-from ...hidden_states.memory import DELAY
-from ...signals.holds import HALF
 from ...terms import ONE
+from ..effects.periodic import FORCING
 from ..effects.relaxation import longest_relaxation
-from ..given.held import held_inputs
 from ..given.kinematics import disagreement
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import beyond
-from .missed import missed
+from .held_delays import held_delays, short_delays
+from .missed import RUNAWAY, missed
 from .one_force import one_force
 from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
@@ -26,29 +25,19 @@ from .unidentified import unidentified_sentences
 from .units import percent
 
 if TYPE_CHECKING:
-    from .effect import Effect
     from .report import LoopReport
 
-__all__ = ["cautions", "is_hold_only"]
+__all__ = ["cautions"]
 
 DRIFT = "drift"
-HELD = 0.05  # sampling times by which a delay may differ from half of one
 WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
 GREW = 0.1  # percent of the standard deviation: a smaller rise is none
 TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
-RUNAWAY = 100.0  # percent of the standard deviation: such an error cannot grow
 
 
 def cautions(report: LoopReport) -> list[str]:
     """Return what is to be kept in mind, in sentences."""
-    found = [*_doubted(report), *_known(report), *one_force(report), *_held(report)]
-    found += _slow(report)
-    found += [*_untold(report), *exchangeable_poles(report), *_turned(report)]
-    found += [*_worse(report), *_undefined(report), *_lines(report), *_sessions(report)]
-    found += _numbers(report)
-    found += beyond(report)
-    found += missed(report)
-    return [*found, *_left(report)]
+    return [sentence for say in SAYINGS for sentence in say(report)]
 
 
 def _doubted(report: LoopReport) -> list[str]:
@@ -122,36 +111,9 @@ def _worse(report: LoopReport) -> list[str]:
     if not grown:
         return []
     said = f"On the held-out data some errors grew: {', '.join(grown)}."
-    if any(effect.name == "periodic forcing" for effect in report.effects):
+    if any(effect.name == FORCING for effect in report.effects):
         return [f"{said} The phase of a periodic forcing may differ from record to record."]
     return [f"{said} What was found may not carry over to that record."]
-
-
-def is_hold_only(report: LoopReport) -> bool:
-    """Tell whether nothing was found but that inputs are held between their samples."""
-    return bool(report.effects) and len(_held_delays(report)) == len(report.effects)
-
-
-def _held_delays(report: LoopReport) -> list[Effect]:
-    """Return the delays that are half a sample, as exactly as the record knows them."""
-    step, held = report.train[0].raw_dt, held_inputs(report.train)
-    found = []
-    for one in (e for e in report.effects if e.name == DELAY):
-        if one.memory is None or one.memory.column in held:
-            continue
-        (low, high), off = one.confidence_intervals[0], one.coefficients[0] - HALF * step
-        if abs(off) < max(HELD * step, 0.5 * (high - low)):
-            found.append(one)
-    return found
-
-
-def _short_delays(report: LoopReport) -> list[tuple[Effect, float]]:
-    """Return the delays of less than a sampling time, which a hold may share in, in such times."""
-    step, held = report.train[0].raw_dt, held_inputs(report.train)
-    delays = (e for e in report.effects if e.name == DELAY)
-    free = (e for e in delays if e.memory is not None and e.memory.column not in held)
-    shares = ((effect, effect.coefficients[0] / step) for effect in free)
-    return [(effect, float(share)) for effect, share in shares if 0.0 < share < 1.0]
 
 
 def _held(report: LoopReport) -> list[str]:
@@ -162,13 +124,13 @@ def _held(report: LoopReport) -> list[str]:
         "it was recorded and no effect of the machine."
         for name in names
     ]
-    exact = _held_delays(report)
+    exact = held_delays(report)
     late = [
         f"The input delay of {format_expression(one.term).partition('(')[0]} is "
         f"{'half a sampling time' if one in exact else f'{share:.2g} sampling times'}. An input "
         "that is held from one sample to the next (zero-order hold) acts late by half of one, and "
         "no part of the machine need be slow for that: prepare(..., held=True) says so."
-        for one, share in _short_delays(report)
+        for one, share in short_delays(report)
     ]
     return [*taken, *late]
 
@@ -264,3 +226,23 @@ def _left(report: LoopReport) -> list[str]:
         f"explains (p = {report.chance_left:.2g}). Something else is missing, or an effect stands "
         "for another one that was not tried."
     ]
+
+
+SAYINGS = (
+    _doubted,
+    _known,
+    one_force,
+    _held,
+    _slow,
+    _untold,
+    exchangeable_poles,
+    _turned,
+    _worse,
+    _undefined,
+    _lines,
+    _sessions,
+    _numbers,
+    beyond,
+    missed,
+    _left,
+)  # in this order

@@ -21,6 +21,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal.windows import tukey
 
+from ...checks import TINY
 from ...equations import Equations
 from ...hidden_states.memory import remembered
 from ...hidden_states.memory_equations import MemoryEquations
@@ -162,7 +163,7 @@ class _Judge:
         self.motions = Motions(equations, part.z)
         left = (part.x_dot - self.rates(part.z)) * part.weight
         power = np.mean(np.abs(spectral_rows(part, left)) ** 2, axis=0)
-        floor = 1e-12 * power.max(axis=0, keepdims=True) + 1e-300
+        floor = 1e-12 * power.max(axis=0, keepdims=True) + TINY
         self.noise = gaussian_filter1d(np.maximum(power, floor), SMOOTHING, axis=0, mode="nearest")
         taper = tukey(part.z.shape[1], TAPER)
         # Neighboring frequencies of a tapered segment are not independent.

@@ -13,10 +13,10 @@ from .units import percent
 if TYPE_CHECKING:
     from .report import LoopReport
 
-__all__ = ["NOTABLE", "missed"]
+__all__ = ["NOTABLE", "RUNAWAY", "missed"]
 
 NOTABLE = 20.0  # percent of the standard deviation: more than a small error of a parameter leaves
-RUNAWAY = 100.0  # the same
+RUNAWAY = 100.0  # percent of the standard deviation: the run has lost the record
 BY_START = 0.5  # of the miss of a free run that noise in its first state makes: it says little
 
 RANDOM = (

@@ -13,12 +13,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...checks import TINY
 from ...equations import Equations
 from ...signals import Record
 from ..evidence.findings import Finding, excluding, with_findings
 from ..evidence.scoring import quick_fit
 from ..evidence.spectral import spectral_rows
-from ..fitting.linear import TINY
 from ..given.design import Design
 from ..given.input_errors import input_error
 from ..given.segments import Segments

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...checks import TINY
 from ...export import format_expression
 from ...export.compact import as_written
 from ...hidden_states.memory import Memory, remembered
@@ -167,7 +168,7 @@ def _effect(
         term=_total(terms, design.symbols),
         coefficients=unknown,
         confidence_intervals=np.column_stack([unknown, unknown]),
-        explained=float(1.0 - (with_it / max(without, 1e-300)) ** 2),
+        explained=float(1.0 - (with_it / max(without, TINY)) ** 2),
         p_value=finding.p_value,
         alternatives=(*_other_names(finding), *finding.together),
         together=finding.together,

@@ -16,7 +16,7 @@ from ..given.held import held_like
 from ..given.limits import off_limits
 from ..given.resampled import widened
 from ..memories.polish import polished
-from ..report.cautions import is_hold_only
+from ..report.held_delays import is_hold_only
 from ..report.record_offsets import offsets_by_record
 from ..report.report import LoopReport
 from ..report.shared_lines import shared_lines

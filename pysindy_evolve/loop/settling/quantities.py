@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import sympy
 
+from ...checks import TINY
 from ...equations import Equations
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding, memories_in
-from ..fitting.linear import TINY
 from ..fitting.runs import free_run
 from ..free_runs.memory_tuning import intervals_by_runs
 from ..free_runs.variants import Model

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.interpolate import CubicSpline
 
+from ...checks import TINY
 from ...equations import Equations
 from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...signals import Preparation, Record
@@ -122,7 +123,7 @@ class _Course:
     @cached_property
     def tolerance(self) -> float:
         """Error of a simulation step: differentiated like noise, it must be smaller than that."""
-        noise = self.made.noise / np.maximum(self.made.y.std(axis=0), 1e-300)
+        noise = self.made.noise / np.maximum(self.made.y.std(axis=0), TINY)
         return float(np.clip(0.01 * noise.min(), *TOLERANCES))
 
     def path(self, length: int) -> Path | None:

@@ -19,9 +19,9 @@ import numpy as np
 from scipy import fft
 from scipy.ndimage import fourier_gaussian
 
+from ...checks import TINY
 from ...equations import Equations
 from ...signals import Preparation, Record
-from ..fitting.linear import TINY
 from ..fitting.residual import residual_on
 from ..given.input_errors import untimely
 from ..given.sensor import as_observed
@@ -166,7 +166,7 @@ def shuffle_signs(
     n = len(columns)
     memory = memory_of(columns) if memory is None else memory
     slow = fft.irfft(fourier_gaussian(fft.rfft(rng.standard_normal(n)), memory, n), n)
-    return columns * (slow / max(float(slow.std()), 1e-300))[:, None]
+    return columns * (slow / max(float(slow.std()), TINY))[:, None]
 
 
 def memory_of(columns: np.ndarray) -> float:
@@ -179,6 +179,6 @@ def memory_of(columns: np.ndarray) -> float:
     spectrum = fft.rfft(columns - columns.mean(axis=0), length, axis=0)
     # Without its negative frequencies, an autocovariance has its envelope as magnitude.
     covariance = np.abs(fft.ifft(np.abs(spectrum) ** 2, length, axis=0)[:n])
-    correlation = np.max(covariance / np.maximum(covariance[0], 1e-300), axis=1)
+    correlation = np.max(covariance / np.maximum(covariance[0], TINY), axis=1)
     lag = int(np.argmax(correlation < 0.1)) or n
     return float(np.clip(2 * lag, 2, max(2, n // 40)))
