@@ -1,6 +1,7 @@
 """The parts lie as the design says: imports point down, and some words stay out of the package."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,7 @@ LAYERS = (
 FLOORS = ("given", "effects", "fitting", "twins", "evidence", "memories", "free_runs", "growth")
 FLOORS += ("revision", "report", "search", "settling", "close")
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
+MANY = 8  # files in a folder, above which its docstring says what each of them answers
 
 
 def module_name(path):
@@ -77,6 +79,29 @@ def _longest_module(parts, modules):
     while parts and ".".join(parts) not in modules:
         parts = parts[:-1]
     return ".".join(parts) or "__init__"
+
+
+def large_folders():
+    """Folders with more files than anybody opens one after the other."""
+    folders = sorted({path.parent for path in sources().values()})
+    return [folder for folder in folders if len(list(folder.glob("*.py"))) > MANY]
+
+
+def parts_of(folder):
+    """Names of the files and folders that a folder holds, as imports write them."""
+    files = {path.stem for path in folder.glob("*.py")} - {"__init__"}
+    return files | {path.parent.name for path in folder.glob("*/__init__.py")}
+
+
+def names_in_table(folder):
+    """First column of the table in a folder's docstring; a row without text is a heading."""
+    lines = (ast.get_docstring(syntax(folder / "__init__.py")) or "").splitlines()
+    rules = [number for number, line in enumerate(lines) if re.fullmatch("=+  =+", line)]
+    if not rules:
+        return []
+    first, last = rules
+    width = lines[first].index(" ")
+    return [row[:width].strip() for row in lines[first + 1 : last] if row[width:].strip()]
 
 
 @pytest.fixture(scope="module")
@@ -164,3 +189,17 @@ def test_no_handler_catches_everything(module, modules):
             if node.type is None or names & {"Exception", "BaseException"}:
                 found.append(f"line {node.lineno}")
     assert found == []
+
+
+@pytest.mark.parametrize("folder", large_folders(), ids=lambda folder: folder.name)
+def test_large_folder_says_what_each_of_its_files_answers(folder):
+    named, parts = names_in_table(folder), parts_of(folder)
+    assert named, f"{folder}/__init__.py has no table of its files; see loop/settling for its form"
+    assert parts - set(named) == set(), f"the table in {folder}/__init__.py misses a file"
+    assert set(named) - parts == set(), f"{folder}/__init__.py names what is not there"
+    assert len(named) == len(parts), f"{folder}/__init__.py names a file twice"
+
+
+def test_table_of_the_loop_has_its_floors_in_their_order():
+    loop = PACKAGE / "loop"
+    assert names_in_table(loop) == [one for one in FLOORS if (loop / one / "__init__.py").exists()]

@@ -4,6 +4,20 @@ The command `paper` makes the tables and figures of the paper again.
 
 An error in what was given ends with exit code 2 and one line on stderr, an interrupt with 130.
 Results go to stdout, progress and warnings to stderr.
+
+================  ========================================================
+what runs
+commands          the commands demo, fit and loop
+reproduction      the command paper
+what is typed
+options           the flags of each command, with their checks
+readers           convert the text after a flag into a value, or refuse it
+help_texts        the text that --help prints, with examples to copy
+input and output
+records           records from named columns of CSV files
+angles            unwraps angles that jump back after a full turn
+output            what the commands print and save
+================  ========================================================
 """
 
 from __future__ import annotations

@@ -1,4 +1,22 @@
-"""Simulate equations that stick and slip: a free run here, many short runs in `pieces`."""
+"""Simulate equations that stick and slip: a free run here, many short runs in `pieces`.
+
+=========  =======================================================================
+equations
+structure  the terms of equations, where they switch, and which numbers may change
+one run
+inputs     checks of times, initial states and inputs
+freerun    integrates sample by sample, and locates each switch, stick and slip
+program    one integration step, compiled into one Python function
+filippov   Filippov's rule: the right-hand side while a switch stays at zero
+rows       right-hand sides and switching functions as sympy expressions
+scalars    sympy expressions compiled into scalar functions
+many runs
+pieces     several models over many pieces of records
+columns    right-hand sides of many runs in one array
+crossing   steps of many runs that cross a switch
+tape       terms evaluated for many runs at once, without compilation
+=========  =======================================================================
+"""
 
 from __future__ import annotations
 

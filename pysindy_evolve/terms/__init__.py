@@ -11,6 +11,19 @@ A *term* is a product of integer powers of atoms; a *sum* is a linear combinatio
 Arithmetic on sums multiplies out and collects, so every expression has one form: q*(q*q) and
 cube(q) are the same term, and v*sgn(v) is abs(v). All classes are immutable, hash and pickle.
 Floats inside an atom (the 2.1 and 0.3 above) are the *inner constants* of a term.
+
+==========  ===================================================================
+classes
+node        what all classes share: hash, order and pickling
+atoms       Variable and Call
+products    Product
+sums        Sum
+operations
+arithmetic  sums added, multiplied, divided and raised to a power
+calls       operators applied to sums
+canonical   the one form of a product: powers collected, sgn and abs simplified
+lowest      fractions in lowest terms
+==========  ===================================================================
 """
 
 from .arithmetic import add, constant, div, mul, neg, power, sub, variable

@@ -3,6 +3,20 @@
 Every loader takes ``folder``, the folder that holds one subfolder per set; None searches this
 machine and then downloads, see `pysindy_evolve.datasets.sources.read_columns`. What comes back is
 raw: nothing is filtered, and nothing but the stated input mean is removed.
+
+==============  ======================================================================
+loaders
+ball_drops      balls of several kinds, dropped from a bridge
+cart            a cart under proportional control
+cascaded_tanks  two tanks, the upper one draining into the lower one
+emps            an electro-mechanical positioning system: a motor drives a linear axis
+mr_damper       a magnetorheological damper
+pendulum        a pendulum in free swing
+silverbox       an electronic circuit that behaves as a Duffing oscillator
+tclab           a board with heaters and temperature sensors
+result
+record          what each loader returns: records to fit on, records to judge on
+==============  ======================================================================
 """
 
 from .ball_drops import load_ball_drops

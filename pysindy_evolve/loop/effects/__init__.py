@@ -1,1 +1,29 @@
-"""The vocabulary: effects that engineers know by name, as columns that may be missing."""
+"""The vocabulary: effects that engineers know by name, as columns that an equation may lack.
+
+`vocabulary.py` lists the effects, `missing.py` selects those that a design may lack.
+
+=================  ======================================================================
+basis
+vocabulary         all effects with a name, and the terms of each
+missing            which effects a design may lack, and which it has already
+candidate          one effect that may be missing, as columns for an equation
+shaping            the numbers inside an effect, such as a rate, prepared for tuning
+partners           effects in several equations that share the same inner numbers
+forces
+entries            forces that enter through an inverse mass matrix
+angles             forces between rotating bodies, periodic in the difference of angles
+radial             forces along or against a motion in a plane or in space
+stops              end stops, contacts, slack ropes
+flows and changes
+differences        flows in proportion to a difference, such as heat between two walls
+varying            declared coefficients that change with a variable or with time
+with memory
+hysteresis         hysteresis, and friction with a rounded sign
+relaxation         springs whose force fades, bodies that store heat
+flexible           masses that nobody measured, and that swing
+followers          relaxation and flexible masses together: what follows a measured state
+by frequency
+lines              frequencies at which the spectrum of a signal stands above the noise
+periodic           forcing and ripple at these frequencies
+=================  ======================================================================
+"""

@@ -1,1 +1,18 @@
-"""A second look at what was found: exchanged, tuned again, or dropped."""
+"""A second look at what was found: exchanged, tuned again, or dropped.
+
+`revise.py` is where to begin.
+
+================  =================================================================
+exchanged
+revise            exchanges, merges and drops effects
+tuned again
+hidden_numbers    the numbers of a hysteresis or a relaxation
+sharing           one number where effects in two equations are the same expression
+beginnings        the inputs before a record began, for memories of inputs
+dropped
+marginality       effects that only had to precede another one, such as an offset
+thinning          effects that a term replaces once its numbers are tuned
+superseded        memories, and results of free runs, that later effects explain
+errors_in_inputs  effects that explain no more than errors of the inputs
+================  =================================================================
+"""

@@ -2,24 +2,26 @@
 
 `order.py` is where to begin.
 
-===============  ===================================================================
+===============  =======================================================================
+in order
+order            calls the files below; repeats until no effect is withdrawn
 named rightly
-contest          what could stand in the place of each effect, and which of these is named
-refuted          which of these free runs refute
-asymmetry        friction that differs with the direction: one force in two names
-dead_zones       a dead zone of an input, or its saturation
-end_stops        on which side of it a stop stands
-products         couplings, where grown terms are products of states
+contest          what could replace each effect, and which of these is named
+refuted          alternatives that free runs rule out
+asymmetry        offset plus friction, renamed: friction that differs with the direction
+dead_zones       a dead zone of an input, told from its saturation
+end_stops        on which side of its position a stop acts
+products         grown terms that are products of states, renamed couplings
 fitted for good
-judge            a design, fitted and judged on held-out records
-bias             what noise shifts in coefficients
+judge            errors of a model on held-out records
+bias             removes from coefficients what sensor noise adds to them
 quantities       delays, time constants and limits, with their intervals
 shape_intervals  intervals of the numbers inside effects
-assembly         all stages together in a report
+assembly         the report, made from all stages together
 withdrawn
-doubtful         an effect whose sign is not known
-transfer         one that differs from record to record
-runaway          one with which the model leaves a record that it followed
-worsened         one with which free runs miss more
-===============  ===================================================================
+doubtful         an effect whose interval contains zero
+transfer         an effect that differs from record to record
+runaway          an effect that makes free runs diverge from the training records
+worsened         an effect without which free runs are closer to the training records
+===============  =======================================================================
 """
