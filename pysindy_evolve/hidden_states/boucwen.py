@@ -20,8 +20,8 @@ Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8, on what its numbers mean.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 import sympy
@@ -81,6 +81,7 @@ class Hysteresis:
 
     suffix = SUFFIX
     order = 1
+    follow: ClassVar[Callable[..., np.ndarray]] = staticmethod(yielding_along)
 
     def numbers(self, path: Call) -> tuple[float, float]:
         """Return L and k."""
@@ -127,7 +128,7 @@ class Hysteresis:
     ) -> np.ndarray:
         """Return w on rows of a record, from its value on the first one; by default zero."""
         start = 0.0 if starts is None else starts[0]
-        return yielding_along(path.args[0].evaluate(rows), *self.numbers(path), start)[:, None]
+        return self.follow(path.args[0].evaluate(rows), *self.numbers(path), start)[:, None]
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
         """Return between which values w may have begun."""

@@ -18,8 +18,8 @@ dynamic nonlinearity" (2016), https://www.nonlinearbenchmark.org, for one that s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 import sympy
@@ -78,6 +78,7 @@ class SpringHysteresis(Hysteresis):
     """What a model needs to know of w; see `PathKind`."""
 
     suffix = SUFFIX
+    follow: ClassVar[Callable[..., np.ndarray]] = staticmethod(springing_along)
 
     def weights(self, path: Call) -> tuple[float, ...]:
         """Return 1 / L and beta / L."""
@@ -101,13 +102,6 @@ class SpringHysteresis(Hysteresis):
         way = "stiffer" if loss < 0.5 else "softer"
         turns = f"forgets a turn over a length of {length:.4g}{sure[0]}"
         return f"{turns}, grows {way} on the way out, beta = {loss:.3g}{sure[1]}"
-
-    def along(
-        self, path: Call, rows: np.ndarray, starts: Sequence[float] | None = None
-    ) -> np.ndarray:
-        """Return w on rows of a record, from its value on the first one; by default zero."""
-        start = 0.0 if starts is None else starts[0]
-        return springing_along(path.args[0].evaluate(rows), *self.numbers(path), start)[:, None]
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
         """Return between which values w may have begun: those of these rows, and beyond."""

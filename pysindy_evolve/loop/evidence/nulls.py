@@ -19,7 +19,7 @@ from functools import partial
 import numpy as np
 
 from ...equations import Equations
-from ..fitting.linear import solve_gram
+from ..fitting.linear import solve_gram, square_of
 from ..fitting.residual import derivative_grams
 from ..fitting.shooting import fit_to_runs
 from ..fitting.unfolding import square_left, unfolded, with_paths
@@ -113,8 +113,7 @@ def freed_of_noise(
     gram = _gram(design, part)
     coef = solve_gram(gram)
     shift = np.append(_shift(maker, coef, design, part, rng), 0.0)
-    left = np.append(coef, -1.0)
-    if shift @ gram @ shift < SHIFTED * (left @ gram @ left):
+    if shift @ gram @ shift < SHIFTED * square_of(gram, coef):
         return None
     records = maker.records
     loss = partial(square_left, design, records)

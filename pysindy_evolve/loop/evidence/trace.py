@@ -19,7 +19,7 @@ import numpy as np
 from ...checks import TINY
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
-from ..fitting.linear import errors_of, solve_many
+from ..fitting.linear import errors_of, solve_many, summed
 from ..given.rows import LARGEST
 
 __all__ = ["Score", "are_new", "fold_errors", "rank", "ranked"]
@@ -61,7 +61,7 @@ def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.
     ndarray of shape (n_models, n_folds)
         Sum of squared errors in each fold.
     """
-    held = np.array([grams[folds == k].sum(axis=0) for k in range(int(folds.max()) + 1)])
+    held = summed(grams, folds)
     # Not the sum of all less this one: a column that is zero elsewhere would leave its rounding.
     rest = np.array([np.delete(held, k, axis=0).sum(axis=0) for k in range(len(held))])
     # Below rounding one fit is not better than another, and ratios of errors would overflow.

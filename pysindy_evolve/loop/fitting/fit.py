@@ -21,7 +21,7 @@ from ..given.rows import scale_of, variables_of
 from ..given.segments import places_of, segments
 from ..given.sticking import may_rest, moving
 from .bootstrap import block_intervals
-from .linear import solve_gram
+from .linear import solve_gram, square_of
 from .past import rates_on, settled_rows
 from .residual import forces, jacobian, simulation_rows
 from .trajectory import Trajectories
@@ -107,19 +107,19 @@ def _betters(
 ) -> bool:
     """Tell whether stretches are simulated better by a fit to the others than by the derivative."""
     whole = blocks.sum(axis=0)
-    torn = _square(whole, by_simulation) > MAX_TORN * _square(whole, by_derivative)
+    torn = square_of(whole, by_simulation) > MAX_TORN * square_of(whole, by_derivative)
     if len(judged) < 2 or torn:
         return False
     held_out = sum(
-        _square(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
+        square_of(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
     )
-    plain = sum(_square(stretch, by_derivative) for stretch in judged)
+    plain = sum(square_of(stretch, by_derivative) for stretch in judged)
     return bool(held_out < plain)
 
 
 def derivative_square(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:
     """Return the sum of squares that coefficients leave of the windowed derivative."""
-    return _square(_block_grams(design, records).sum(axis=0), coef)
+    return square_of(_block_grams(design, records).sum(axis=0), coef)
 
 
 def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarray:
@@ -139,7 +139,7 @@ def _over_all(horizons: dict[int, np.ndarray]) -> np.ndarray:
 def _normalized(grams: np.ndarray) -> np.ndarray:
     """Sum over the stretches, in units of the error that the best fit to them leaves."""
     total = grams.sum(axis=0)
-    left = sum(_square(g, _solve(grams)) for g in grams)
+    left = sum(square_of(g, _solve(grams)) for g in grams)
     return total / max(left, ROUNDING * float(total[-1, -1]), 1e-100)
 
 
@@ -205,11 +205,6 @@ def _rows(design: Design, record: Record, windows: Windows, scale: np.ndarray) -
 
 def _solve(grams: np.ndarray) -> np.ndarray:
     return solve_gram(grams.sum(axis=0))
-
-
-def _square(gram: np.ndarray, coef: np.ndarray) -> float:
-    contrast = np.append(coef, -1.0)
-    return float(contrast @ gram @ contrast)
 
 
 def derivative_errors(

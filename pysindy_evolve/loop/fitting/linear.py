@@ -6,7 +6,7 @@ import numpy as np
 
 from ...checks import TINY
 
-__all__ = ["errors_of", "log_ratio", "solve", "solve_gram", "solve_many"]
+__all__ = ["errors_of", "log_ratio", "solve", "solve_gram", "solve_many", "square_of", "summed"]
 
 RIDGE = 1e-10  # relative; keeps a column that repeats another one from blowing up
 
@@ -116,3 +116,14 @@ def _left(
 def log_ratio(before: float, after: float) -> float:
     """Return log(before / after) of two errors; finite where one of them is zero."""
     return float(np.log(max(before, TINY) / max(after, TINY)))
+
+
+def square_of(gram: np.ndarray, coef: np.ndarray) -> float:
+    """Return the square that coefficients leave of the target, the last column of a Gram matrix."""
+    contrast = np.append(coef, -1.0)
+    return float(contrast @ gram @ contrast)
+
+
+def summed(grams: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """Return the sums of matrices, (n, p, p), of one label each, which count from zero."""
+    return np.array([grams[labels == k].sum(axis=0) for k in range(int(labels.max()) + 1)])

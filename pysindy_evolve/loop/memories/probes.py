@@ -22,7 +22,7 @@ from ..effects.candidate import Candidate, rewritten
 from ..evidence.scoring import Proposer
 from ..evidence.spectral import spectral_grams
 from ..evidence.trace import fold_errors
-from ..fitting.linear import log_ratio
+from ..fitting.linear import log_ratio, summed
 from ..given.design import Column, Design
 from ..given.segments import Segments
 from .chains import traded
@@ -203,12 +203,12 @@ class Exchange:
     @property
     def gain(self) -> float:
         """log(error before / after)."""
-        return _log_ratio(self.without, self.alone)
+        return log_ratio(self.without.sum(), self.alone.sum())
 
     @property
     def gain_beside(self) -> float:
         """The same with original and replacement together."""
-        return _log_ratio(self.without, self.beside)
+        return log_ratio(self.without.sum(), self.beside.sum())
 
 
 def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -> list[Exchange]:
@@ -239,8 +239,7 @@ def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -
         places.append({k: len(columns) + i for i, k in enumerate(new)})
         columns += new.values()
     grams = spectral_grams(part, design, [*columns, Column("known", design.fixed)])
-    folds = part.folds
-    by_fold = np.array([grams[folds == k].sum(axis=0) for k in range(int(folds.max()) + 1)])
+    by_fold = summed(grams, part.folds)
     targets = [place.get(n_own) for place in places]
     moved = [tuple(place.get(k, k) for k in range(n_own)) for place in places]
     both = [(*range(n_own), *(p for k, p in place.items() if k < n_own)) for place in places]
@@ -275,7 +274,3 @@ def _with_target(grams: np.ndarray, place: int) -> np.ndarray:
     change = np.eye(last + 1)
     change[last - 1, last], change[place, last] = 1.0, -1.0  # target + known - changed known
     return np.asarray(change.T @ grams @ change)
-
-
-def _log_ratio(before: np.ndarray, after: np.ndarray) -> float:
-    return log_ratio(before.sum(), after.sum())

@@ -21,7 +21,7 @@ from ..evidence.findings import (
     is_needed,
     with_findings,
 )
-from ..fitting.linear import solve_gram
+from ..fitting.linear import solve_gram, summed
 from ..fitting.residual import derivative_grams
 from ..given.design import Design, in_state
 from ..given.segments import Segments
@@ -85,7 +85,7 @@ def _differs(finding: Finding, design: Design, part: Segments, records: np.ndarr
     coef = solve_gram(grams.sum(axis=0))
     own = [design.columns.index(column) for column in finding.columns]
     lost, gained = [], []
-    for gram in _by_record(grams, records):
+    for gram in summed(grams, records):
         inner = gram[np.ix_(own, own)]
         wrong = np.linalg.pinv(inner) @ (gram[own, -1] - gram[own, :-1] @ coef)
         right = coef[own] + wrong
@@ -99,7 +99,7 @@ def _is_load(few: Design, many: Design, part: Segments, records: np.ndarray) -> 
     own = derivative_grams(part, many, many.columns).sum(axis=0)
     for state in few.open_states:
         load = in_state("load", OFFSET, state, len(few.states))
-        grams = _by_record(derivative_grams(part, few, (load, *few.columns)), records)
+        grams = summed(derivative_grams(part, few, (load, *few.columns)), records)
         freed = sum(gram - np.outer(gram[0], gram[0]) / gram[0, 0] for gram in grams)[1:, 1:]
         if _left(freed) <= AS_WELL * _left(own):
             return True
@@ -112,14 +112,9 @@ def _tells_records_apart(few: Design, many: Design, part: Segments, records: np.
         return False
     sides = [derivative_grams(part, design, design.columns) for design in (few, many)]
     pooled = [_left(grams.sum(axis=0)) for grams in sides]
-    own = [sum(map(_left, _by_record(grams, records))) for grams in sides]
+    own = [sum(map(_left, summed(grams, records))) for grams in sides]
     explained, within = pooled[0] - pooled[1], own[0] - own[1]
     return own[0] < BETTER * pooled[1] and within < WITHIN * explained
-
-
-def _by_record(grams: np.ndarray, records: np.ndarray) -> list[np.ndarray]:
-    """Return the inner products over all pieces of each record."""
-    return [grams[records == record].sum(axis=0) for record in range(records[-1] + 1)]
 
 
 def _left(gram: np.ndarray) -> float:
