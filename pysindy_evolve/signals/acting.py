@@ -19,6 +19,8 @@ __all__ = ["InputFunction"]
 
 MARGINS = (0.5, 0.1)  # of the range of an input, by which a low-pass may pass its ends
 N_POINTS = 2049  # of a table, between which the inverse is a straight line
+ROUNDING = 1e-12  # of its largest value, that a function varies by where it is constant
+JUMP = 0.01  # of the range of values, that lie between two points of a table if nothing jumps
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +41,7 @@ class InputFunction:
 
     @property
     def is_invertible(self) -> bool:
-        """Whether it goes one way over the range of the input, or on each side of zero."""
+        """Whether it turns nowhere, unless at an input of zero, and does not jump."""
         return bool(self._sides)
 
     def covering(self, u: Array) -> InputFunction:
@@ -92,7 +94,17 @@ class InputFunction:
         inputs, values = inputs[has_value], values[has_value]
         if not inputs.size or inputs[0] > max(self.low, low) or inputs[-1] < min(self.high, high):
             return None
-        rises = np.diff(values)
-        if np.all(rises > 0.0):
-            return inputs, values
-        return (inputs[::-1], values[::-1]) if np.all(rises < 0.0) else None
+        if values[-1] < values[0]:
+            inputs, values = inputs[::-1], values[::-1]
+        rises, least = np.diff(values), ROUNDING * np.abs(values).max()
+        if np.any(rises < -least) or np.all(rises <= least):
+            return None
+        rising = np.append(True, rises > least)  # of a plateau, where it begins
+        inputs, values = inputs[rising], values[rising]
+        return (inputs, values) if self._reaches(inputs, values) else None
+
+    def _reaches(self, inputs: Array, values: Array) -> bool:
+        """Tell whether it takes the values between those of a table as well, and does not jump."""
+        between = [0.5 * (side[1:] + side[:-1]) for side in (inputs, values)]
+        missed = np.abs(self.function(between[0]) - between[1]).max()
+        return bool(missed <= JUMP * np.ptp(values))
