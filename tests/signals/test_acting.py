@@ -48,9 +48,26 @@ def test_a_function_that_turns_close_to_the_range_is_followed_less_far():
     assert one.after(plain, u, u) == pytest.approx(u, abs=1e-3)
 
 
-@pytest.mark.parametrize("function", [np.sin, np.cos])
-def test_a_function_that_turns_has_no_inverse(function):
-    assert not InputFunction(function, 0.3, 6.0).is_invertible
+@pytest.mark.parametrize("function", [np.sin, np.cos, np.sign, np.round])
+def test_a_function_that_turns_or_jumps_has_no_inverse(function):
+    assert not InputFunction(function, -0.3, 6.0).is_invertible
+
+
+def clipped(u):
+    return 0.5 * (np.abs(u + 1.0) - np.abs(u - 1.0))  # constant but for rounding
+
+
+def without_play(u):
+    return u - clipped(u)
+
+
+@pytest.mark.parametrize("function", [clipped, without_play, lambda u: -clipped(u)])
+def test_a_clip_or_a_dead_zone_acts_before_a_mean_is_taken(function):
+    """Which of the inputs on a plateau stands there does not matter."""
+    one, u = InputFunction(function, -2.0, 2.0), np.array([-1.9, -0.8, 0.1, 0.9, 1.6])
+    halved = one.after(lambda values: 0.5 * values, u, u)
+    assert one.is_invertible
+    assert function(halved) == pytest.approx(0.5 * function(u), abs=0.01)
 
 
 @pytest.mark.parametrize("held", [False, True])

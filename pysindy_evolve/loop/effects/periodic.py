@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -20,6 +21,7 @@ __all__ = [
     "frequency_of",
     "is_same_ripple",
     "lines_of",
+    "other_pumps",
     "periodic_candidates",
     "pumped_candidates",
     "ripple_candidates",
@@ -117,6 +119,42 @@ def pumped_candidates(
         for line in lines
         or [f / dt for f in pumping(residual, values, PERIODS_IN_TIME, highest * dt)]
     ]
+
+
+def other_pumps(forcing: Candidate, time: int, parts: Sequence[Sum]) -> list[Candidate]:
+    """Return what else may act at the frequency of a forcing: the wave, or a term times the wave.
+
+    What is pumped at a frequency near its own moves with the pump. Then each term has a line there,
+    and the residual does not tell which of them is pumped; free runs do.
+
+    Parameters
+    ----------
+    forcing : Candidate
+        What was found; nothing else can stand for what is no forcing.
+    time : int
+        Column of the variables that holds time.
+    parts : sequence of Sum
+        Terms of its equation, without their coefficients.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    if forcing.name != FORCING or forcing.shape is None:
+        return []
+    effect, waves = CandidateMaker(forcing.state), _waves(time)
+    plain = effect(FORCING, shape=replace(forcing.shape, builds=waves))
+    pumped = [
+        effect(
+            FORCING,
+            shape=replace(forcing.shape, builds=tuple(partial(_times, part, w) for w in waves)),
+            parents=(part,),
+            alone=True,
+        )
+        for part in parts
+        if time not in part.variables
+    ]
+    return [plain, *pumped]
 
 
 def _of_line(

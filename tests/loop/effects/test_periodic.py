@@ -5,8 +5,16 @@ import pytest
 from loop_systems import equations_of, multisine
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.lines import pumping
-from pysindy_evolve.loop.effects.periodic import lines_of, periodic_candidates, ripple_candidates
+from pysindy_evolve.loop.effects.periodic import (
+    FORCING,
+    lines_of,
+    other_pumps,
+    periodic_candidates,
+    ripple_candidates,
+)
+from pysindy_evolve.terms import mul, variable
 
 STILL = np.empty((1000, 0))  # no inputs
 
@@ -193,6 +201,37 @@ def test_what_pumps_a_population_that_has_its_line_is_found_all_the_same():
     residual = 0.1 * values * np.cos(2.0 * np.pi * T + 0.3) + noise
     (found,) = pumping(residual - 0.04 * values, values, 8)
     assert found / 0.02 == pytest.approx(1.0, rel=1e-3)
+
+
+def test_a_forcing_may_be_a_term_that_is_pumped_at_its_frequency():
+    wave, *_ = periodic_candidates(0, 2, np.cos(7.0 * T), np.empty((len(T), 0)), 0.02)
+    product = mul(variable(0), variable(1))
+    plain, pumped = other_pumps(wave, 2, [product, mul(product, variable(2))])
+    assert plain == wave
+    assert (pumped.name, pumped.parents) == (FORCING, (product,))
+    assert pumped.terms == tuple(mul(product, term) for term in wave.terms)
+    assert other_pumps(Candidate("coupling", 0, (product,)), 2, [product]) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_a_pumped_population_is_told_from_one_that_is_stocked(seed):
+    """It swings with the pump near its own period, so each of its terms has a line there."""
+    sides = {"N": "N - N**2/12 - 0.4*N*P*(1 + 0.2*cos(1.2*t))", "P": "0.2*N*P - 0.5*P"}
+    model, rng = pse.DeclaredModel(sides), np.random.default_rng(seed)
+    t = np.arange(0.0, 120.0, 0.1)
+
+    def measured():
+        x = pse.simulate(equations_of(sides), rng.uniform([1.0, 0.5], [5.0, 2.0]), t)
+        noisy = x * (1.0 + 0.003 * rng.standard_normal(x.shape))
+        return pse.prepare(t, noisy, order=1)
+
+    model = pse.DeclaredModel({"N": "r*N - s*N**2 - a*N*P", "P": "b*N*P - m*P"})
+    report = pse.close_loop(model, measured(), measured(), operators=(), random_state=0)
+    (effect,) = report.effects
+    assert effect.name == FORCING
+    assert all(term.variables == {0, 1, 2} for term in effect.expressions)
+    assert report.after.simulation_error.max() < 3.0
 
 
 @pytest.mark.parametrize("seed", range(3))

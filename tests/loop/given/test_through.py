@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.given.through import with_functions
@@ -43,6 +44,8 @@ def record(u=None):
         ("a*n**2 + b*sin(n*V) - c*V", set()),
         ("a*cos(9*n) - c*V", set()),
         ("a*n*d - c*V", set()),
+        ("a*Max(Min(n, 1), 0.7) - c*V + b*d", {0}),
+        ("a*sign(n - 0.9) - c*V", set()),
     ],
 )
 def test_an_input_acts_through_the_one_function_that_the_model_has(side, columns):
@@ -73,6 +76,23 @@ def test_nothing_is_missing_where_a_held_speed_acts_by_its_square(seed, levels):
         )
 
     model = pse.DeclaredModel({"V": "a*n**2 - d*V*Abs(V)"}, inputs=["n"])
+    report = pse.close_loop(model, measured(), measured(), random_state=0)
+    assert report.verdict == "complete"
+    assert report.after.simulation_error < 1.0
+
+
+@pytest.mark.slow
+def test_nothing_is_missing_behind_the_dead_zone_of_a_valve_that_is_held():
+    """Its mean over a step is not the dead zone of the mean: this was two gains and a dead zone."""
+    rng, t = np.random.default_rng(0), np.arange(0.0, 30.0, 0.01)
+
+    def measured():
+        u = rng.choice(np.linspace(-1.6, 1.6, 9), 150).repeat(20)
+        flow = 220.0 * np.sign(u) * np.maximum(np.abs(u) - 0.4, 0.0)
+        v = lfilter([0.0, 1.0 - np.exp(-0.12)], [1.0, -np.exp(-0.12)], flow)  # exact if held
+        return pse.prepare(t, v + rng.standard_normal(len(t)), u, order=1, held=True)
+
+    model = pse.DeclaredModel({"v": "b*sign(u)*Max(Abs(u) - 0.4, 0) - a*v"}, inputs=["u"])
     report = pse.close_loop(model, measured(), measured(), random_state=0)
     assert report.verdict == "complete"
     assert report.after.simulation_error < 1.0
