@@ -155,14 +155,24 @@ def _with_wider_coefficients(
     """Return effects with the intervals that allow for all numbers, where these are wider."""
     counts = [len(finding.columns) for finding in findings]
     ends = accumulate(counts, initial=len(half) - sum(counts))
-    wide = []
+    found = []
     for effect, count, first in zip(effects, counts, ends, strict=False):
         if count:
             own = half[first : first + count]
-            known = _wider(effect.confidence_intervals, effect.coefficients, own)
-            effect = replace(effect, confidence_intervals=known)
-        wide.append(effect)
-    return wide
+            known = effect.confidence_intervals
+            wide = _wider(known, effect.coefficients, own)
+            # Other numbers change how large a coefficient is; with none would it have another sign.
+            wide = _with_sign_of(known, wide) if count == 1 else wide
+            effect = replace(effect, confidence_intervals=wide)
+        found.append(effect)
+    return found
+
+
+def _with_sign_of(known: np.ndarray, wide: np.ndarray) -> np.ndarray:
+    """Return wider intervals, (n, 2), that end at zero where the known ones do not hold it."""
+    low = np.where(known[:, 0] > 0.0, np.maximum(wide[:, 0], 0.0), wide[:, 0])
+    high = np.where(known[:, 1] < 0.0, np.minimum(wide[:, 1], 0.0), wide[:, 1])
+    return np.column_stack([low, high])
 
 
 def _with_wider_parameters(errors: Errors, half: np.ndarray) -> Errors:

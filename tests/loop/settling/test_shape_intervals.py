@@ -15,7 +15,7 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.settling.assembly import make_report
-from pysindy_evolve.loop.settling.shape_intervals import with_numbers_known
+from pysindy_evolve.loop.settling.shape_intervals import _with_sign_of, with_numbers_known
 from pysindy_evolve.operators import BUILTIN, Operator
 from pysindy_evolve.terms import call, constant, mul, variable
 
@@ -77,6 +77,12 @@ def test_the_interval_of_a_number_holds_it_and_the_others_allow_for_it(
         wide = report.after.parameter_intervals[parameter]
         assert wide[0] <= ends[0] < ends[1] <= wide[1]
     assert report.steps[-1].errors is report.after
+
+
+def test_numbers_leave_a_coefficient_the_sign_that_it_has():
+    ends = np.array([[1.0, 2.0], [-2.0, -1.0], [-1.0, 2.0]])
+    wide = _with_sign_of(ends, ends + [-3.0, 3.0])
+    assert wide.tolist() == [[0.0, 5.0], [-5.0, 0.0], [-4.0, 5.0]]
 
 
 def test_numbers_are_said_in_every_form_of_the_report(gap, tmp_path):
