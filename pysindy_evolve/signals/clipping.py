@@ -30,6 +30,7 @@ LEAST_IN_A_ROW = 3  # readings at a limit
 LEAST_READINGS = 2  # at a limit, beyond what a crest of a rounded signal holds ...
 CREST = 5  # ... which holds at most so many times the readings of the levels next to it
 NEXT_LEVELS = 3
+AS_LONG = 0.25  # times the longest stay at a limit: a machine stops for longer here than there
 MOST = 0.5  # share of the readings; a sensor that shows its limit more often is none
 # Of the time before a gap, so much in lengths of a gap is looked at: a crest of a sine then covers
 # 0.7 of the way of the time before, what comes to rest a third.
@@ -50,7 +51,8 @@ def sensor_limits(y: Array) -> Array:
     A limit is an extreme that stays for several readings in a row, and is read far more often than
     the levels next to it: a smooth signal, however rounded, has no such heap at its crests. The
     readings meet it at full speed, where a machine that comes to rest slows down. A coarse sensor
-    repeats its readings at every rest, and shows none.
+    repeats its readings at every rest, and shows none; nor does one whose readings stay elsewhere
+    for a time that compares, as those of a machine that moves from stop to stop.
 
     Parameters
     ----------
@@ -66,7 +68,7 @@ def sensor_limits(y: Array) -> Array:
     for column, upper in product(range(y.shape[1]), (False, True)):
         readings = y[:, column] if upper else -y[:, column]
         top = readings.max()
-        if _is_heap(readings, top) and not _is_coarse(readings):
+        if _is_heap(readings, top) and not _is_coarse(readings) and not _stops(readings, top):
             limits[int(upper), column] = top if upper else -top
     return limits
 
@@ -106,6 +108,14 @@ def _arrives(readings: Array, there: NDArray[np.bool_], top: float) -> bool:
             return False
         span *= 2
     return True
+
+
+def _stops(readings: Array, top: float) -> bool:
+    """Tell whether readings stay elsewhere for a time that compares with that at the highest."""
+    ends = np.flatnonzero(np.diff(readings)) + 1  # without its rests before and after all motion
+    stays, values = np.diff(ends), readings[ends[:-1]]
+    between = (values < top) & (values > readings.min())
+    return bool(stays[between].max(initial=0) >= AS_LONG * stays[values == top].max(initial=0))
 
 
 def _is_coarse(readings: Array) -> bool:

@@ -54,6 +54,16 @@ def test_rest_before_the_machine_starts_is_no_limit():
     assert not np.isfinite(sensor_limits(np.maximum(y, 0.0)[:, None])[0])
 
 
+@pytest.mark.parametrize("begins", [0.0, 3.0])
+def test_a_table_that_stops_elsewhere_does_not_end_at_its_highest_stop(begins):
+    """It comes there once, which does not tell how it slows down."""
+    stops = np.interp(T - begins, [0, 3, 8, 9, 14, 15, 50], [0, 80, 80, 30, 30, 10, 70])
+    readings = 0.01 * np.round(stops / 0.01)
+    assert not np.isfinite(sensor_limits(readings[:, None])).any()
+    ended = np.where(readings == 30.0, readings + 0.1 * motion(0.0), readings)
+    assert sensor_limits(ended[:, None])[1] == 80.0
+
+
 def test_second_derivative_is_right_beside_the_gaps():
     record = pse.prepare(T, np.minimum(motion(), 0.9))
     seen = record.seen.all(axis=1)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from ..twins.paths import follow
 __all__ = ["plateaus", "tested"]
 
 N_TWINS = 999  # which cost next to nothing: one run, and noise
-AS_LONG = 0.5  # times a stay at an extreme: one machine stops for longer here than there
 
 
 def tested(
@@ -49,7 +47,7 @@ def tested(
         With samples in a row, their chance, and the same samples in the twins.
     """
     found, n_twins = [], draws_for(rules.level_of_runs, N_TWINS)
-    for limit in (one for one in limits if not _rests_elsewhere(one, records)):
+    for limit in limits:
         length, lengths = plateaus(limit, equations, records, n_twins, rng)
         p_value = p_value_of(length, lengths)
         if p_value <= rules.level_of_runs:
@@ -102,21 +100,6 @@ def plateaus(
         twins = [y + s * rng.standard_normal(len(y)) for y, s in zip(found, noise, strict=True)]
         lengths.append(_plateau([step * np.round(y / step) for y in twins], limit.upper))
     return observed, np.array(lengths, dtype=float)
-
-
-def _rests_elsewhere(limit: Limit, records: Sequence[Record]) -> bool:
-    """Tell whether readings stay nearly as long elsewhere: those of a machine that stops do."""
-    made = [record.preparation for record in records if record.preparation is not None]
-    raw = [one.y[:, limit.state // one.order] for one in made]
-    low, high = min(column.min() for column in raw), max(column.max() for column in raw)
-    changes = [np.flatnonzero(np.diff(column, prepend=np.nan, append=np.nan)) for column in raw]
-    stays = [
-        int(end - start)
-        for column, places in zip(raw, changes, strict=True)
-        for start, end in pairwise(places)
-        if low < column[start] < high
-    ]
-    return max(stays, default=0) >= AS_LONG * _plateau(raw, limit.upper)
 
 
 def _resolution(columns: Sequence[np.ndarray]) -> float:

@@ -12,7 +12,6 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.evidence.findings import LimitFinding
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.free_runs.plateaus import plateaus
-from pysindy_evolve.loop.free_runs.plateaus import tested as with_evidence
 from pysindy_evolve.loop.free_runs.sensor_limits import clipped_sensors
 from pysindy_evolve.loop.free_runs.state_limits import may_stop_itself
 from pysindy_evolve.loop.free_runs.variants import Model
@@ -92,16 +91,6 @@ def test_an_axis_that_sticks_at_its_highest_place_has_twins_that_do_so():
     observed, in_twins = plateaus(there, sticking, [record], 19, np.random.default_rng(0))
     assert observed > 10
     assert in_twins == pytest.approx(observed, abs=0.1 * observed)
-
-
-def test_a_table_that_stops_for_as_long_elsewhere_does_not_end_at_its_highest_stop():
-    t = np.arange(0.0, 40.0, 0.01)
-    q = 0.01 * np.round(np.interp(t, [0, 4, 9, 15, 20, 26, 40], [0, 0, 80, 80, 30, 30, 10]) / 0.01)
-    pushed = np.gradient(q, t)
-    record = pse.prepare(t, q, pushed)
-    moves = equations_of({"q": "v", "v": "100*(u - v)"}, ("u",))
-    rules, there = Rules(0.05, 59, 0.05, 8), Limit(0, float(q.max()), 600.0, upper=True)
-    assert with_evidence([there], moves, [record], rules, np.random.default_rng(0)) == []
 
 
 @pytest.mark.parametrize("seed", [2, 3, 5])

@@ -81,7 +81,7 @@ def test_the_interval_of_a_number_holds_it_and_the_others_allow_for_it(
 
 def test_numbers_leave_a_coefficient_the_sign_that_it_has():
     ends = np.array([[1.0, 2.0], [-2.0, -1.0], [-1.0, 2.0]])
-    wide = _with_sign_of(ends, ends + [-3.0, 3.0])
+    wide = _with_sign_of(ends, ends + np.array([-3.0, 3.0]))
     assert wide.tolist() == [[0.0, 5.0], [-5.0, 0.0], [-4.0, 5.0]]
 
 
