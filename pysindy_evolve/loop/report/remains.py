@@ -49,11 +49,15 @@ def _last_look(report: LoopReport) -> str:
     where = f"in the equation of {_states(report)}"
     again = "a further " if any(best.name == effect.name for effect in report.effects) else ""
     said = f"The strongest candidate that did not pass is {again}{best.name} {where}: "
-    if not np.isnan(best.p_value):
-        n_twins = len(best.twin_scores)
+    n_twins = len(best.twin_scores)
+    is_tested = not np.isnan(best.p_value)
+    if is_tested:
         better = round(best.p_value * (1 + n_twins)) - 1
-        chance = _chance(best, report)
-        said += f"{better} of {n_twins} twins show an effect as good ({chance}), and "
+        said += f"{better} of {n_twins} twins, in which nothing is missing, show an effect as good "
+        said += f"({_chance(best, report)})"
+    if is_tested and not best.p_value <= best.level:
+        return f"{said}."
+    said += ", but " if is_tested else ""
     said += f"it would remove {percent(100 * best.share)} of the error that could be explained"
     if report.rules is not None and best.share < report.rules.min_share:
         said += f", less than min_share asks for ({100 * report.rules.min_share:g} %)"

@@ -268,8 +268,20 @@ def test_twins_that_show_an_effect_as_good_agree_with_the_p_value(complete):
     best = complete.rejected
     tried = replace(best, p_value=0.035, twin_scores=np.zeros(199), level=0.05 / 3)
     said = " ".join(str(replace(complete, rejected=tried)).split())
-    assert "6 of 199 twins show an effect as good (p = 0.035; as there are several looks" in said
-    assert "each asks for 0.017)" in said
+    assert "6 of 199 twins, in which nothing is missing, show an effect as good (p = 0.035;" in said
+    assert "as there are several looks, each asks for 0.017)." in said
+    assert "it would remove" not in said  # what chance would do
+
+
+def test_an_effect_that_is_no_chance_but_too_small_is_said_to_be_that(complete):
+    tried = replace(
+        complete.rejected, p_value=0.005, twin_scores=np.zeros(199), share=0.01, level=0.05
+    )
+    said = " ".join(str(replace(complete, rejected=tried)).split())
+    assert (
+        "0 of 199 twins, in which nothing is missing, show an effect as good (p = 0.005)," in said
+    )
+    assert ", but it would remove 1 % of the error that could be explained, less than" in said
 
 
 def test_a_free_run_that_misses_the_record_is_mentioned(complete):
