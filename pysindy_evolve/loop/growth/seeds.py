@@ -208,7 +208,10 @@ def _distances(x: np.ndarray) -> Iterator[Sum]:
 
 
 def _curved(operators: Sequence[Operator], x: Sum, size: float) -> Iterator[Sum]:
+    """Go through curved functions at several scales; what decays is no multiple of what grows."""
     if size > 0.0:
         for operator in operators:
             if operator.name in SCALED:
-                yield from (call(operator, mul(constant(c / size), x)) for c in SCALES)
+                signs = (1.0, -1.0) if operator.name == "exp" else (1.0,)
+                scales = [sign * c / size for sign in signs for c in SCALES]
+                yield from (call(operator, mul(constant(c), x)) for c in scales)

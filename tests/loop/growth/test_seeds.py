@@ -38,6 +38,15 @@ def test_numbers_in_curved_functions_follow_the_size_of_the_variable(x):
     assert all(term.name(NAMES).count("tanh") <= 1 for term in found)
 
 
+def test_what_decays_with_a_variable_is_there_as_well_as_what_grows(x):
+    found = small_terms(resolve(("mul", "exp"), "test"), x)
+    rates = sorted(
+        t.constants[0] for t in found if t.variables == {0} and len(t.factors) == 1 and t.constants
+    )
+    assert len(rates) == 6
+    assert rates == [-rate for rate in reversed(rates)]
+
+
 def test_without_products_there_are_functions_only(x):
     assert small_names(("abs", "sgn"), x) == [
         "q", "abs(q)", "sgn(q)", "v", "abs(v)", "sgn(v)",
