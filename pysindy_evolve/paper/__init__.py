@@ -6,20 +6,21 @@ its equation (7) and the coefficients of its table 4 takes its place.
 
 `results.py` is where to begin.
 
-========  ====================================================================
+==========  ====================================================================
 runs
-results   runs what is not finished, then writes tables and figures
-cases     which simulated records each table needs
-trials    one trial: a simulated record, a fit, the error of the equation
-store     the file of finished trials, so that an interrupted run can continue
+results     runs what is not finished, then writes tables and figures
+cases       which simulated records each table needs
+trials      one trial: a simulated record, a fit, the error of the equation
+store       the file of finished trials, so that an interrupted run can continue
 numbers
-facts     the numbers that the paper states
-tables    tables of the paper beside our results, as Markdown and CSV
-peers     results of other packages on the same data
+facts       the numbers that the paper states
+tables      tables of the paper beside our results, as Markdown and CSV
+peers       results of other packages on the same data
 pictures
-figures   which figure shows what
-plots     draws the figures; the only file that imports matplotlib
-========  ====================================================================
+identified  a record and the equations found in it, for the figures
+figures     which figure shows what
+plots       draws the figures; the only file that imports matplotlib
+==========  ====================================================================
 """
 
 from .cases import Plan, plan

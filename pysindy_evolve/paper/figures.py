@@ -7,44 +7,16 @@ measured against the identified acceleration, 10 the accuracy over the noise.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ..datasets import DuffingRig
-from ..equations import Equations
 from ..export import plot_tree
 from .cases import SNR_RIG, Case, Plan
 from .facts import PARTS, TABLE_4
+from .identified import Identified
 from .store import Store
-from .trials import identify
 
-__all__ = ["Identified", "draw"]
-
-
-class Identified:
-    """A record and the equations found in it, each made when it is first asked for."""
-
-    def __init__(self, case: Case) -> None:
-        self.case = case
-
-    @cached_property
-    def rig(self) -> DuffingRig:
-        """The record."""
-        return self.case.simulate()
-
-    @cached_property
-    def equations(self) -> Equations:
-        """What was identified."""
-        return identify(self.case)[0]
-
-    @cached_property
-    def predicted(self) -> np.ndarray:
-        """Identified acceleration on the validation part, (n,)."""
-        at = self.rig.validation
-        return self.equations.evaluate(self.rig.x[at], self.rig.u[at])[:, -1]
+__all__ = ["draw"]
 
 
 def draw(parts: Sequence[str], plan: Plan, store: Store, folder: Path) -> Iterator[Path]:

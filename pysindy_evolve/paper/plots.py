@@ -17,7 +17,7 @@ from .tables import accuracy
 
 if TYPE_CHECKING:
     from ..datasets import DuffingRig
-    from .figures import Identified
+    from .identified import Identified
     from .trials import Trial
 
 __all__ = [
