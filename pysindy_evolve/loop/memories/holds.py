@@ -16,12 +16,13 @@ import numpy as np
 from ...hidden_states.memory import DELAY, Memory
 from ...signals import Record
 from ...signals.holds import HALF
+from ..evidence.scoring import MARGIN
 from ..given.design import Design
 from ..given.input_errors import is_stepped, jumps_at_once
 from ..given.segments import Segments
 from .reach import exchanged, plainest, reach_of
 
-__all__ = ["memory_beside_hold"]
+__all__ = ["holds_alone", "memory_beside_hold"]
 
 EVEN = 0.01  # of a sampling time, by which those of records that are sampled alike may differ
 SHORTEST, LONGEST = 0.4, 0.6  # the same, of a hold that a user's own low-pass has hidden
@@ -55,6 +56,33 @@ def _may_be_hold(memory: Memory, records: Sequence[Record]) -> bool:
     shares = [memory.values[0] / record.dt for record in records]
     unknown = all(record.preparation is None for record in records)
     return unknown and all(SHORTEST < share < LONGEST for share in shares)
+
+
+def holds_alone(design: Design, part: Segments) -> dict[int, float]:
+    """Return which inputs explain more if they are held, where nothing else is looked for.
+
+    Parameters
+    ----------
+    design : Design
+        The model.
+    part : Segments
+        Pieces of the training records.
+
+    Returns
+    -------
+    dict of int to float
+        Inputs that jump in all records, none of them known as held, and how late each is, in
+        sampling times.
+    """
+    records = part.records
+    free = [
+        column
+        for column in range(len(design.inputs))
+        if all(jumps_at_once(record, column) and column not in record.held for record in records)
+    ]
+    ways = [_Hold(DELAY, column, (HALF * records[0].raw_dt,)) for column in free]
+    found = exchanged(ways, design, part)
+    return {column: HALF for column, one in zip(free, found, strict=True) if one.gain > MARGIN}
 
 
 def memory_beside_hold(

@@ -11,14 +11,14 @@ from ..evidence.offers import awaited
 from ..given.held import held_where_it_jumps
 from ..memories.chains import Traded, untraded
 from ..memories.find import find_with_memories, resettled
-from ..memories.holds import memory_beside_hold
+from ..memories.holds import holds_alone, memory_beside_hold
 from ..revision.beginnings import settled_beginning
 from ..revision.hidden_numbers import needed_by_runs, smooth_in, with_numbers
 from ..revision.revise import exchange, merged, prune
 from ..revision.sharing import with_shared_numbers
 from .state import Search
 
-__all__ = ["find_named", "tune_memories", "without_holds"]
+__all__ = ["find_named", "take_holds", "tune_memories", "without_holds"]
 
 
 def find_named(search: Search) -> None:
@@ -63,6 +63,20 @@ def tune_memories(search: Search) -> None:
         part = awaited(search.design, search.whole)
         search.findings = resettled(search.findings, search.design, part)
         search.look_through(search.findings)
+
+
+def take_holds(search: Search) -> None:
+    """Take inputs as held that are, which a search for effects would find as it goes.
+
+    Parameters
+    ----------
+    search : Search
+        Has no room for effects.
+    """
+    if search.runs_tell_more:
+        late = holds_alone(search.design, search.part)
+        if late:
+            search.take_as_held(late, held_where_it_jumps)
 
 
 def without_holds(search: Search, found: list[Finding]) -> list[Finding]:

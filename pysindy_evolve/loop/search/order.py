@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .free_runs import find_in_runs, hold_against_runs
 from .grown import grow_terms
-from .named import find_named, tune_memories
+from .named import find_named, take_holds, tune_memories
 from .state import Search
 
 __all__ = ["look_for_effects"]
@@ -18,6 +18,8 @@ def look_for_effects(search: Search) -> None:
     search : Search
         Knows the model and the records, and keeps what is found, also if it is interrupted.
     """
+    if not search.has_room:
+        take_holds(search)
     find_named(search)
     tune_memories(search)
     if search.runs_tell_more:

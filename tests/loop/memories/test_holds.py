@@ -69,6 +69,14 @@ def test_a_run_over_a_raw_record_holds_its_inputs_as_well():
     assert raw[: len(known)] == pytest.approx(known, abs=1e-6)
 
 
+@pytest.mark.parametrize(("jump", "held"), [(0.0, {0: 0.5}), (0.5, {})])
+def test_the_declared_model_alone_is_judged_with_its_inputs_held(jump, held):
+    """Or its errors would not be those that a search for effects prints of it."""
+    report = close(OVEN, oven(jump=jump), max_effects=0)
+    assert report.train[0].held == held
+    assert report.before.simulation_error.max() < 0.2
+
+
 def test_an_input_that_jumps_halfway_on_average_is_not_held():
     report = close(OVEN, oven(jump=0.5))
     assert report.verdict == "complete"
