@@ -5,12 +5,14 @@ import shlex
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pysindy_evolve import cli
+from pysindy_evolve import cli, close_loop
+from pysindy_evolve.cli import commands
 from pysindy_evolve.cli.options import LANGUAGES
 from pysindy_evolve.datasets import friction_drive, nothing_missing
 from pysindy_evolve.export.code import _LANGUAGES
@@ -315,7 +317,8 @@ def test_demo_finds_the_friction_and_says_where_it_saved_what(capsys, tmp_path, 
     assert "sgn(v)" not in declared
     assert "Coulomb friction" in corrected
     assert "sgn(v)" in corrected.split("Errors")[0]
-    # The command that it shows gives the same report.
+    # The command that it shows gives the same report, here without terms that may grow.
+    monkeypatch.setattr(commands, "close_loop", partial(close_loop, operators=()))
     command = out[out.rindex("pysindy-evolve loop") :].replace("\\\n", " ")
     code, again, _ = run(capsys, *shlex.split(command)[1:])
     assert code == 0

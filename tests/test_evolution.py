@@ -89,13 +89,13 @@ def test_known_systems_are_exact_with_the_defaults_and_noise_on_the_derivative(n
 def test_known_systems_are_exact_with_derivatives_that_pysindy_computes(name, noise):
     t, x, _, truth = simulated(name)
     x = x + noise * x.std(axis=0) * np.random.default_rng(0).normal(size=x.shape)
-    for seed in range(3):
+    for seed in range(2):
         rows = found(default_model(seed).fit(x, t))
         assert [set(row) for row in rows] == [set(row) for row in truth]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(("friction", "snr"), [(False, 20.0), (True, 20.0), (True, 30.0)])
 def test_the_duffing_rigs_of_the_paper_are_exact(friction, snr, seed):
     rig = duffing(friction=friction, experiment=1, snr_db=snr, random_state=seed)

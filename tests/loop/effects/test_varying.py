@@ -110,7 +110,7 @@ def test_a_pendulum_in_degrees_has_its_weight_found():
         q = np.rad2deg(pse.simulate(model, [start, 0.0], t)[:, :1])
         records.append(pse.prepare(t, q + 0.1 * rng.standard_normal(q.shape), order=2))
     declared = pse.DeclaredModel({"q": "v", "v": "-c*v"})
-    report = pse.close_loop(declared, records[:2], records[2], random_state=0)
+    report = pse.close_loop(declared, records[:2], records[2], operators=(), random_state=0)
     (effect,) = report.effects
     assert effect.name == "gravity"
     assert effect.coefficients[0] == pytest.approx(-30.0 * 180.0 / np.pi, rel=0.01)

@@ -103,8 +103,9 @@ def test_the_share_of_a_lag_has_no_jump_where_a_series_takes_over():
     assert shares[0] == pytest.approx(shares[1], rel=0.01)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("delay", [0.6, 2.4])
+@pytest.mark.parametrize(
+    ("order", "delay"), [pytest.param(1, 2.4, marks=pytest.mark.slow), (2, 0.6)]
+)
 def test_a_part_of_a_sample_is_a_delay_and_no_lag_besides(order, delay):
     u = levels()
     declared = (MOTOR, DRIVE)[order - 1]

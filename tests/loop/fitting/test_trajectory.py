@@ -170,7 +170,8 @@ def test_the_cause_stays_among_the_alternatives_and_a_wrong_one_does_not(design)
 @pytest.mark.slow
 def test_drag_is_named_on_a_film_of_a_light_ball():
     record, second = filmed(WHIFFLE, seed=2), filmed(WHIFFLE, seed=3)
-    report = pse.close_loop(FALL, record, test=second, n_twins=99, random_state=0)
+    options = {"operators": (), "n_twins": 99, "random_state": 0}
+    report = pse.close_loop(FALL, record, test=second, **options)
     assert [effect.name for effect in report.effects] == ["quadratic drag"]
     assert report.effects[0].coefficients[0] == pytest.approx(-WHIFFLE, rel=0.05)
     assert report.after.simulation_error[0] < 5.0
@@ -181,7 +182,7 @@ def test_drag_is_named_on_a_film_of_a_light_ball():
 @pytest.mark.slow
 def test_an_alternative_has_the_coefficient_that_it_would_take():
     record = filmed(WHIFFLE, seed=5, noise=0.25)
-    report = pse.close_loop(FALL, record, test=record, n_twins=99, random_state=0)
+    report = pse.close_loop(FALL, record, record, operators=(), n_twins=99, random_state=0)
     (effect,) = report.effects
     (drag,) = [one for one in (effect, *effect.rivals) if one.name == "quadratic drag"]
     assert drag.coefficients[0] == pytest.approx(-WHIFFLE, rel=0.1)
@@ -202,7 +203,7 @@ def test_nothing_is_named_where_a_ball_falls_freely(seed):
 def test_an_effect_of_the_states_is_named_where_a_drift_would_do_as_well():
     """A light ball's film of three seconds: what is linear in the time fits it best."""
     record, second = (filmed(WHIFFLE, seed=s, noise=0.2) for s in (2, 1002))
-    report = pse.close_loop(FALL, record, test=second, n_twins=59, random_state=2)
+    report = pse.close_loop(FALL, record, second, operators=(), n_twins=59, random_state=2)
     (effect,) = report.effects
     assert effect.name != "drift"
     assert "drift" in effect.alternatives
@@ -228,7 +229,7 @@ def fan_cooled(seed):
 @pytest.mark.parametrize("seed", [751, 754])
 def test_a_rival_whose_run_bursts_does_not_take_the_place_of_the_cause(seed):
     declared = pse.DeclaredModel({"T": "b*P - a*(T - Ta)"}, inputs=["P", "n", "Ta"])
-    report = pse.close_loop(declared, fan_cooled(seed), random_state=0)
+    report = pse.close_loop(declared, fan_cooled(seed), operators=(), random_state=0)
     (effect,) = report.effects
     assert str(effect.term) in ("-T*n + Ta*n", "n*(-T + Ta)")
     assert effect.coefficients == pytest.approx([0.012], rel=0.03)

@@ -208,7 +208,7 @@ def test_report_names_vessel_and_limit_and_prints_the_hidden_state():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_input_of_a_closed_loop_has_no_memory(seed):
     """The input answers what disturbs the output, so the runs would like a memory."""
     rng, dt, n, fine = np.random.default_rng(seed), 0.02, 2000, 20

@@ -161,5 +161,5 @@ def test_friction_and_drag_of_a_swing_that_dies_away_are_named():
         q = q + 0.005 * q.std() * np.random.default_rng(seed).standard_normal(len(t))
         records.append(pse.prepare(t, q))
     declared = pse.DeclaredModel({"q": "v", "v": "-g*sin(q) - c*v"})
-    report = pse.close_loop(declared, records[:2], records[2:], random_state=0)
+    report = pse.close_loop(declared, records[:2], records[2:], operators=(), random_state=0)
     assert {e.name for e in report.effects} == {"Coulomb friction", "quadratic drag"}

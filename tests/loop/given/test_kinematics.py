@@ -46,7 +46,7 @@ def test_how_far_a_rate_is_from_what_is_said_to_be_it(cubic, unit, expected):
 
 @pytest.mark.slow
 def test_a_term_is_found_in_the_equation_that_looked_as_if_it_lacked_nothing():
-    report = pse.close_loop(DECLARED, record(0.5), random_state=0)
+    report = pse.close_loop(DECLARED, record(0.5), operators=(), random_state=0)
     (effect,) = report.effects
     assert (effect.state, effect.coefficients[0]) == ("x", pytest.approx(-0.5, rel=0.01))
     assert "The records contradict the declared x' = y: dx/dt differs from y by" in " ".join(
@@ -60,6 +60,7 @@ def test_nothing_is_doubted_where_a_velocity_is_measured_with_noise():
     assert "contradict" not in str(report)
 
 
+@pytest.mark.slow
 def test_a_velocity_in_another_unit_is_not_complete():
     report = pse.close_loop(DECLARED, record(0.0, unit=1e3), operators=(), random_state=0)
     assert report.verdict != "complete"

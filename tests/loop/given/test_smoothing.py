@@ -71,7 +71,7 @@ def test_the_held_out_record_does_not_choose_the_cutoff():
     assert len(set(made)) == 1
 
 
-@pytest.mark.parametrize("width", [31, 61])
+@pytest.mark.parametrize("width", [pytest.param(31, marks=pytest.mark.slow), 61])
 def test_nothing_is_missing_in_an_oscillator_that_was_smoothed(width):
     with pytest.warns(UserWarning, match="smoothed too much"):
         report = pse.close_loop(LINEAR, smoothed(width), test=smoothed(width, 1), random_state=0)
@@ -82,18 +82,16 @@ def test_nothing_is_missing_in_an_oscillator_that_was_smoothed(width):
 
 @pytest.mark.slow
 def test_friction_is_found_under_the_smoothing():
+    train, test = smoothed(31, sign=0.8), smoothed(31, 1, sign=0.8)
     with pytest.warns(UserWarning, match="smoothed too much"):
-        report = pse.close_loop(
-            LINEAR, smoothed(31, sign=0.8), test=smoothed(31, 1, sign=0.8), random_state=0
-        )
+        report = pse.close_loop(LINEAR, train, test, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == ["Coulomb friction"]
 
 
 def test_no_effect_is_sought_where_the_motion_is_faster_than_what_is_left():
+    train, test = smoothed(41, cubic=60.0), smoothed(41, 1, cubic=60.0)
     with pytest.warns(UserWarning, match="so no effect is looked for"):
-        report = pse.close_loop(
-            CUBIC, smoothed(41, cubic=60.0), test=smoothed(41, 1, cubic=60.0), random_state=0
-        )
+        report = pse.close_loop(CUBIC, train, test, operators=(), random_state=0)
     assert not report.effects
     assert "No effect was looked for: the records are smoothed" in " ".join(str(report).split())
 
@@ -122,6 +120,6 @@ def test_nothing_is_missing_where_moving_averages_take_off_a_hundredth():
     """A mode of the second order was named, which explained what the averages had taken."""
     model = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F + o"}, inputs=["F"])
     with pytest.warns(UserWarning, match="smoothed too much"):
-        report = pse.close_loop(model, averaged(0), averaged(1), random_state=0)
+        report = pse.close_loop(model, averaged(0), averaged(1), operators=(), random_state=0)
     assert not report.effects
     assert report.after.parameters["k"] == pytest.approx(50.0, rel=0.01)

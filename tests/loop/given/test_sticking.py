@@ -72,7 +72,7 @@ def test_noise_of_a_speed_at_rest_is_no_effect():
 
 @pytest.mark.slow
 def test_friction_of_a_belt_that_stops_is_found_alone():
-    report = pse.close_loop(FREE_BELT, belt(1), test=belt(2), random_state=0)
+    report = pse.close_loop(FREE_BELT, belt(1), belt(2), operators=(), random_state=0)
     (effect,) = report.effects
     assert str(effect.term) == "sign(v)"
     assert effect.coefficients == pytest.approx([-3.0], rel=0.03)

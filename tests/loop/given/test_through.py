@@ -60,9 +60,7 @@ def test_an_input_that_runs_smoothly_stays():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("seed", "levels"), [(0, [0.6, 0.8, 1.0, 1.2]), (1, [0.6, 0.8, 1.0, 1.2]), (2, [0.2, 0.7, 1.3])]
-)
+@pytest.mark.parametrize(("seed", "levels"), [(0, [0.6, 0.8, 1.0, 1.2]), (2, [0.2, 0.7, 1.3])])
 def test_nothing_is_missing_where_a_held_speed_acts_by_its_square(seed, levels):
     """The mean of a square over a jump is not the square of the mean: this was an input gain."""
     rng = np.random.default_rng(seed)

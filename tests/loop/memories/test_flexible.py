@@ -14,7 +14,7 @@ DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 FREQUENCY, DAMPING = 24.0, 0.025
 
 
-def measured(ratio=0.5, noise=0.001, seed=3, *, duration=20.0, cubic=0.0):
+def measured(ratio=0.5, noise=0.001, seed=3, *, duration=12.0, cubic=0.0):
     """Measure a mass with another one behind it, of so many times its mass."""
     t, force = np.arange(0.0, duration, 0.002), multisine(20.0, seed, band=(0.5, 12.0))
     pushed = force(t)
@@ -54,7 +54,7 @@ def test_frequencies_lie_within_what_a_filter_leaves():
 @pytest.mark.parametrize(("ratio", "noise"), [(0.5, 0.001), (0.1, 0.005)])
 def test_mass_behind_a_spring_is_found_with_its_numbers(ratio, noise):
     records = measured(ratio, noise), measured(ratio, noise, seed=4)
-    report = pse.close_loop(DECLARED, records[0], records[1], random_state=0)
+    report = pse.close_loop(DECLARED, records[0], records[1], operators=(), random_state=0)
     (effect,) = report.effects
     assert effect.name == "hidden state"
     assert -effect.coefficients[0] == pytest.approx(ratio * FREQUENCY**2, rel=0.03)
@@ -69,5 +69,5 @@ def test_mass_behind_a_spring_is_found_with_its_numbers(ratio, noise):
 
 @pytest.mark.slow
 def test_stiffening_spring_is_no_mass_behind_one():
-    report = pse.close_loop(DECLARED, measured(0.0, cubic=400.0), random_state=0)
+    report = pse.close_loop(DECLARED, measured(0.0, cubic=400.0), operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == ["cubic stiffness"]

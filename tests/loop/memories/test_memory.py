@@ -16,7 +16,7 @@ OSCILLATOR = {"q": "v", "v": "-40*q - 0.8*v + F"}
 DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 
 
-def record_with(memory, friction=0.0, noise=2e-3, seed=0, duration=40.0):
+def record_with(memory, friction=0.0, noise=2e-3, seed=0, duration=25.0):
     """Record a driven oscillator whose force goes through a memory before it acts."""
     sides = OSCILLATOR | {"v": OSCILLATOR["v"] + f" - {friction}*sgn(v)"}
     fine = np.arange(0.0, duration, DT / 10)
@@ -28,9 +28,9 @@ def record_with(memory, friction=0.0, noise=2e-3, seed=0, duration=40.0):
     return pse.prepare(fine[::10], q, force(fine[::10]))
 
 
-def close(record, **options):
+def close(record, declared=DECLARED, **options):
     settings = {"operators": (), "random_state": 0, "n_twins": 59} | options
-    return pse.close_loop(DECLARED, record, **settings)
+    return pse.close_loop(declared, record, **settings)
 
 
 def test_delayed_sine_is_the_sine_of_an_earlier_time():
@@ -199,14 +199,14 @@ def test_a_lag_of_an_input_that_is_known_is_found_in_a_model_without_parameters(
     truth = Memory("actuator lag", 0, (0.2,))
     record = record_with(truth)
     sides = {"q": "v", "v": "-40*q - 0.8*v + F"}
-    report = pse.close_loop(pse.DeclaredModel(sides, inputs=["F"]), record, random_state=0)
+    report = close(record, pse.DeclaredModel(sides, inputs=["F"]))
     assert report.effects[0].name == "actuator lag", str(report)
     assert report.effects[0].coefficients == pytest.approx([0.2], rel=0.02)
 
 
 @pytest.mark.slow
 def test_a_delay_beside_a_spring_is_tuned_with_it_and_needs_no_lag():
-    fine, force = np.arange(0.0, 40.0, DT / 10), multisine(20.0, 0)
+    fine, force = np.arange(0.0, 25.0, DT / 10), multisine(20.0, 0)
     truth = equations_of({"q": "v", "v": "-40*q - 0.8*v + F - 30*q**3"}, ("F",))
     late = Memory("input delay", 0, (0.013,)).response(fine, force(fine))
     q = pse.simulate(truth, [0.0, 0.0], fine, late, tolerance=1e-8)[::10, 0]

@@ -49,7 +49,7 @@ def swing(t):
     return np.sin(t) + 0.6 * np.sin(2.3 * t + 1.0), np.cos(t) + 1.38 * np.cos(2.3 * t + 1.0)
 
 
-def simulated(stiffness=STIFFNESS, time=TIME, seed=3, n=6000):
+def simulated(stiffness=STIFFNESS, time=TIME, seed=3, n=4000):
     """Times, force, and position, velocity and hidden position of a mass on a rubber mount."""
     t, force = np.arange(n) * DT, multisine(8.0, seed, band=(0.1, 2.0))
     pushed = force(t)
@@ -329,11 +329,11 @@ def test_hidden_state_of_an_oscillator_is_found_with_its_numbers():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "time", "noise"),
-    [(5.0, 0.1, 0.001), (30.0, 0.1, 0.005), (5.0, 0.4, 0.005), (5.0, 1.5, 0.005)],
+    [(5.0, 0.1, 0.001), (30.0, 0.1, 0.005), (5.0, 1.5, 0.005)],
 )
 def test_free_runs_with_a_hidden_state_come_near_the_noise(stiffness, time, noise):
     record = measured(noise, stiffness=stiffness, time=time)
-    report = pse.close_loop(DECLARED, record, random_state=0)
+    report = pse.close_loop(DECLARED, record, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == ["hidden state"]
     assert -report.effects[0].coefficients[0] == pytest.approx(stiffness, rel=0.1)
     assert numbers_in(report) == pytest.approx(time, rel=0.1)
@@ -360,7 +360,7 @@ def heated(lag=None, seed=3):
 @pytest.mark.slow
 def test_heat_capacity_that_nobody_measured_is_found():
     declared = pse.DeclaredModel({"T": "a - b*T + c*u"}, inputs=["u"])
-    report = pse.close_loop(declared, heated(), random_state=0)
+    report = pse.close_loop(declared, heated(), operators=(), random_state=0)
     (effect,) = report.effects
     assert (effect.name, str(effect.term)) == ("hidden state", "T - T_relax")
     assert -effect.coefficients[0] == pytest.approx(0.03, rel=0.05)
@@ -371,7 +371,7 @@ def test_heat_capacity_that_nobody_measured_is_found():
 @pytest.mark.slow
 def test_heater_that_lags_is_not_named_a_hidden_heat_capacity():
     declared = pse.DeclaredModel({"T": "a - b*T + c*u"}, inputs=["u"])
-    report = pse.close_loop(declared, heated(lag=40.0), random_state=0)
+    report = pse.close_loop(declared, heated(lag=40.0), operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == ["actuator lag"]
 
 
@@ -424,7 +424,7 @@ def test_free_swing_of_one_frequency_leaves_stiffness_and_time_uncertain():
         noise = 0.003 * q.std() * np.random.default_rng(k).standard_normal(len(t))
         records.append(pse.prepare(t, q + noise))
     declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})
-    report = pse.close_loop(declared, records, random_state=0)
+    report = pse.close_loop(declared, records, operators=(), random_state=0)
     (effect,) = report.effects
     assert str(effect.term) == "q - q_relax"
     low, high = effect.confidence_intervals[0]
@@ -450,7 +450,7 @@ def test_derivative_that_was_smoothed_too_much_is_not_named(width):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["input delay", "actuator lag"])
 def test_late_input_is_not_named_a_hidden_state(name):
-    t, force = np.arange(6000) * DT, multisine(8.0, 3, band=(0.1, 2.0))
+    t, force = np.arange(4000) * DT, multisine(8.0, 3, band=(0.1, 2.0))
 
     def rate(now, x):
         acts = force(np.array([now - 0.3]))[0] if name == "input delay" else x[2]
@@ -458,5 +458,6 @@ def test_late_input_is_not_named_a_hidden_state(name):
 
     q = solve_ivp(rate, (0.0, t[-1]), [0.0] * 3, t_eval=t, max_step=DT, rtol=1e-6).y[0]
     q = q + 0.005 * q.std() * np.random.default_rng(0).standard_normal(len(t))
-    report = pse.close_loop(DECLARED, pse.prepare(t, q, force(t)), random_state=0)
+    record = pse.prepare(t, q, force(t))
+    report = pse.close_loop(DECLARED, record, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == [name]

@@ -10,7 +10,7 @@ MODEL = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 
 def report_of(offsets):
     sides = ({"q": "v", "v": f"-40*q - 0.8*v + F + {load}"} for load in offsets)
-    records = [measured(side, noise=5e-3, seed=k) for k, side in enumerate(sides)]
+    records = [measured(side, noise=5e-3, seed=k, duration=20.0) for k, side in enumerate(sides)]
     return pse.close_loop(
         MODEL, records[:-1], test=records[-1], operators=(), random_state=0, n_twins=59
     )

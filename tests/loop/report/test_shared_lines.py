@@ -11,7 +11,7 @@ MODEL = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 
 def forced(size, cycles, phase=0.4, seed=0, noise=5e-3):
     side = f"-200*q - 1.7*v + 4*F + {size}*sin({2 * np.pi * cycles}*t + {phase})"
-    t, force = np.arange(0.0, 40.0, DT), multisine(10.0, seed, (0.3, 4.0))
+    t, force = np.arange(0.0, 25.0, DT), multisine(10.0, seed, (0.3, 4.0))
     x = pse.simulate(equations_of({"q": "v", "v": side}, ("F",)), [0.0, 0.0], t, force)
     q = x[:, 0] + noise * x[:, 0].std() * np.random.default_rng(seed).standard_normal(t.size)
     return pse.prepare(t, q, force(t))

@@ -34,7 +34,8 @@ def test_a_noisy_input_that_jumps_between_two_levels_does_not_saturate(noise):
 @pytest.mark.slow
 def test_an_input_that_does_saturate_is_named_beside_its_noise():
     levels = np.linspace(-1.0, 1.0, 9)
-    report = pse.close_loop(MOTOR, motor(0.01, 0, levels, limit=0.7), random_state=0)
+    record = motor(0.01, 0, levels, limit=0.7)
+    report = pse.close_loop(MOTOR, record, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == ["saturation"]
     (u,) = report.effects[0].term.free_symbols
     assert report.effects[0].term.subs(u, 2.0) == pytest.approx(0.7, abs=0.02)

@@ -158,8 +158,8 @@ def test_hysteresis_of_an_oscillator_is_found_with_its_numbers():
     [(0.6, 0.1, 1.0, 0.005, 2), (0.3, 0.03, 1.0, 0.005, 3), (0.3, 0.1, 1.0, 0.02, 2)],
 )
 def test_free_runs_with_hysteresis_come_near_the_noise(strength, length, unloading, noise, seed):
-    record = measured(noise, seed, strength=strength, length=length, unloading=unloading, n=8000)
-    report = pse.close_loop(DECLARED, record, random_state=0)
+    record = measured(noise, seed, strength=strength, length=length, unloading=unloading, n=5000)
+    report = pse.close_loop(DECLARED, record, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == ["hysteresis"]
     assert -report.effects[0].coefficients[0] == pytest.approx(strength, rel=0.05)
     assert numbers_in(report) == pytest.approx([length, unloading], rel=0.25)
@@ -177,16 +177,16 @@ def test_free_runs_with_hysteresis_come_near_the_noise(strength, length, unloadi
 )
 def test_what_is_missing_beside_a_hysteresis_is_found_too(name, extra):
     record = measured(extra=extra, n=6000)
-    report = pse.close_loop(DECLARED, record, random_state=0)
+    report = pse.close_loop(DECLARED, record, operators=(), random_state=0)
     assert {effect.name for effect in report.effects} == {"hysteresis", name}
     assert numbers_in(report) == pytest.approx([LENGTH, UNLOADING], rel=0.25)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("noise", "seed"), [(0.005, 0), (0.005, 1), (0.02, 2)])
+@pytest.mark.parametrize(("noise", "seed"), [(0.005, 0), (0.02, 2)])
 def test_friction_of_an_oscillator_is_not_named_hysteresis(noise, seed):
     record = measured(
-        noise, seed, strength=0.0, extra=lambda q, v: -0.4 * np.tanh(v / 1e-3), n=6000
+        noise, seed, strength=0.0, extra=lambda q, v: -0.4 * np.tanh(v / 1e-3), n=4000
     )
     report = pse.close_loop(DECLARED, record, random_state=seed, operators=(), n_twins=59)
     assert [effect.name for effect in report.effects] == ["Coulomb friction"]
