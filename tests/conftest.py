@@ -40,7 +40,7 @@ def report() -> pse.LoopReport:
 @pytest.fixture(scope="session")
 def complete() -> pse.LoopReport:
     """A loop on a machine whose model lacks nothing."""
-    record = measured({"q": "v", "v": "-40*q - 0.8*v + F"})
+    record = measured({"q": "v", "v": "-40*q - 0.8*v + F"}, duration=25.0)
     declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
     return pse.close_loop(declared, record, operators=(), random_state=0)
 

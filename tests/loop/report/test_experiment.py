@@ -28,6 +28,7 @@ def cubic(slow):
     return next(e for e in plan.experiments if e.alternative.name == "nonlinear damping")
 
 
+@pytest.mark.slow
 def test_drag_and_cubic_damping_at_low_speed_need_a_higher_speed(slow, cubic):
     assert [effect.name for effect in slow.effects] == ["quadratic drag"]
     assert "nonlinear damping" in slow.effects[0].alternatives
@@ -50,6 +51,7 @@ def test_a_record_of_the_proposed_motion_tells_them_apart(slow, cubic):
     assert "nonlinear damping" not in report.effects[0].alternatives
 
 
+@pytest.mark.slow
 def test_the_plan_says_it_in_sentences_with_numbers_and_units(slow, cubic):
     said = " ".join(str(slow.suggest_experiment(units={"v": "m/s"})).split())
     here, there, _ = cubic.reach["v"]
@@ -99,6 +101,7 @@ def test_a_population_swings_about_its_mean_and_never_below_nothing():
     assert {motion.frequency for motion in motions} == {1.0}
 
 
+@pytest.mark.slow
 def test_what_noise_alone_would_tell_apart_needs_another_cause_first(slow, cubic):
     clear = replace(cubic, now=28.4)
     said = " ".join(str(Plan((clear,))).split())
@@ -107,6 +110,7 @@ def test_what_noise_alone_would_tell_apart_needs_another_cause_first(slow, cubic
     assert "Repeat the motion" not in said
 
 
+@pytest.mark.slow
 def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic):
     known = [replace(cubic, now=now) for now in (28.4, 7.1)]
     hopeless = [replace(cubic, now=0.5, then=0.6) for _ in range(3)]
@@ -119,6 +123,7 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
     assert "4. " not in said
 
 
+@pytest.mark.slow
 def test_squares_of_standard_errors_add_up_over_the_record_and_those_to_come(cubic):
     # The same motion once more: 1 becomes the root of 2, and 25 records make it five.
     again = replace(cubic, now=1.0, then=2.0**0.5)

@@ -27,5 +27,7 @@ def test_no_experiment_is_proposed_for_two_names_of_one_force(report):
 def test_friction_alone_has_no_other_name():
     truth = {"q": "v", "v": "-40*q - 0.8*v + F - 2*sgn(v)"}
     model = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
-    report = pse.close_loop(model, measured(truth), operators=(), random_state=0, n_twins=59)
+    report = pse.close_loop(
+        model, measured(truth, duration=20.0), operators=(), random_state=0, n_twins=59
+    )
     assert [(e.name, e.alternatives) for e in report.effects] == [("Coulomb friction", ())]
