@@ -26,7 +26,7 @@ from .spectral import Array
 
 __all__ = ["as_limits", "beyond", "bridged", "longest", "sensor_limits", "widened"]
 
-LEAST_IN_A_ROW = 3  # readings at a limit
+LEAST_IN_A_ROW = 3  # readings at a limit, or where a machine rests
 LEAST_READINGS = 2  # at a limit, beyond what a crest of a rounded signal holds ...
 CREST = 5  # ... which holds at most so many times the readings of the levels next to it
 NEXT_LEVELS = 3
@@ -114,7 +114,7 @@ def _stops(readings: Array, top: float) -> bool:
     """Tell whether readings stay elsewhere for a time that compares with that at the highest."""
     ends = np.flatnonzero(np.diff(readings)) + 1  # without its rests before and after all motion
     stays, values = np.diff(ends), readings[ends[:-1]]
-    between = (values < top) & (values > readings.min())
+    between = (values < top) & (values > readings.min()) & (stays >= LEAST_IN_A_ROW)
     return bool(stays[between].max(initial=0) >= AS_LONG * stays[values == top].max(initial=0))
 
 
