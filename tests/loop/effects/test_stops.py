@@ -1,5 +1,6 @@
 """What begins at a place: an end stop, a rope that goes slack."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -116,15 +117,25 @@ def test_a_place_next_to_zero_is_left_to_the_magnitude(place):
     assert all(candidate.shape.values[0] > 0.02 for candidate in found)
 
 
-def test_an_end_stop_is_found_with_its_place_and_no_offset_beside_it():
-    record = STOP.record()
-    report = pse.close_loop(STOP.model, record, operators=(), n_twins=59, random_state=0)
-    (effect,) = report.effects
+@pytest.fixture(scope="module")
+def stopped():
+    """A loop that finds the end stop."""
+    record = STOP.record(duration=20.0)
+    return pse.close_loop(STOP.model, record, operators=(), n_twins=59, random_state=0)
+
+
+def test_an_end_stop_is_found_with_its_place_and_no_offset_beside_it(stopped):
+    (effect,) = stopped.effects
     assert effect.name == "dead zone"
     assert effect.numbers["end"] == pytest.approx(0.4, rel=0.02)
     assert effect.coefficients == pytest.approx([-300.0], rel=0.02)
     assert effect.term.func is sympy.Max
-    assert f"max(q - {effect.numbers['end']:.4g}, 0)" in str(report)
+    assert f"max(q - {effect.numbers['end']:.4g}, 0)" in str(stopped)
+
+
+def test_no_sum_is_mentioned_where_the_equations_show_a_stop_by_itself(stopped):
+    assert re.search(r"v' = .* - \S+ max\(q - 0\.\d+, 0\)", str(stopped))
+    assert "Where an effect below holds" not in str(stopped)
 
 
 def test_curved_bodies_resist_by_the_depth_to_three_halves():
@@ -137,10 +148,11 @@ def test_curved_bodies_resist_by_the_depth_to_three_halves():
 
 @pytest.mark.slow
 def test_a_stop_that_only_the_end_of_the_stroke_meets_is_found():
-    record = STOP.record()
+    record = STOP.record(duration=20.0)
     place = 0.9 * record.x[:, 0].max()
     rig = oscillator("dead zone", f"- 300*max(q - {place:.3g}, 0)", "-k*q - c*v + b*F")
-    report = pse.close_loop(rig.model, rig.record(), operators=(), n_twins=59, random_state=0)
+    record = rig.record(duration=20.0)
+    report = pse.close_loop(rig.model, record, operators=(), n_twins=59, random_state=0)
     (effect,) = report.effects
     assert effect.numbers["end"] == pytest.approx(place, rel=0.05)
 
@@ -179,7 +191,7 @@ def pushed(amplitude: float, seed: int, n: int = 7500) -> pse.Record:
 def test_contact_of_curved_bodies_is_told_from_a_spring():
     force = "- 400*sqrt(max(q - 0.4, 0))^3"
     rig = oscillator("evolved term", force, "-k*q - c*v + b*F")
-    report = pse.close_loop(rig.model, rig.record(), n_twins=59, random_state=0)
+    report = pse.close_loop(rig.model, rig.record(duration=20.0), n_twins=59, random_state=0)
     (effect,) = report.effects
     assert effect.numbers["end"] == pytest.approx(0.4, rel=0.05)
     assert effect.coefficients == pytest.approx([-400.0], rel=0.05)
@@ -190,7 +202,8 @@ def test_contact_of_curved_bodies_is_told_from_a_spring():
 def test_two_stops_are_found_where_they_are_and_as_stiff_as_they_are():
     force = "- 300*max(q - 0.3, 0) + 150*max(-q - 0.15, 0)"
     slide = oscillator("dead zone", force, "-k*q - c*v + b*F")
-    report = pse.close_loop(slide.model, slide.record(), operators=(), n_twins=59, random_state=0)
+    record = slide.record(duration=20.0)
+    report = pse.close_loop(slide.model, record, operators=(), n_twins=59, random_state=0)
     (effect,) = report.effects
     places = {"lower end, below zero": 0.15, "upper end": 0.3}
     assert effect.numbers == pytest.approx(places, rel=0.03)
@@ -207,7 +220,8 @@ def test_two_stops_are_found_where_they_are_and_as_stiff_as_they_are():
 )
 def test_an_input_may_end_or_begin_at_two_places(force, name, places):
     valve = oscillator(name, f"- F + {force}", "-k*q - c*v + b*F")
-    report = pse.close_loop(valve.model, valve.record(), operators=(), n_twins=59, random_state=0)
+    record = valve.record(duration=20.0)
+    report = pse.close_loop(valve.model, record, operators=(), n_twins=59, random_state=0)
     (effect,) = report.effects
     assert effect.name == name
     assert list(effect.numbers.values()) == pytest.approx(places, rel=0.03)

@@ -17,7 +17,7 @@ DECLARED = pse.DeclaredModel({"F": "c*v + k*x + F0"}, inputs=["x", "v", "a"], al
 def measured_force(extra, noise, seed):
     """Measure position and force of a rig, a share of noise on the position."""
     rng = np.random.default_rng(seed)
-    t = np.arange(0.0, 30.0, 0.01)
+    t = np.arange(0.0, 20.0, 0.01)
     frequencies = 2 * np.pi * np.array([0.3, 0.55, 0.8, 1.1, 1.45])
     arguments = np.outer(t, frequencies) + rng.uniform(0, 2 * np.pi, 5)
     x, v = np.sin(arguments).sum(axis=1), (np.cos(arguments) * frequencies).sum(axis=1)

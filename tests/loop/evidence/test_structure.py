@@ -13,7 +13,7 @@ DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*u"}, inputs=["u"])
 
 def measured(strength):
     """Simulate an oscillator whose damping an input changes with the position."""
-    t = np.arange(0.0, 60.0, 0.02)
+    t = np.arange(0.0, 40.0, 0.02)
 
     def u(s):
         return np.sin(1.3 * s) + 0.7 * np.sin(2.9 * s + 1.0)

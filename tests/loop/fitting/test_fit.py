@@ -147,7 +147,9 @@ def test_intervals_cover_the_truth_in_about_95_percent():
     columns = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"]).design()
     covered = []
     for seed in range(60):
-        record = measured({"q": "v", "v": "-40*q - 0.8*v + F"}, noise=5e-3, seed=seed)
+        record = measured(
+            {"q": "v", "v": "-40*q - 0.8*v + F"}, noise=5e-3, seed=seed, duration=20.0
+        )
         low, high = fit(columns, [record], np.random.default_rng(seed)).intervals.T
         covered.append((low <= TRUE[:3]) & (high >= TRUE[:3]))
     share = np.mean(covered, axis=0)

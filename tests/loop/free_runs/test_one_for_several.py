@@ -156,7 +156,7 @@ def test_friction_and_drag_of_a_swing_that_dies_away_are_named():
     truth = pse.DeclaredModel(sides).design().equations([])
     records = []
     for seed, start in enumerate((1.5, 1.1, 1.3)):
-        t = np.arange(0.0, 25.0, 0.01)
+        t = np.arange(0.0, 15.0, 0.01)
         q = pse.simulate(truth, [start, 0.0], t)[:, 0]
         q = q + 0.005 * q.std() * np.random.default_rng(seed).standard_normal(len(t))
         records.append(pse.prepare(t, q))
