@@ -25,5 +25,6 @@ followers          relaxation and flexible masses together: what follows a measu
 by frequency
 lines              frequencies at which the spectrum of a signal stands above the noise
 periodic           forcing and ripple at these frequencies
+pumps              terms of the model times a wave of such a frequency
 =================  ======================================================================
 """

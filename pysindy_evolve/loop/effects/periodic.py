@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -12,7 +11,7 @@ from scipy.stats import binned_statistic
 from ...operators import BUILTIN
 from ...terms import Sum, call, constant, mul, variable
 from .candidate import Candidate, CandidateMaker, Shape
-from .lines import find_lines, pumping
+from .lines import find_lines
 
 __all__ = [
     "FORCING",
@@ -21,10 +20,10 @@ __all__ = [
     "frequency_of",
     "is_same_ripple",
     "lines_of",
-    "other_pumps",
+    "of_line",
     "periodic_candidates",
-    "pumped_candidates",
     "ripple_candidates",
+    "waves_of",
 ]
 
 FORCING = "periodic forcing"
@@ -72,101 +71,17 @@ def periodic_candidates(
     effect = CandidateMaker(state)
     lines = lines_of(residual, drivers, dt, highest, n_periods=FEWEST_PERIODS)
     return [
-        effect(FORCING, shape=_of_line(frequency, len(residual) * dt, _waves(time), branch))
+        effect(FORCING, shape=of_line(frequency, len(residual) * dt, waves_of(time), branch))
         for branch, frequency in enumerate(lines)
     ]
 
 
-def pumped_candidates(
-    state: int,
-    time: int,
-    residual: np.ndarray,
-    part: Sum,
-    values: np.ndarray,
-    drivers: np.ndarray,
-    dt: float,
-    highest: float = np.inf,
-    *,
-    branch: int = 0,
-) -> list[Candidate]:
-    """Return a declared term times sines and cosines of time: a stiffness that is pumped.
-
-    What such a term leaves is a line where it is multiplied by the term itself. A population that
-    is pumped itself has that line as well: then the wave counts that explains most beside the term.
-
-    Parameters
-    ----------
-    state, time, residual, drivers, dt, highest
-        As in `periodic_candidates`.
-    part : Sum
-        The term, without its coefficient.
-    values : ndarray of shape (n_samples,)
-        Its values.
-    branch : int
-        Tells the term from the others of its equation.
-
-    Returns
-    -------
-    list of Candidate
-        One or none.
-    """
-    effect, others = CandidateMaker(state), np.column_stack([drivers, values, values**2])
-    waves = tuple(partial(_times, part, wave) for wave in _waves(time))
-    length = len(residual) * dt
-    lines = lines_of(residual * values, others, dt, highest, n_peaks=1)
-    return [
-        effect(FORCING, shape=_of_line(line, length, waves, branch), parents=(part,), alone=True)
-        for line in lines
-        or [f / dt for f in pumping(residual, values, PERIODS_IN_TIME, highest * dt)]
-    ]
-
-
-def other_pumps(forcing: Candidate, time: int, parts: Sequence[Sum]) -> list[Candidate]:
-    """Return what else may act at the frequency of a forcing: the wave, or a term times the wave.
-
-    What is pumped at a frequency near its own moves with the pump. Then each term has a line there,
-    and the residual does not tell which of them is pumped; free runs do.
-
-    Parameters
-    ----------
-    forcing : Candidate
-        What was found; nothing else can stand for what is no forcing.
-    time : int
-        Column of the variables that holds time.
-    parts : sequence of Sum
-        Terms of its equation, without their coefficients.
-
-    Returns
-    -------
-    list of Candidate
-    """
-    if forcing.name != FORCING or forcing.shape is None:
-        return []
-    effect, waves = CandidateMaker(forcing.state), _waves(time)
-    plain = effect(FORCING, shape=replace(forcing.shape, builds=waves))
-    pumped = [
-        effect(
-            FORCING,
-            shape=replace(forcing.shape, builds=tuple(partial(_times, part, w) for w in waves)),
-            parents=(part,),
-            alone=True,
-        )
-        for part in parts
-        if time not in part.variables
-    ]
-    return [plain, *pumped]
-
-
-def _of_line(
+def of_line(
     frequency: float, length: float, waves: tuple[Callable[[float], Sum], ...], branch: int
 ) -> Shape:
     """Return waves at a frequency, to be tuned by half of what a record of a length resolves."""
     reach = 0.5 / (frequency * length)
     return Shape((2 * np.pi * frequency,), waves, reach, (FREQUENCY,), branch)
-
-
-def _times(part: Sum, wave: Callable[[float], Sum], frequency: float) -> Sum:
-    return mul(part, wave(frequency))
 
 
 def frequency_of(candidate: Candidate) -> float:
@@ -252,7 +167,7 @@ def ripple_candidates(
             # Pieces that were passed less often bend the line; it is half a period wide each way.
             shape=Shape(
                 (2 * np.pi * cycles / width,),
-                _waves(position),
+                waves_of(position),
                 0.5 / (n_bins * cycles),
                 ("wave number",),
             ),
@@ -269,7 +184,7 @@ def is_same_ripple(one: Candidate, other: Candidate) -> bool:
     return bool(apart <= max(one.shape.reach, other.shape.reach))
 
 
-def _waves(column: int) -> tuple[Callable[[float], Sum], ...]:
+def waves_of(column: int) -> tuple[Callable[[float], Sum], ...]:
     """Return what builds a sine and a cosine of a variable from a frequency, radians a unit."""
     return partial(_wave, "sin", column), partial(_wave, "cos", column)
 

@@ -16,9 +16,9 @@ from ..effects.periodic import (
     N_LINES,
     is_same_ripple,
     periodic_candidates,
-    pumped_candidates,
     ripple_candidates,
 )
+from ..effects.pumps import partner_pumps, pumped_candidates
 from ..effects.stops import begins_within, one_end_each
 from ..effects.varying import parts_of
 from ..effects.vocabulary import VOCABULARY
@@ -89,7 +89,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
         if position is not None:
             residuals = [own[:, state] for own in left]
             proposed += _ripples(state, position, residuals, records)
-    return proposed
+    return [*proposed, *partner_pumps(design, len(longest) * longest.dt)]
 
 
 def _ripples(

@@ -10,8 +10,7 @@ import numpy as np
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
-from ..effects.periodic import other_pumps
-from ..effects.varying import parts_of
+from ..effects.pumps import other_pumps
 from ..evidence.scoring import columns_of, score, sharpened
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, converged
@@ -95,7 +94,7 @@ def _closest(
     A narrow dead zone between two places of the grid would lose to a grown step, so its width is
     tuned before. Of those that differ in their numbers alone, one is enough.
     """
-    pumps = other_pumps(own, model.design.time, parts_of(model.design, own.state))
+    pumps = other_pumps(own, model.design)
     options = [*candidates(model.design, part.ranges), *pumps, *grown]
     alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
     scores = score(model.design, part, sharpened(model.design, part, list(alike)), pairs=False)

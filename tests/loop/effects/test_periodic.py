@@ -10,10 +10,11 @@ from pysindy_evolve.loop.effects.lines import pumping
 from pysindy_evolve.loop.effects.periodic import (
     FORCING,
     lines_of,
-    other_pumps,
     periodic_candidates,
     ripple_candidates,
 )
+from pysindy_evolve.loop.effects.pumps import other_pumps, partner_pumps
+from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.terms import mul, variable
 
 STILL = np.empty((1000, 0))  # no inputs
@@ -204,13 +205,24 @@ def test_what_pumps_a_population_that_has_its_line_is_found_all_the_same():
 
 
 def test_a_forcing_may_be_a_term_that_is_pumped_at_its_frequency():
+    design = pse.DeclaredModel({"N": "r*N - a*N*P", "P": "b*N*P - m*P*t"}).design()
     wave, *_ = periodic_candidates(0, 2, np.cos(7.0 * T), np.empty((len(T), 0)), 0.02)
+    plain, *pumped = other_pumps(wave, design)
     product = mul(variable(0), variable(1))
-    plain, pumped = other_pumps(wave, 2, [product, mul(product, variable(2))])
     assert plain == wave
-    assert (pumped.name, pumped.parents) == (FORCING, (product,))
-    assert pumped.terms == tuple(mul(product, term) for term in wave.terms)
-    assert other_pumps(Candidate("coupling", 0, (product,)), 2, [product]) == []
+    assert [one.parents for one in pumped] == [(variable(0),), (product,)]
+    assert pumped[1].terms == tuple(mul(product, term) for term in wave.terms)
+    assert other_pumps(Candidate("coupling", 0, (product,)), design) == []
+
+
+def test_what_is_pumped_in_one_equation_may_be_in_another():
+    design = pse.DeclaredModel({"N": "r*N - a*N*P", "P": "b*N*P - m*P*t"}).design()
+    assert partner_pumps(design, 30.0) == []
+    wave, *_ = periodic_candidates(0, 2, np.cos(7.0 * T), np.empty((len(T), 0)), 0.02)
+    with_it = design.adding(columns_of(wave, design))
+    found = [(one.state, *one.parents) for one in partner_pumps(with_it, 30.0)]
+    product = mul(variable(0), variable(1))
+    assert found == [(0, variable(0)), (0, product), (1, product)]
 
 
 @pytest.mark.slow

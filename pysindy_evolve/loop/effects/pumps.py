@@ -1,0 +1,147 @@
+"""Terms of the model that are pumped: times a sine and a cosine of the time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ...terms import Call, Sum, mul
+from ..given.design import Design
+from .candidate import Candidate, CandidateMaker, Shape
+from .lines import pumping
+from .periodic import FORCING, PERIODS_IN_TIME, lines_of, of_line, waves_of
+from .varying import parts_of
+
+__all__ = ["other_pumps", "partner_pumps", "pumped_candidates"]
+
+
+def pumped_candidates(
+    state: int,
+    time: int,
+    residual: np.ndarray,
+    part: Sum,
+    values: np.ndarray,
+    drivers: np.ndarray,
+    dt: float,
+    highest: float = np.inf,
+    *,
+    branch: int = 0,
+) -> list[Candidate]:
+    """Return a declared term times sines and cosines of time: a stiffness that is pumped.
+
+    What such a term leaves is a line where it is multiplied by the term itself. A population that
+    is pumped itself has that line as well: then the wave counts that explains most beside the term.
+
+    Parameters
+    ----------
+    state, time, residual, drivers, dt, highest
+        As in `periodic_candidates` of `periodic`.
+    part : Sum
+        The term, without its coefficient.
+    values : ndarray of shape (n_samples,)
+        Its values.
+    branch : int
+        Tells the term from the others of its equation.
+
+    Returns
+    -------
+    list of Candidate
+        One or none.
+    """
+    effect, others = CandidateMaker(state), np.column_stack([drivers, values, values**2])
+    waves = tuple(partial(_times, part, wave) for wave in waves_of(time))
+    length = len(residual) * dt
+    lines = lines_of(residual * values, others, dt, highest, n_peaks=1)
+    return [
+        effect(FORCING, shape=of_line(line, length, waves, branch), parents=(part,), alone=True)
+        for line in lines
+        or [f / dt for f in pumping(residual, values, PERIODS_IN_TIME, highest * dt)]
+    ]
+
+
+def other_pumps(forcing: Candidate, design: Design) -> list[Candidate]:
+    """Return what else may act at the frequency of a forcing: the wave, or a term times the wave.
+
+    What is pumped at a frequency near its own moves with the pump. Then each term has a line there,
+    and the residual does not tell which of them is pumped; free runs do.
+
+    Parameters
+    ----------
+    forcing : Candidate
+        What was found; nothing else can stand for what is no forcing.
+    design : Design
+        The model without it.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    if forcing.name != FORCING or forcing.shape is None:
+        return []
+    plain = replace(forcing.shape, builds=waves_of(design.time))
+    return [
+        CandidateMaker(forcing.state)(FORCING, shape=plain),
+        *_pumped(forcing.state, design, plain),
+    ]
+
+
+def partner_pumps(design: Design, length: float) -> list[Candidate]:
+    """Return terms pumped at the frequencies of the waves that stand in a model already.
+
+    What is pumped where it leaves one equation is pumped where it enters another, whose residual
+    may have a stronger line elsewhere.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    length : float
+        Of the longest record, units of t.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    plain = waves_of(design.time)
+    shapes = (
+        of_line(frequency, length, plain, -1 - k)  # no branch of what a residual shows
+        for k, frequency in enumerate(_frequencies_in(design))
+    )
+    return [
+        c for shape in shapes for state in design.open_states for c in _pumped(state, design, shape)
+    ]
+
+
+def _frequencies_in(design: Design) -> list[float]:
+    """Return the frequencies of waves of the time in a model, cycles per unit of t."""
+    sides = (side for column in design.columns for side in column.parts)
+    atoms = (atom for side in sides for _, term in side.parts for atom, _ in term.factors)
+    waves = [
+        atom.args[0]
+        for atom in atoms
+        if isinstance(atom, Call) and atom.operator.name in ("sin", "cos")
+    ]
+    found = (wave.parts[-1][0] for wave in waves if wave.variables == {design.time})
+    return list(dict.fromkeys(abs(omega) / (2.0 * np.pi) for omega in found))
+
+
+def _pumped(state: int, design: Design, wave: Shape) -> list[Candidate]:
+    """Return each term of an equation times a wave; a term of the time is none."""
+    parts = (part for part in parts_of(design, state) if design.time not in part.variables)
+    waves = waves_of(design.time)
+    return [
+        CandidateMaker(state)(
+            FORCING,
+            shape=replace(wave, builds=tuple(partial(_times, part, build) for build in waves)),
+            parents=(part,),
+            alone=True,
+        )
+        for part in parts
+    ]
+
+
+def _times(part: Sum, wave: Callable[[float], Sum], frequency: float) -> Sum:
+    return mul(part, wave(frequency))
