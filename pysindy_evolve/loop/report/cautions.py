@@ -43,8 +43,6 @@ def cautions(report: LoopReport) -> list[str]:
 def _doubted(report: LoopReport) -> list[str]:
     """Name the equations such as q' = v that the records contradict."""
     design, said = report.design, []
-    if design is None:
-        return []
     for state in design.doubted:
         velocity = design.derivative_of(state)
         if velocity is None:
@@ -60,16 +58,12 @@ def _doubted(report: LoopReport) -> list[str]:
 
 
 def _untold(report: LoopReport) -> list[str]:
-    if report.design is None:
-        return []
     first = report.design.columns[: len(report.after.parameters)]  # what was declared
     return unidentified_sentences(replace(report.design, columns=first), report.train)
 
 
 def _known(report: LoopReport) -> list[str]:
     """Name the effects that change the coefficient of a term that was declared as known."""
-    if report.design is None:
-        return []
     said = []
     for effect in (one for one in report.effects if len(one.expressions) == 1):
         (expression,) = effect.expressions
@@ -217,7 +211,7 @@ def _numbers(report: LoopReport) -> list[str]:
 
 def _left(report: LoopReport) -> list[str]:
     """Say that something is left beside the effects."""
-    if report.verdict != "traced" or report.rules is None:
+    if report.verdict != "traced":
         return []
     if report.chance_left > report.rules.level:
         return []

@@ -124,7 +124,7 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
     Plan
     """
     check_units("suggest_experiment", units, report.before.model.names)
-    if report.design is None or not any(effect.rivals for effect in report.effects):
+    if not any(effect.rivals for effect in report.effects):
         return Plan((), units)
     equations, records = _acting(report)
     part = segments(records, may_rest(report.design, records), max_rows=MAX_ROWS)

@@ -190,13 +190,12 @@ def _facts(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple[st
         facts.append(
             ("cutoff of the preparation", f"{cutoff:.4g} cycles per {unit or 'unit of t'}")
         )
-    if report.rules is not None:
-        rules = report.rules
-        facts += [
-            ("significance", f"{rules.significance:g}"),
-            ("n_twins", f"{rules.n_twins}"),
-            ("min_share", f"{rules.min_share:g}"),
-            ("max_effects", f"{rules.max_effects}"),
-            ("refine", rules.refine),
-        ]
-    return facts
+    rules = report.rules
+    return [
+        *facts,
+        ("significance", f"{rules.significance:g}"),
+        ("n_twins", f"{rules.n_twins}"),
+        ("min_share", f"{rules.min_share:g}"),
+        ("max_effects", f"{rules.max_effects}"),
+        ("refine", rules.refine),
+    ]

@@ -49,7 +49,7 @@ def missed(report: LoopReport) -> list[str]:
     if miss < RUNAWAY and report.verdict == "untraced":
         return []
     said = _of_rates(report) if miss < NOTABLE else _of_run(report, miss)
-    if said and report.rules is not None and report.rules.by_trajectory:
+    if said and report.rules.by_trajectory:
         said[-1] += f" {SHORT}"
     return said
 

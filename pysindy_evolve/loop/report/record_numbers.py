@@ -27,7 +27,7 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
     Those that matter most. Empty of a single record, and where all records share their numbers.
     """
     design, records = report.design, report.train
-    if len(records) < 2 or report.effects or design is None or not design.columns:
+    if len(records) < 2 or report.effects or not design.columns:
         return {}
     pooled = refit(design, records, "derivative")
     own = np.array([refit(design, [record], "derivative") for record in records])

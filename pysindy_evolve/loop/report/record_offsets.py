@@ -28,7 +28,7 @@ def offsets_by_record(report: LoopReport) -> dict[str, np.ndarray]:
     Units of the state per unit of t. Empty of a single record, and of algebraic targets.
     """
     model, records = report.after.model, report.train
-    if len(records) < 2 or model.n_algebraic or report.design is None:
+    if len(records) < 2 or model.n_algebraic:
         return {}
     left = [residual_of(model, record) for record in records]
     blocks = [np.array([b.mean(axis=0) for b in np.array_split(one, N_BLOCKS)]) for one in left]

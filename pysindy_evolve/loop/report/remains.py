@@ -35,9 +35,9 @@ def remains(report: LoopReport) -> list[str]:
 def _unfinished(report: LoopReport) -> str:
     if not report.shows_motion:
         return "No effect was looked for: the records are smoothed so much that they show none."
-    if report.rules is not None and report.rules.max_effects == 0:
+    if report.rules.max_effects == 0:
         return "No effect was looked for, as max_effects is 0."
-    if report.rules is not None and len(report.effects) >= report.rules.max_effects:
+    if len(report.effects) >= report.rules.max_effects:
         return "The search stopped early: it reached max_effects."
     return "The search stopped early: it was interrupted."
 
@@ -59,7 +59,7 @@ def _last_look(report: LoopReport) -> str:
         return f"{said}."
     said += ", but " if is_tested else ""
     said += f"it would remove {percent(100 * best.share)} of the error that could be explained"
-    if report.rules is not None and best.share < report.rules.min_share:
+    if best.share < report.rules.min_share:
         said += f", less than min_share asks for ({100 * report.rules.min_share:g} %)"
     return f"{said}."
 
@@ -67,7 +67,7 @@ def _last_look(report: LoopReport) -> str:
 def _chance(best: Rejected, report: LoopReport) -> str:
     """Return the p-value, and what was asked for where that is less than the significance."""
     said = f"p = {best.p_value:.2g}"
-    if report.rules is not None and best.level < best.p_value <= report.rules.significance:
+    if best.level < best.p_value <= report.rules.significance:
         said += f"; as there are several looks, each asks for {best.level:.2g}"
     return said
 

@@ -49,12 +49,12 @@ class LoopReport:
         The records.
     finished : bool
         False if the search was interrupted or ran into `max_effects`.
+    rules : Rules
+        The settings.
+    design : Design
+        The corrected model with its coefficients free.
     rejected : Rejected, optional
         The best of what was tried last and did not pass; None if nothing was left to try.
-    rules : Rules, optional
-        The settings.
-    design : Design, optional
-        The corrected model with its coefficients free.
     chance_left : float
         Of a residual of the corrected model that is predicted so well by what was measured, if it
         were random; 1 where it is not predicted, or was not asked.
@@ -72,9 +72,9 @@ class LoopReport:
     train: tuple[Record, ...]
     test: tuple[Record, ...]
     finished: bool
+    rules: Rules
+    design: Design
     rejected: Rejected | None = None
-    rules: Rules | None = None
-    design: Design | None = None
     chance_left: float = 1.0
     found_held: tuple[int, ...] = ()
     shows_motion: bool = True

@@ -47,7 +47,7 @@ IN_PART = (
 def verdict_of(report: LoopReport) -> str:
     """Return the verdict in a sentence."""
     if report.verdict == "complete" and unexplained(report):
-        return MUCH_LEFT if report.rules is None or report.rules.max_effects else NOT_LOOKED
+        return MUCH_LEFT if report.rules.max_effects else NOT_LOOKED
     missed = float(np.max(report.after.simulation_error)) >= NOTABLE
     if report.verdict == "traced" and missed and unexplained(report):
         return IN_PART

@@ -86,9 +86,18 @@ def make_report(
         place += len(finding.columns)
     if by_runs and memories:
         effects = with_intervals(effects, findings, design, fitted.coef, train, rng)
-    records = tuple(train), tuple(test)
-    report = LoopReport(verdict, effects, before, errors, steps, *records, finished)
-    return replace(report, rules=rules, design=design)
+    return LoopReport(
+        verdict,
+        effects,
+        before,
+        after=errors,
+        steps=steps,
+        train=tuple(train),
+        test=tuple(test),
+        finished=finished,
+        rules=rules,
+        design=design,
+    )
 
 
 @dataclass(frozen=True, eq=False)
