@@ -106,5 +106,6 @@ class InputFunction:
     def _reaches(self, inputs: Array, values: Array) -> bool:
         """Tell whether it takes the values between those of a table as well, and does not jump."""
         between = [0.5 * (side[1:] + side[:-1]) for side in (inputs, values)]
-        missed = np.abs(self.function(between[0]) - between[1]).max()
+        with np.errstate(all="ignore"):
+            missed = np.abs(self.function(between[0]) - between[1]).max()
         return bool(missed <= JUMP * np.ptp(values))
