@@ -51,12 +51,10 @@ def pumped_candidates(
     list of Candidate
         One or none.
     """
-    effect, others = CandidateMaker(state), np.column_stack([drivers, values, values**2])
-    waves = tuple(partial(_times, part, wave) for wave in waves_of(time))
-    length = len(residual) * dt
+    others, length = np.column_stack([drivers, values, values**2]), len(residual) * dt
     lines = lines_of(residual * values, others, dt, highest, n_peaks=1)
     return [
-        effect(FORCING, shape=of_line(line, length, waves, branch), parents=(part,), alone=True)
+        _pump(state, time, part, of_line(line, length, waves_of(time), branch))
         for line in lines
         or [f / dt for f in pumping(residual, values, PERIODS_IN_TIME, highest * dt)]
     ]
@@ -131,16 +129,13 @@ def _frequencies_in(design: Design) -> list[float]:
 def _pumped(state: int, design: Design, wave: Shape) -> list[Candidate]:
     """Return each term of an equation times a wave; a term of the time is none."""
     parts = (part for part in parts_of(design, state) if design.time not in part.variables)
-    waves = waves_of(design.time)
-    return [
-        CandidateMaker(state)(
-            FORCING,
-            shape=replace(wave, builds=tuple(partial(_times, part, build) for build in waves)),
-            parents=(part,),
-            alone=True,
-        )
-        for part in parts
-    ]
+    return [_pump(state, design.time, part, wave) for part in parts]
+
+
+def _pump(state: int, time: int, part: Sum, wave: Shape) -> Candidate:
+    """Return a term times a wave, at the frequency of the wave."""
+    shape = replace(wave, builds=tuple(partial(_times, part, build) for build in waves_of(time)))
+    return CandidateMaker(state)(FORCING, shape=shape, parents=(part,), alone=True)
 
 
 def _times(part: Sum, wave: Callable[[float], Sum], frequency: float) -> Sum:

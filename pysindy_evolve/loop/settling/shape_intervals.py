@@ -161,7 +161,7 @@ def _with_wider_coefficients(
             own = half[first : first + count]
             known = effect.confidence_intervals
             wide = _wider(known, effect.coefficients, own)
-            # Other numbers change how large a coefficient is; with none would it have another sign.
+            # Zero would be no effect, whatever its numbers, and that was refuted.
             wide = _with_sign_of(known, wide) if count == 1 else wide
             effect = replace(effect, confidence_intervals=wide)
         found.append(effect)
