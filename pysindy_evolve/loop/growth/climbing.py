@@ -23,7 +23,7 @@ from ..given.segments import Segments
 from .naming import sparing
 from .seeds import functions
 
-__all__ = ["climbed"]
+__all__ = ["climbed", "with_best_numbers"]
 
 N_TUNED = 6  # of the terms around one
 SLOPE = 1e-3  # of a logarithm, to see what it changes
@@ -71,6 +71,33 @@ def climbed(
     return best.group[0] if best else begin
 
 
+def with_best_numbers(
+    candidates: Sequence[Candidate],
+    design: Design,
+    part: Segments,
+    declared: Sequence[Product] = (),
+) -> list[Product]:
+    """Return the terms that gain most once their numbers are tuned, with these numbers.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+        Grown terms, one in each.
+    design : Design
+        The model so far.
+    part : Segments
+        Pieces to search in.
+    declared : sequence of Product
+        As in `climbed`.
+
+    Returns
+    -------
+    list of Product
+    """
+    tuned_ones = _tuned(design, part, _promising(design, part, candidates), declared)
+    return [term for one in tuned_ones for _, term in one.terms[0].parts]
+
+
 def _moved(candidate: Candidate, term: Product, declared: Sequence[Product]) -> Candidate:
     """Return a candidate with another term in its place; one that was tuned may spare no more."""
     terms, spared = (Sum(((1.0, term),)),), sparing(term, declared)
@@ -102,9 +129,15 @@ def _best(
     design: Design, part: Segments, candidates: Sequence[Candidate], declared: Sequence[Product]
 ) -> Score | None:
     """Return the score of the best candidate, numbers tuned; None if none can be told apart."""
-    sharp = (tuned(replace(c, shape=shape_of(c)), design, part) for c in candidates)
-    plain = [_moved(c, term, declared) for c in sharp for _, term in c.terms[0].parts]
+    plain = _tuned(design, part, candidates, declared)
     return max(score(design, part, plain, pairs=False), key=net, default=None)
+
+
+def _tuned(
+    design: Design, part: Segments, candidates: Sequence[Candidate], declared: Sequence[Product]
+) -> list[Candidate]:
+    sharp = (tuned(replace(c, shape=shape_of(c)), design, part) for c in candidates)
+    return [_moved(c, term, declared) for c in sharp for _, term in c.terms[0].parts]
 
 
 def _around(candidate: Candidate, factors: Sequence[Sum]) -> list[Product]:

@@ -23,7 +23,7 @@ from ..evidence.trace import EVOLVED
 from ..fitting.residual import forces
 from ..given.design import Design
 from ..given.segments import Segments
-from .climbing import climbed
+from .climbing import climbed, with_best_numbers
 from .levels import begun_at_levels
 from .naming import named, shifted, without_signs
 from .seeds import screened, small_terms, varied
@@ -136,6 +136,9 @@ def _grow_in(
     )
     plain = (one for term in finalists for one in without_signs(term, variables))
     grown = [name(term) for term in dict.fromkeys(plain)]
+    # A seed with the right form and a wrong number explains less than a wrong form may.
+    begun = _without_names([name(term) for term in seeds])
+    grown += [name(term) for term in with_best_numbers(begun, design, part, declared)]
     grown += [name(term) for term in _above(grown, design, part, operators, declared)]
     return list(dict.fromkeys([*grown, *begun_at_levels(design, state, part)]))
 
@@ -157,12 +160,16 @@ def _above(
     declared: Sequence[Product],
 ) -> list[Product]:
     """Return the term to which the best one without a name climbs, if that is worth its nodes."""
-    free = [replace(c, parents=()) for c in grown if c.name == EVOLVED]
+    free = _without_names(grown)
     best = max(score(design, part, free, pairs=False), key=net, default=None)
     if best is None or net(best) <= 0.0:
         return []
     top = climbed(best.group[0], design, part, operators, declared)
     return [term for _, term in top.terms[0].parts]
+
+
+def _without_names(grown: Sequence[Candidate]) -> list[Candidate]:
+    return [replace(candidate, parents=()) for candidate in grown if candidate.name == EVOLVED]
 
 
 def _project(columns: np.ndarray, part: Segments, state: int, weight: np.ndarray) -> np.ndarray:

@@ -96,6 +96,8 @@ def varied(
     squares = [power(f, 2) for f in straight if _is_power(f)]  # of a sign or a root: nothing new
     known = {operator.name: operator for operator in operators}
     distant = list(_below_the_line(x)) if "div" in known else []
+    if {"div", "sqrt"} <= known.keys():
+        distant += [power(call(known["sqrt"], length), -1) for _, length in _squares_away(x)]
     if "log" in known:
         distant += [call(known["log"], away) for away in _distances(x)]
     factors = (*straight, *squares, *distant)
@@ -187,13 +189,19 @@ def _below_the_line(x: np.ndarray) -> Iterator[Sum]:
     """Go through reciprocals of a distance to a place out of range, and of what saturates."""
     for away in _distances(x):
         yield from (power(away, -1), power(away, -2))
+    for square, away in _squares_away(x):
+        yield from (power(away, -1), mul(square, power(away, -1)))
+
+
+def _squares_away(x: np.ndarray) -> Iterator[tuple[Sum, Sum]]:
+    """Go through squares of variables, each with itself plus that of a constant at several scales.
+
+    The root of the sum is a length: that of a spring whose end moves beside it.
+    """
     for i, column in enumerate(x.T):
-        square = power(variable(i), 2)
-        for scale in SCALES:
-            size = scale**2 * float(np.mean(column**2))
-            if size > 0.0:
-                reciprocal = power(add(constant(size), square), -1)
-                yield from (reciprocal, mul(square, reciprocal))
+        square, size = power(variable(i), 2), float(np.mean(column**2))
+        if size > 0.0:
+            yield from ((square, add(constant(scale**2 * size), square)) for scale in SCALES)
 
 
 def _distances(x: np.ndarray) -> Iterator[Sum]:

@@ -63,3 +63,27 @@ def test_the_ground_effect_of_a_thrust_grows_from_the_thrust():
 def test_nothing_grows_from_the_thrust_far_from_the_ground():
     records = quadrotor(102, "0"), quadrotor(103, "0")
     assert not pse.close_loop(QUADROTOR, *records, random_state=1).effects
+
+
+def snap_through(seed):
+    """A mass between two springs that lie flat in its middle and are too long for that, in mm."""
+    rng, t = np.random.default_rng(seed), 0.005 * np.arange(6000)
+    phases = rng.uniform(0.0, 2 * np.pi, 14)
+    force = sum(
+        np.sin(2 * np.pi * f * t + p)
+        for f, p in zip(np.linspace(0.4, 3.0, 14), phases, strict=True)
+    )
+    side = "1300*F - 250*q + 3000*q/sqrt(100 + q**2) - 1.5*v"
+    model = pse.DeclaredModel({"q": "v", "v": side}, inputs=["F"])
+    x = pse.simulate(model.design().equations([]), [4.0, 0.0], t, 0.38 * force, tolerance=1e-9)
+    return pse.prepare(t, x[:, 0] + 0.02 * rng.standard_normal(len(t)), 0.38 * force)
+
+
+@pytest.mark.slow
+def test_the_length_of_an_inclined_spring_grows_below_the_line():
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    report = pse.close_loop(declared, snap_through(100), snap_through(101), random_state=0)
+    (effect,) = report.effects
+    assert (effect.name, effect.state) == ("evolved term", "v")
+    assert effect.numbers == {"inner constant": pytest.approx(100.0, rel=0.02)}
+    assert effect.coefficients == pytest.approx([3000.0], rel=0.01)

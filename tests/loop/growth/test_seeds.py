@@ -119,6 +119,13 @@ def test_what_is_below_the_line_keeps_away_from_zero_and_may_stand_alone():
     assert not any("/(" in name for name in varied_names(("mul",), [only(THRUST)]))
 
 
+def test_lengths_of_a_spring_whose_end_moves_beside_it_are_below_the_line():
+    spring = only(variable(0))
+    lengths = [name for name in varied_names(("mul", "div", "sqrt"), [spring]) if "/sqrt(" in name]
+    assert len([name for name in lengths if name.startswith("a/sqrt(a^2 + ")]) == 3
+    assert not any("/sqrt(" in name for name in varied_names(("mul", "sqrt"), [spring]))
+
+
 def test_logarithms_are_of_distances_to_places_out_of_range():
     x = np.random.default_rng(0).uniform(-0.4, 0.6, (400, 1))
     found = varied([only(variable(0))], resolve(("mul", "log"), "test"), x)
