@@ -22,7 +22,7 @@ import sympy
 from ..operators import BUILTIN
 from ..terms import ONE as CONSTANT_TERM
 from ..terms import Atom, Product, Sum, Variable
-from .scalars import ROOT, Namespace, symbol, symbols
+from .scalars import LOG, ROOT, Namespace, symbol, symbols
 from .structure import FIRST_MARK, FREE, Structure
 
 __all__ = ["Rows"]
@@ -121,6 +121,8 @@ class Rows:
         self._nested -= 1
         if atom.operator == BUILTIN["sqrt"]:
             return ROOT(*arguments)  # as a power it would turn complex below zero
+        if atom.operator == BUILTIN["log"]:
+            return LOG(*arguments)
         if BUILTIN.get(atom.operator.name) == atom.operator:
             return atom.operator.to_sympy(*arguments)
         return self.namespace.function(atom.operator)(*arguments)

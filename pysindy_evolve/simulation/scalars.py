@@ -11,13 +11,14 @@ import sympy
 
 from ..operators import Operator
 
-__all__ = ["LEAST", "RATIO", "ROOT", "Lines", "Namespace", "symbol", "symbols"]
+__all__ = ["LEAST", "LOG", "RATIO", "ROOT", "Lines", "Namespace", "symbol", "symbols"]
 
 Lines = list[tuple[Any, Any]]  # assignments (symbol, expression), in order
 
 RATIO = sympy.Function("ratio", real=True)
 ROOT = sympy.Function("root", real=True)
 LEAST = sympy.Function("least", real=True)
+LOG = sympy.Function("logarithm", real=True)
 
 
 def symbol(name: str) -> Any:
@@ -38,7 +39,9 @@ class Namespace:
     """
 
     def __init__(self) -> None:
-        self._values: dict[str, Any] = {"ratio": ratio, "least": min, "root": math.sqrt}
+        self._values: dict[str, Any] = {
+            "ratio": ratio, "least": min, "root": math.sqrt, "logarithm": logarithm
+        }  # fmt: skip
         self._numbers: dict[float, Any] = {}
 
     def number(self, value: float) -> Any:
@@ -70,6 +73,11 @@ def ratio(a: float, b: float) -> float:
     if b:
         return -a / b
     return math.copysign(math.inf, a) if a else 0.0
+
+
+def logarithm(a: float) -> float:
+    """Return log(a), as numpy does at zero: a power of a magnitude is exp(n log(abs(a)))."""
+    return math.log(a) if a else -math.inf
 
 
 def on_floats(operator: Operator) -> Callable[..., float]:

@@ -131,16 +131,18 @@ class TestExactSolutions:
         np.testing.assert_allclose(x[50], [-1.0, 0.0], atol=1e-8)
 
 
-def test_a_root_of_the_speed_beside_its_sign_is_followed_through_zero() -> None:
+@pytest.mark.parametrize("exponent", [0.5, 0.6, 1.75])
+def test_a_power_of_the_speed_beside_its_sign_is_followed_through_zero(exponent: float) -> None:
     q, v = variable(0), variable(1)
-    root = call(BUILTIN["sqrt"], call(BUILTIN["abs"], v))
-    drag = mul(root, call(BUILTIN["sgn"], v))
+    size = call(BUILTIN["abs"], v)
+    exponential = call(BUILTIN["exp"], mul(constant(exponent), call(BUILTIN["log"], size)))
+    drag = mul(call(BUILTIN["sqrt"], size) if exponent == 0.5 else exponential, sgn(v))
     t = np.arange(0.0, 3.0, 0.01)
     system = equations([v, total((-20.0, q), (-0.6, v), (-1.0, drag))], ("q", "v"))
     run = simulate(system, [0.1, 0.0], t)
 
     def rates(_: float, x: np.ndarray) -> list[float]:
-        drag = np.sqrt(abs(x[1])) * np.sign(x[1])
+        drag = abs(x[1]) ** exponent * np.sign(x[1])
         return [x[1], -20 * x[0] - 0.6 * x[1] - drag]
 
     reference = solve_ivp(rates, (0.0, 3.0), [0.1, 0.0], t_eval=t, max_step=1e-3).y.T
