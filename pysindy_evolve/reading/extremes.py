@@ -13,7 +13,13 @@ from functools import partial, reduce
 from ..operators import BUILTIN
 from ..terms import ONE, Call, Sum, add, call, constant, mul, neg, sub
 
-__all__ = ["EXTREMES"]
+__all__ = ["EXTREMES", "positive_part_of"]
+
+
+def positive_part_of(expression: Sum) -> Sum | None:
+    """Return x of an expression that is max(x, 0); None if it is anything else."""
+    x, end = _limited(1.0, expression) or (None, ONE)
+    return x if isinstance(end, Sum) and _is_number(end) and _value(end) == 0.0 else None
 
 
 def _extreme(sign: float, *arguments: Sum) -> Sum:

@@ -17,7 +17,7 @@ import numpy as np
 from .. import terms
 from ..operators import BUILTIN, Operator
 from ..terms import Sum
-from .extremes import EXTREMES
+from .extremes import EXTREMES, positive_part_of
 from .grammar import MAX_EXPONENT, MAX_SIZE, Source, as_text, chain
 from .names import advise_function, advise_parameter, check_known
 
@@ -253,6 +253,8 @@ class _Reader:
             self.source.fail(constraint, str(len(node.args)), "Separate them by commas.", node)
         arguments = [self._parameter_free(argument) for argument in node.args]
         if any(argument.variables for argument in arguments):
+            if operator == BUILTIN["sqrt"]:
+                return real_power(arguments[0], 0.5)
             return terms.call(operator, *arguments)
         values = [np.array([_number(argument)]) for argument in arguments]
         with np.errstate(all="ignore"):
@@ -288,10 +290,18 @@ def _total(sums: list[Sum]) -> Sum:
 
 
 def real_power(base: Sum, exponent: float) -> Sum:
-    """Return an integer power, x^n sqrt(x) for halves, exp(p log(x)) for all others."""
+    """Return an integer power, x^n sqrt(x) for halves, exp(p log(x)) for all others.
+
+    That of max(x, 0) is the power of |x| where x is positive: x + |x| may round to less than zero.
+    """
     whole = int(exponent)
     if exponent == whole:
         return terms.power(base, whole)
+    x = positive_part_of(base) if exponent > 0.0 else None
+    if x is not None:
+        is_positive = terms.add(terms.constant(1.0), terms.call(BUILTIN["sgn"], x))
+        size = real_power(terms.call(BUILTIN["abs"], x), exponent)
+        return terms.mul(terms.constant(0.5), terms.mul(is_positive, size))
     if abs(exponent - whole) == 0.5:
         root = terms.call(BUILTIN["sqrt"], base)
         result = terms.mul(real_power(base, abs(whole)), root)

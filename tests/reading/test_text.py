@@ -291,3 +291,11 @@ def test_limits_may_be_written_with_min_and_max(text, value):
 def test_a_limit_must_not_hold_a_free_parameter():
     with pytest.raises(ValueError, match="free parameter"):
         parse("min(q, limit)", NAMES)
+
+
+@pytest.mark.parametrize("power", [0.5, 0.6, 1.5])
+def test_a_power_of_what_is_never_negative_has_a_value_everywhere(power):
+    side = parse(f"max(0.7*q - 0.3, 0)**{power}", NAMES)  # 0.35 q - 0.15 + |0.35 q - 0.15| rounds
+    q = np.random.default_rng(0).uniform(-2.0, 2.0, 4000)
+    values = side.known.evaluate(np.column_stack([q, 0 * q, 0 * q, 0 * q]))
+    np.testing.assert_allclose(values, np.maximum(0.7 * q - 0.3, 0.0) ** power, atol=1e-9)
