@@ -20,6 +20,13 @@ def look_for_effects(search: Search) -> None:
     """
     if not search.has_room:
         take_holds(search)
+    _look(search)
+    if search.takes_functions():
+        _look(search)
+    search.judge_rest()
+
+
+def _look(search: Search) -> None:
     find_named(search)
     tune_memories(search)
     if search.runs_tell_more:
@@ -27,4 +34,3 @@ def look_for_effects(search: Search) -> None:
     grow_terms(search)
     if search.runs_tell_more:
         hold_against_runs(search)
-    search.judge_rest()

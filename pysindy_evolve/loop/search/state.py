@@ -10,7 +10,7 @@ import numpy as np
 from ...hidden_states.memory import remembered
 from ...operators import Operator
 from ...signals import Record
-from ...signals.holds import hold
+from ...signals.holds import acting_through, hold
 from ..effects.candidate import Candidate
 from ..evidence.findings import (
     Finding,
@@ -30,6 +30,7 @@ from ..given.held import held_inputs
 from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import Segments
+from ..given.through import with_functions
 from ..growth.grower import TermGrower
 from ..growth.naming import small_candidates
 
@@ -135,6 +136,33 @@ class Search:
         self.plain = [holding(record, late) for record in self.plain]
         self.whole = self.whole.of([holding(record, late) for record in self.wide])
         self.look_through(self.findings)
+
+    def takes_functions(self) -> bool:
+        """Take inputs that jump to act through what was found of them alone; forget all findings.
+
+        A low-pass of a function of steps is another signal than the function of the low-pass, and
+        in between those effects seem to depend on more. Nothing happens, and False is returned,
+        unless a function of one input is found that the declared model does not have; nor where an
+        input has a hidden state, such as a lag, as what comes first is not known then.
+        """
+        if any(memory.has_state for memory in memories_in(self.findings)):
+            return False
+        design = with_findings(self.declared, list(filter(self._is_of_an_input, self.findings)))
+        acting = with_functions(design, self.plain)
+        if all(len(a.through) == len(b.through) for a, b in zip(acting, self.plain, strict=True)):
+            return False
+        through = acting[0].through
+        self.plain = acting
+        self.whole = self.whole.of([acting_through(record, through) for record in self.wide])
+        self.findings, self.rejected = [], None
+        self.look_through([])
+        return True
+
+    def _is_of_an_input(self, finding: Finding) -> bool:
+        """Tell whether a finding is a function of one input and of nothing else."""
+        inputs = range(len(self.declared.states), self.declared.time)
+        variables = finding.candidate.variables
+        return bool(finding.columns) and len(variables) == 1 and variables <= set(inputs)
 
     def judge_rest(self) -> None:
         """Ask whether what is left depends on what was measured."""
