@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+import sympy
 from scipy.signal import lfilter
 
 import pysindy_evolve as pse
@@ -107,3 +108,25 @@ def test_what_is_known_needs_no_fit_and_all_can_be_pickled():
     again = pickle.loads(pickle.dumps(found))
     assert again.through[0].function(np.array([1.0])) == pytest.approx([5.0])
     assert again.with_inputs(lambda _, u: u).u == pytest.approx(found.u)
+
+
+def reporter(seed):
+    """A protein whose production a dose switches on, u^2/(u^2 + 9), in steps of some minutes."""
+    rng, t = np.random.default_rng(seed), 3.0 * np.arange(900.0)
+    u = rng.uniform(0.0, 8.0, 60).repeat(15)
+    rate = 12.0 * u**2 / (u**2 + 9.0) + 0.2
+    decay = np.exp(-0.03 * 3.0)
+    G = lfilter([0.0, (1.0 - decay) / 0.03], [1.0, -decay], rate)
+    return pse.prepare(t, G + rng.standard_normal(len(t)), u, order=1, held=True)
+
+
+@pytest.mark.slow
+def test_a_function_of_steps_that_was_found_acts_as_if_it_had_been_declared():
+    train, test = reporter(1), reporter(2)
+    declared = pse.DeclaredModel({"G": "b*u - d*G + l"}, inputs=["u"])
+    report = pse.close_loop(declared, train, test, random_state=0)
+    whole = pse.DeclaredModel({"G": "b*u**2/(u**2 + 9) - d*G + l"}, inputs=["u"])
+    true = pse.close_loop(whole, train, test, random_state=0, max_effects=0)
+    (effect,) = report.effects
+    assert effect.term.free_symbols == {sympy.Symbol("u", real=True)}
+    assert report.after.simulation_error < 1.2 * true.before.simulation_error
