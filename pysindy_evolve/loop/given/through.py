@@ -34,7 +34,7 @@ def with_functions(
     -------
     list of Record
         All of them. Changed are inputs that jump, and stand in the model in one and the same
-        function, or in several of which nothing else is a factor: then their sum acts.
+        function, or in several with the same other factors: then their sum acts.
     """
     records, found = [*train, *others], {}
     for column in range(len(design.inputs)):
@@ -71,10 +71,13 @@ def _part(term: Product, place: int) -> Product | None:
 
 
 def _sum_of(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
-    """Return what all functions of an input give, fitted; None unless in one equation, alone."""
+    """Return what all functions of an input give, fitted.
+
+    None unless they stand in one equation, all of them beside the same factors.
+    """
     acting = [(state, term) for state, term in _terms(design) if place in term.variables]
     states = {state for state, _ in acting}
-    if len(states) > 1 or any(term.variables != {place} for _, term in acting):
+    if len(states) > 1 or len({_beside(term, place) for _, term in acting}) > 1:
         return None
     (state,) = states
     rows = np.concatenate([variables_of(record) for record in train])
@@ -87,7 +90,13 @@ def _sum_of(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
     total = design.fixed[state]
     for value, side in zip(coef.tolist(), sides, strict=True):
         total = add(total, mul(constant(value), side))
-    return Sum(tuple((c, term) for c, term in total.parts if place in term.variables))
+    parts = ((c, _part(term, place)) for c, term in total.parts)
+    return Sum(tuple((c, part) for c, part in parts if part is not None and part.factors))
+
+
+def _beside(term: Product, place: int) -> Product:
+    """Return the factors of a term that are no functions of a variable."""
+    return Product(tuple(factor for factor in term.factors if place not in factor[0].variables))
 
 
 def _over_range(

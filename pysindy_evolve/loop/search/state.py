@@ -138,31 +138,33 @@ class Search:
         self.look_through(self.findings)
 
     def takes_functions(self) -> bool:
-        """Take inputs that jump to act through what was found of them alone; forget all findings.
+        """Take inputs that jump to act through the functions that were found; forget all findings.
 
         A low-pass of a function of steps is another signal than the function of the low-pass, and
         in between those effects seem to depend on more. Nothing happens, and False is returned,
-        unless a function of one input is found that the declared model does not have; nor where an
+        unless a function of an input is found that the declared model does not have; nor where an
         input has a hidden state, such as a lag, as what comes first is not known then.
         """
-        if any(memory.has_state for memory in memories_in(self.findings)):
+        acting = self._through_what_was_found()
+        if len(acting[0].through) == len(self.plain[0].through):
             return False
-        design = with_findings(self.declared, list(filter(self._is_of_an_input, self.findings)))
-        acting = with_functions(design, self.plain)
-        if all(len(a.through) == len(b.through) for a, b in zip(acting, self.plain, strict=True)):
-            return False
-        through = acting[0].through
-        self.plain = acting
+        self.plain, through = acting, acting[0].through
         self.whole = self.whole.of([acting_through(record, through) for record in self.wide])
         self.findings, self.rejected = [], None
         self.look_through([])
         return True
 
-    def _is_of_an_input(self, finding: Finding) -> bool:
-        """Tell whether a finding is a function of one input and of nothing else."""
-        inputs = range(len(self.declared.states), self.declared.time)
-        variables = finding.candidate.variables
-        return bool(finding.columns) and len(variables) == 1 and variables <= set(inputs)
+    def _through_what_was_found(self) -> Sequence[Record]:
+        """Return the records with inputs that act through functions among the findings."""
+        acting, taken = self.plain, list[Finding]()
+        if any(memory.has_state for memory in memories_in(self.findings)):
+            return acting
+        for finding in self.findings:
+            design = with_findings(self.declared, [*taken, finding])
+            tried = with_functions(design, self.plain)
+            if len(tried[0].through) > len(acting[0].through):
+                acting, taken = tried, [*taken, finding]
+        return acting
 
     def judge_rest(self) -> None:
         """Ask whether what is left depends on what was measured."""
