@@ -201,11 +201,15 @@ def _sessions(report: LoopReport) -> list[str]:
 
 def _numbers(report: LoopReport) -> list[str]:
     """Say which declared parameters differ between the records."""
+    found = numbers_by_record(report)
+    if not found:
+        return []
+    own = "; ".join(f"{name} is {', '.join(map(format_number, n))}" for name, n in found.items())
+    what = "it was" if len(found) == 1 else "they were"
     return [
-        f"Fitted to each training record by itself, {name} is {', '.join(map(format_number, own))}."
-        " With numbers of their own the records leave at least a fifth less of the squares of their"
-        " errors: perhaps it was not the same while they were made."
-        for name, own in numbers_by_record(report).items()
+        f"Fitted to each training record by itself, {own}. With numbers of their own the records "
+        "leave at least a fifth less of the squares of their errors: perhaps "
+        f"{what} not the same while they were made."
     ]
 
 

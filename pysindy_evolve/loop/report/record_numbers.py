@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...hidden_states.memory import remembered
+from ...hidden_states.memory_equations import MemoryEquations
 from ..fitting.fit import derivative_square, refit
 from ..given.rows import variables_of
 
@@ -26,9 +28,11 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
 
     Those that matter most. Empty of a single record, and where all records share their numbers.
     """
-    design, records = report.design, report.train
-    if len(records) < 2 or report.effects or not design.columns:
+    design, model = report.design, report.equations
+    if len(report.train) < 2 or not design.columns:
         return {}
+    memories = model.memories if isinstance(model, MemoryEquations) else ()
+    records = [remembered(record, memories) for record in report.train]
     pooled = refit(design, records, "derivative")
     own = np.array([refit(design, [record], "derivative") for record in records])
     apart = zip(records, own, strict=True)

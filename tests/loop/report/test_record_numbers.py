@@ -40,3 +40,15 @@ def test_a_number_that_differs_by_no_more_than_its_interval_is_not_named():
     assert list(numbers_by_record(report)) == ["f"]
     unsure = replace(report.after, parameter_intervals={"f": np.array([1.7, 2.3])})
     assert numbers_by_record(replace(report, after=unsure)) == {}
+
+
+def test_a_mass_that_differs_is_said_beside_the_effect_that_was_found():
+    records = [
+        measured({"q": "v", "v": f"(-40*q - 0.8*v - 2*sgn(v) + F)/{mass}"}, seed=seed)
+        for seed, mass in enumerate((1.0, 1.3))
+    ]
+    declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    report = pse.close_loop(declared, records, records[0], operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == ["Coulomb friction"]
+    assert numbers_by_record(report)["b"] == pytest.approx([1.0, 1.0 / 1.3], rel=0.02)
+    assert str(report).count("by itself, ") == 1
