@@ -7,9 +7,11 @@ from dataclasses import dataclass, field, replace
 
 from ...terms import ONE, Product, Sum
 
-__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
+__all__ = ["EVOLVED", "OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
 
 OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
+EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
+NUMBER = 3  # nodes that a number inside a grown term counts as
 REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
 
 
@@ -123,8 +125,18 @@ class Candidate:
 
     @property
     def size(self) -> int:
-        """Number of nodes of its terms that have a price."""
-        return sum(term.size for term in self.terms) - self.spared
+        """Number of nodes of its terms that have a price.
+
+        A number inside a grown term counts as several: it is tuned, so that forms with numbers come
+        close to those that need none.
+        """
+        tuned = self.numbers if self.name == EVOLVED else ()
+        return sum(term.size for term in self.terms) - self.spared + (NUMBER - 1) * len(tuned)
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The numbers inside the products of its terms."""
+        return tuple(c for term in self.terms for _, one in term.parts for c in one.constants)
 
     @property
     def form(self) -> tuple[Product, ...]:

@@ -1,14 +1,18 @@
-"""What flows or pulls in proportion to a difference: one coefficient, not two.
+"""What flows or pulls by a difference: one coefficient, not two.
 
 Heat between two walls, current between two nodes, the loss of a tank to the room. Where an equation
 has a coefficient for one part of the difference already, the other one alone says as much.
+
+Between what stores, of the first order, also flows that are not in proportion: a turbulent one
+through a valve goes with the root of the difference, a draft with its square.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...terms import Sum, sub, variable
+from ...operators import BUILTIN
+from ...terms import Sum, call, mul, sub, variable
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, bare
 
@@ -24,6 +28,8 @@ def differences(
     alike = (is_position or design.position_of(other) is not None) == (position is not None)
     if alike:  # a current is not compared with an angle
         yield from _difference(effect, design, own, other)
+        if position is None:
+            yield from _flows(effect, own, other)
 
 
 def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:
@@ -33,6 +39,15 @@ def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Cand
     """
     if not any(column in side.variables for side in design.sides_of(effect.state)):
         yield from _difference(effect, design, effect.state, column)
+        yield from _flows(effect, effect.state, column)
+
+
+def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
+    """Yield what flows by the root of a difference, and by its square, toward the lower one."""
+    head = sub(variable(other), variable(own))
+    size = call(BUILTIN["abs"], head)
+    yield effect("coupling", mul(call(BUILTIN["sgn"], head), call(BUILTIN["sqrt"], size)))
+    yield effect("coupling", mul(head, size))
 
 
 def _difference(

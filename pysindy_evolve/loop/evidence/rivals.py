@@ -10,7 +10,7 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from ...terms import Call, Sum, add, as_sum, constant, mul, power
-from ..effects.candidate import OFFSET, Candidate
+from ..effects.candidate import EVOLVED, OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
 from ..effects.missing import candidates, standing, with_parents
 from ..given.design import Design
@@ -20,7 +20,6 @@ from .encompassing import chance, explained
 from .same_model import hold
 from .scoring import columns_of
 from .spectral import spectral_grams
-from .trace import EVOLVED
 
 __all__ = ["Rival", "rivals_of"]
 

@@ -18,14 +18,13 @@ import numpy as np
 
 from ...checks import TINY
 from ...terms import Sum
-from ..effects.candidate import OFFSET, Candidate
+from ..effects.candidate import EVOLVED, OFFSET, Candidate
 from ..fitting.linear import errors_of, solve_many, summed
 from ..given.rows import LARGEST
 
 __all__ = ["Score", "are_new", "fold_errors", "rank", "ranked"]
 
 ROUNDING = 1e-16  # relative to the square of the target
-EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
 NEW = 1e-6  # share of a column's square that the model's columns must leave
 IDLE = 0.05  # of what an effect gains beside its offset: an offset that gains less is not needed
 

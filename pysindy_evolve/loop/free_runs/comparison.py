@@ -22,13 +22,12 @@ from scipy.stats import wilcoxon
 from tqdm.auto import tqdm
 
 from ...signals import Record
-from ..effects.candidate import Candidate
+from ..effects.candidate import EVOLVED, Candidate
 from ..effects.missing import beside
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of
-from ..evidence.trace import EVOLVED
 from ..fitting.trial import Trial, converged
 from ..given.rules import Rules
 from .contenders import Pool, begun_with, steady_drift

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from ...signals import Record
+from ..effects.candidate import EVOLVED
 from ..effects.missing import beside
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of
-from ..evidence.trace import EVOLVED
 from ..fitting.trial import converged
 from .contenders import Pool, begun_with, steady_drift
 from .shape_tuning import Contender

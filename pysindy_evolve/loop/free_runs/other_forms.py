@@ -13,10 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from ...terms import Call, Product, Sum, mul, power
-from ..effects.candidate import OFFSET, Candidate, bare
+from ..effects.candidate import EVOLVED, OFFSET, Candidate, bare
 from ..effects.missing import standing
 from ..effects.stops import is_stop, pressed
-from ..evidence.trace import EVOLVED
 from ..given.design import Design
 from ..given.ranges import Ranges
 from ..given.segments import Segments

@@ -16,11 +16,10 @@ from itertools import takewhile
 import numpy as np
 
 from ...signals import Record
-from ..effects.candidate import Candidate
+from ..effects.candidate import EVOLVED, Candidate
 from ..effects.missing import candidates
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of, score
-from ..evidence.trace import EVOLVED
 from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.rules import Rules

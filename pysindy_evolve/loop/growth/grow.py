@@ -15,11 +15,10 @@ from ...evolution import evolve
 from ...operators import Operator
 from ...terms import Product
 from ...threads import one_thread
-from ..effects.candidate import Candidate
+from ..effects.candidate import EVOLVED, Candidate
 from ..effects.missing import candidates
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.spectral import spectral_rows, spectral_weights
-from ..evidence.trace import EVOLVED
 from ..fitting.residual import forces
 from ..given.design import Design
 from ..given.segments import Segments

@@ -14,10 +14,9 @@ import numpy as np
 
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
-from ..effects.candidate import OFFSET, Candidate, CandidateMaker, Shape
+from ..effects.candidate import EVOLVED, OFFSET, Candidate, CandidateMaker, Shape
 from ..effects.stops import LEAST, PLACES, is_stop, stops
 from ..evidence.scoring import sharpened
-from ..evidence.trace import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments
 

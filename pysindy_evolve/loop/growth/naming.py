@@ -10,9 +10,8 @@ from ...operators import BUILTIN, Operator
 from ...substitution import substituted
 from ...terms import Call, Product, Sum, div, variable
 from ..effects.angles import is_wave_of, without_turns
-from ..effects.candidate import OFFSET, Candidate
+from ..effects.candidate import EVOLVED, OFFSET, Candidate
 from ..effects.missing import candidates
-from ..evidence.trace import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments
 from .seeds import small_terms

@@ -17,12 +17,11 @@ import numpy as np
 from ...equations import Equations
 from ...operators import Operator
 from ...terms import Product, mul, variable
-from ..effects.candidate import Candidate
+from ..effects.candidate import EVOLVED, Candidate
 from ..effects.missing import candidates, fitted
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, with_columns
 from ..evidence.step import find
-from ..evidence.trace import EVOLVED
 from ..fitting.linear import log_ratio
 from ..fitting.trajectory import Trajectories
 from ..given.design import Design

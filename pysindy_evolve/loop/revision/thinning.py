@@ -13,11 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..effects.candidate import EVOLVED
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, columns_of, tuned
 from ..evidence.spectral import spectral_grams
-from ..evidence.trace import EVOLVED, fold_errors
+from ..evidence.trace import fold_errors
 from ..given.design import Design
 from ..given.segments import Segments
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...hidden_states.memory import preceded
+from ..effects.candidate import EVOLVED
 from ..evidence.findings import memories_in
-from ..evidence.trace import EVOLVED
 from ..free_runs.comparison import held_against
 from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of

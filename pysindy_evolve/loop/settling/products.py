@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...terms import Variable
-from ..effects.candidate import Candidate
+from ..effects.candidate import EVOLVED, Candidate
 from ..evidence.findings import Finding
-from ..evidence.trace import EVOLVED
 from ..given.design import Design
 
 __all__ = ["with_products_named"]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 from loop_systems import equations_of, multisine
 from scipy.signal import butter, filtfilt
 
@@ -61,3 +62,44 @@ def test_a_spring_to_a_shaken_floor_is_stretched_by_the_difference():
     assert effect.name == "cubic stiffness"
     assert effect.coefficients == pytest.approx([-30.0], rel=0.1)
     assert str(effect.term) == "(q - y)**3"
+
+
+def vessels(seed, flow):
+    """Levels of two tanks with a pump each, and what flows from one to the other."""
+    rng, t = np.random.default_rng(seed), 2.0 * np.arange(2400.0)
+    pumps = np.column_stack(
+        [rng.uniform(5.0, 40.0, 60).repeat(40), rng.uniform(5.0, 30.0, 48).repeat(50)]
+    )
+    sides = {
+        "h1": f"0.01*P1 - 0.06*sqrt(h1) - {flow}", "h2": f"0.01*P2 - 0.06*sqrt(h2) + {flow}"
+    }  # fmt: skip
+    model = pse.DeclaredModel(sides, inputs=["P1", "P2"])
+    fine = pumps.repeat(8, axis=0)
+    x = pse.simulate(model.design().equations([]), [12.0, 10.0], 0.25 * np.arange(len(fine)), fine)
+    y = x[::8] + 0.03 * rng.standard_normal((len(t), 2))
+    return pse.prepare(t, y, pumps, order=1, held=True)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("flow", "term"),
+    [
+        ("0.04*sgn(h1 - h2)*sqrt(abs(h1 - h2))", "sqrt(Abs(h1 - h2))*sign(h1 - h2)"),
+        ("0.006*(h1 - h2)*abs(h1 - h2)", "(h1 - h2)*Abs(h1 - h2)"),
+    ],
+)
+def test_a_flow_between_two_tanks_is_a_coupling_in_both_equations(flow, term):
+    declared = pse.DeclaredModel(
+        {"h1": "b*P1 - l1*sqrt(h1)", "h2": "b*P2 - l2*sqrt(h2)"}, inputs=["P1", "P2"]
+    )
+    report = pse.close_loop(
+        declared, vessels(1, flow), vessels(2, flow), operators=(), random_state=0
+    )
+    expected = sympy.sympify(term).subs({s: sympy.Symbol(s, real=True) for s in ("h1", "h2")})
+    assert {effect.state for effect in report.effects} == {"h1", "h2"}
+    for effect in report.effects:
+        assert effect.name == "coupling"
+        assert sympy.simplify(effect.term / expected) in (1, -1)
+        assert abs(effect.coefficients[0]) == pytest.approx(
+            float(flow[: flow.index("*")]), rel=0.02
+        )

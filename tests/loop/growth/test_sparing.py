@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.scoring import PRICE, net
 from pysindy_evolve.loop.evidence.trace import Score
 from pysindy_evolve.loop.growth.naming import named, sparing
@@ -56,3 +57,9 @@ def test_spared_nodes_have_no_price():
     assert (dear.size, cheap.size) == (term.size, term.size - 3)
     gains = [net(Score((one,), 0, np.ones(1), np.ones(1), 1.0)) for one in (cheap, dear)]
     assert gains[0] - gains[1] == pytest.approx(3 * PRICE)
+
+
+def test_a_number_inside_a_grown_term_costs_as_much_as_three_nodes():
+    term = call(BUILTIN["tanh"], mul(constant(4.0), variable(0)))
+    grown, known = (Candidate(name, 1, (term,)) for name in ("evolved term", "Stribeck friction"))
+    assert (term.size, known.size, grown.size) == (3, 3, 5)
