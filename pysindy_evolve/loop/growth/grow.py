@@ -15,7 +15,7 @@ from ...evolution import evolve
 from ...operators import Operator
 from ...terms import Product
 from ...threads import one_thread
-from ..effects.candidate import EVOLVED, Candidate
+from ..effects.candidate import EVOLVED, Candidate, bare
 from ..effects.missing import candidates
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.spectral import spectral_rows, spectral_weights
@@ -94,7 +94,20 @@ def grow(
         )
     )
     found: list[list[Candidate]] = Parallel(n_jobs=n_jobs)(searches)
-    return [candidate for one in found for candidate in one]
+    return [candidate for one in found for candidate in one] + _found_elsewhere(declared, design)
+
+
+def _found_elsewhere(declared: Design, design: Design) -> list[Candidate]:
+    """Return what was found in one equation, for the others: what leaves a store enters another."""
+    found = [column.parts for column in design.columns if column not in declared.columns]
+    terms = [
+        Candidate(EVOLVED, state, (bare(part),))
+        for parts in found
+        for part in parts
+        for state in design.open_states
+        if part.parts and not parts[state].parts
+    ]
+    return [replace(one, spared=one.size - 1) for one in terms]  # it was read before
 
 
 @one_thread()

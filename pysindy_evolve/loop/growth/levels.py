@@ -22,6 +22,8 @@ from ..given.segments import Segments
 
 __all__ = ["begun_at_levels"]
 
+READ = 9  # nodes of max(h - c, 0)^(3/2) as it is read, with a number in it
+
 
 def begun_at_levels(design: Design, state: int, part: Segments) -> list[Candidate]:
     """Return what begins at a level and explains most of what an equation leaves.
@@ -72,7 +74,8 @@ def _flows(
 def _at_level(effect: CandidateMaker, h: Sum, place: float, power: int, side: int) -> Candidate:
     build = partial(_flow, h, power, side, np.sign(place))
     shape = Shape((abs(place),), (build,), branch=side)
-    return effect(EVOLVED, shape=shape, parents=(OFFSET,))
+    flow = effect(EVOLVED, shape=shape, parents=(OFFSET,))
+    return replace(flow, spared=flow.size - READ)
 
 
 def _flow(h: Sum, power: int, side: int, toward: float, level: float) -> Sum:
