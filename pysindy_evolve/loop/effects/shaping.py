@@ -9,16 +9,17 @@ from functools import partial
 import numpy as np
 
 from ...breeding.genetics import SCALED
-from ...terms import Call, Product, Sum, constant, mul, simplified
+from ...terms import Atom, Call, Product, Sum, constant, mul, simplified
 from .angles import UNITS
 from .candidate import OFFSET, Candidate, Shape
 
 __all__ = ["HALF_SATURATION", "shape_of", "told_shape", "with_units"]
 
 HALF_SATURATION = "half-saturation constant"  # c of x/(c + |x|), which is built from 1/c
+INNER = "inner constant"
 
 MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
-UNNAMED = ("first inner constant", "second inner constant", "third inner constant")
+ORDINALS = ("first", "second", "third")
 NEAR = 0.1  # of a unit: what noise in an angle makes of the one in sin(q)
 
 
@@ -76,16 +77,19 @@ def told_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape |
         return None
     if shape is None or shape.meanings:
         return shape
-    if len(shape.values) > 1:
-        return replace(shape, meanings=UNNAMED[: len(shape.values)])
-    is_half = any(_is_half_saturation(product) for product in products)
-    return replace(shape, meanings=(HALF_SATURATION if is_half else "inner constant",))
+    kinds = [_kind(atom) for one in products for atom, _ in one.factors for _ in atom.constants]
+    if len(kinds) != len(shape.values):  # built from few numbers, or exp(v), which is exp(1 v)
+        kinds = [INNER] * len(shape.values)
+    if len(kinds) > 1:
+        kinds = [f"{which} {kind}" for which, kind in zip(ORDINALS, kinds, strict=False)]
+    return replace(shape, meanings=tuple(kinds))
 
 
-def _is_half_saturation(term: Product) -> bool:
-    """Tell whether the number in a term is printed below a line, beside what it was a factor of."""
-    calls = [atom for atom, _ in term.factors if isinstance(atom, Call) and atom.constants]
-    return any(c.operator.name == "softsign" and len(c.args[0].parts) == 1 for c in calls)
+def _kind(atom: Atom) -> str:
+    """Say what a number in a function is: one in a softsign is printed below the line."""
+    if isinstance(atom, Call) and atom.operator.name == "softsign" and len(atom.args[0].parts) == 1:
+        return HALF_SATURATION
+    return INNER
 
 
 def with_units(candidate: Candidate) -> Candidate | None:

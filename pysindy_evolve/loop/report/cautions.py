@@ -131,7 +131,8 @@ def _held(report: LoopReport) -> list[str]:
 
 def _slow(report: LoopReport) -> list[str]:
     """Say of a drift that it may be a state that nobody measured, too slow to be looked for."""
-    drifting = dict.fromkeys(one.state for one in report.effects if one.name == DRIFT)
+    plain = (e for e in report.effects if e.name == DRIFT and len(e.term.free_symbols) == 1)
+    drifting = dict.fromkeys(one.state for one in plain)
     longest = max(longest_relaxation(record) for record in report.train)
     return [
         f"The drift of {state} may also be a state that nobody measured and that follows slowly, "

@@ -23,6 +23,7 @@ __all__ = ["Line", "shared_lines"]
 
 MOST = 0.5  # share of what is left of a derivative: rigs hum without lacking anything
 LEAST = 0.01  # the same: harmonics of a motion are lines as well, of next to nothing
+NEAR_CUTOFF = 0.9  # of it: above, a line is what the filter left of a motion that it cut
 LOBE = 3.0  # resolutions of a record, about a line, that are the same line
 
 
@@ -74,7 +75,8 @@ def _share(frequency: float, t: np.ndarray, left: np.ndarray) -> float:
 
 def _lines_of(record: Record, left: np.ndarray) -> list[float]:
     drivers = record.x[:, :0] if record.u is None else record.u
-    return lines_of(left, drivers, record.dt)
+    highest = np.inf if record.cutoff is None else NEAR_CUTOFF * record.cutoff
+    return [line for line in lines_of(left, drivers, record.dt) if line < highest]
 
 
 def _knows_its_noise(record: Record) -> bool:

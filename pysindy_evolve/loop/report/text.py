@@ -128,9 +128,11 @@ def _table(report: LoopReport) -> str:
     """Return both errors before and after every step, one column for each state."""
     head, rows = table_cells(report)
     width = max(len(name) for name, _ in rows) + 4
-    lines = [HEADLINE, " " * (width + 4) + "".join(f"{title:>16}" for title in head)]
-    for name, values in rows:
-        lines.append(f"    {name:<{width}}" + "".join(f"{value:>16}" for value in values))
+    wide = [max(16, len(title) + 2) for title in head]
+    lines = [HEADLINE]
+    for name, cells in [("", head), *rows]:
+        shown = (f"{cell:>{n}}" for cell, n in zip(cells, wide, strict=True))
+        lines.append(f"    {name:<{width}}" + "".join(shown))
     return "\n".join(lines)
 
 

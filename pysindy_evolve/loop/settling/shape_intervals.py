@@ -194,7 +194,7 @@ def _with_numbers(effect: Effect, shape: Shape | None, relative: np.ndarray) -> 
     if shape is None:
         return effect
     shown = {
-        meaning: 1.0 / value if meaning == HALF_SATURATION else value
+        meaning: 1.0 / value if meaning.endswith(HALF_SATURATION) else value
         for meaning, value in shape.named.items()
     }
     factors = np.maximum(1.0 + relative[:, None] * [-1.0, 1.0], 0.0)

@@ -22,6 +22,15 @@ def test_numbers_of_a_grown_term_are_inner_constants():
     assert sorted(shifted.named.values()) == pytest.approx([0.3, 2.1])
 
 
+def test_each_of_several_numbers_has_its_own_meaning():
+    uptake = mul(
+        call(BUILTIN["cos"], mul(constant(0.5), Q)),
+        call(BUILTIN["softsign"], mul(constant(4.0), Q)),
+    )
+    shape = told_shape(Candidate("evolved term", 1, (uptake,)))
+    assert set(shape.meanings) == {"first inner constant", "second half-saturation constant"}
+
+
 def test_a_number_that_nobody_tuned_is_not_told():
     assert told_shape(grown("sin", Q)) is None
     assert told_shape(Candidate("viscous damping", 1, (Q,))) is None

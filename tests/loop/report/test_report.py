@@ -20,6 +20,7 @@ from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.effect_text import evidence
 from pysindy_evolve.loop.report.interval_text import interval, value_within
 from pysindy_evolve.loop.report.start_noise import moved_by_starts
+from pysindy_evolve.loop.report.text import as_text
 from pysindy_evolve.loop.report.units import percent
 from pysindy_evolve.loop.settling.doubtful import most_doubtful
 from pysindy_evolve.loop.settling.quantities import with_share_of_runs
@@ -100,6 +101,14 @@ def test_table_shows_the_errors_of_the_report(report):
     shown = [float(value) for value in row.split()[1:]]
     errors = [report.before.derivative_error[1], *report.before.simulation_error]
     assert shown == pytest.approx(errors, rel=6e-3)
+
+
+def test_titles_of_long_names_stand_apart(report):
+    model = replace(report.before.model, states=("piston_position_mm", "piston_speed_mm_per_s"))
+    renamed = replace(report, before=replace(report.before, model=model))
+    lines = as_text(renamed).splitlines()
+    (title,) = (line for line in lines if "free run" in line and "/dt" in line)
+    assert len(re.split(r"  +", title.strip())) == 3
 
 
 @pytest.mark.parametrize("which", ["report", "drifting"])

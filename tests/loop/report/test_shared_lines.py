@@ -5,6 +5,7 @@ import pytest
 from loop_systems import DT, equations_of, multisine
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.report.shared_lines import _lines_of
 
 MODEL = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 
@@ -42,3 +43,10 @@ def test_a_forcing_near_the_cutoff_has_its_size():
     (effect,) = report.effects
     assert effect.name == "periodic forcing"
     assert np.hypot(*effect.coefficients) == pytest.approx(3.0, rel=0.1)
+
+
+def test_a_line_beside_the_cutoff_is_what_the_filter_left():
+    t = np.arange(0.0, 40.0, 0.01)
+    record = pse.prepare(t, np.sin(3.0 * t), cutoff=5.0)
+    assert _lines_of(record, np.sin(2 * np.pi * 4.2 * record.t))[0] == pytest.approx(4.2)
+    assert not _lines_of(record, np.sin(2 * np.pi * 4.8 * record.t))
