@@ -23,6 +23,7 @@ cautions            all cautions of a report; most come from the files below
 missed              the model misses the records by more than noise
 extrapolation       held-out data is outside the range of the training data
 unidentified        the records do not determine a declared parameter
+dilution            noise makes a parameter too small, as too little moved
 exchangeable_poles  a lag and a first-order equation may have exchanged their poles
 held_delays         a delay of less than a sampling time may be a held input
 one_force           effects in several equations may be one and the same force

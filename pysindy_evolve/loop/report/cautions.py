@@ -12,6 +12,7 @@ from ...terms import ONE
 from ..effects.periodic import FORCING
 from ..effects.relaxation import longest_relaxation
 from ..given.kinematics import disagreement
+from .dilution import diluted
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import beyond
 from .held_delays import held_delays, short_delays
@@ -234,6 +235,7 @@ SAYINGS = (
     _held,
     _slow,
     _untold,
+    diluted,
     exchangeable_poles,
     _turned,
     _worse,
