@@ -3,9 +3,7 @@
 The fit of the simulation error in `fit` is linear, about the measured states. Here the model runs
 by itself over stretches of the record, as long as it stays close, and Gauss-Newton steps change its
 coefficients, and the states in which the stretches begin, until it meets what was measured. Noise
-of the sensor enters neither the states nor their derivatives of such a run, and biases nothing. How
-a stretch begins is known as well as the sensor says: a start that is free would take up a part of
-what the coefficients miss.
+of the sensor enters neither the states nor their derivatives of such a run, and biases nothing.
 """
 
 from __future__ import annotations
@@ -19,8 +17,8 @@ import numpy as np
 from ...signals import Record
 from ..given.band import driven
 from ..given.design import Design
-from ..given.segments import Segments, segments
-from ..given.sticking import may_rest, noise_of
+from ..given.segments import segments
+from ..given.sticking import may_rest
 from .fit import Fit, refit
 from .linear import log_ratio
 from .runs import free_run
@@ -29,8 +27,7 @@ from .unfolding import square_left, unfolded, with_paths
 
 __all__ = ["fit_by_shooting", "fit_to_runs", "gains_of_runs"]
 
-N_STRETCHES = (1, 2, 4, 8, 16, 32)  # of the training data; the fewest that the model can follow
-COMPARED = N_STRETCHES[2:]  # so many that every second one says something
+N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
 FAITHFUL = 0.5  # standard deviations by which a run may miss
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little
 N_STEPS = 20  # a fit that noise has led far astray needs many
@@ -89,11 +86,10 @@ def fit_to_runs(
     if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
         return None
     records = _driven(records)
-    begun = _begun(design, coef, records, COMPARED)
+    begun = _begun(design, coef, records)
     if begun is None or not _holds(begun, records, loss):
         return None
-    whole = _begun(design, coef, records) or begun
-    return _settled(whole, records).coef
+    return _settled(begun, records).coef
 
 
 def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple[float, float]:
@@ -120,7 +116,7 @@ def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple
         for d in (few, many)
     ]
     ever = False
-    for n_stretches in COMPARED:
+    for n_stretches in N_STRETCHES:
         begun = [_begun(*side, (n_stretches,)) for side in sides]
         trials = [trial for trial in begun if trial is not None]
         ever = ever or begun[1] is not None
@@ -154,8 +150,7 @@ def _begun(
         if part.z.shape[1] == length:
             continue  # many short records are cut alike
         length, x = part.z.shape[1], part.z[:, :, : part.n_states]
-        trust = _trust(part, records)
-        trial = _run(Trial(design, part, part.state_scale, coef, x[:, 0], x, trust), records)
+        trial = _run(Trial(design, part, part.state_scale, coef, x[:, 0], x), records)
         missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
         if not np.all((missed < FAITHFUL * part.state_scale)[: trial.n_seen]):  # so too for NaN
             continue
@@ -163,16 +158,6 @@ def _begun(
         if trial.rows() is not None:
             return trial
     return None
-
-
-def _trust(part: Segments, records: Sequence[Record]) -> np.ndarray:
-    """Return one over the noise of each start; zero where that or the state is not known."""
-    of = [[noise_of(records[i], state) for state in range(part.n_states)] for i, _ in part.places]
-    trust = np.divide(1.0, of, out=np.zeros(np.shape(of)), where=np.array(of) > 0.0)
-    starts = part.z[:, 0, : part.n_states]
-    if part.limits is not None:
-        trust *= (starts > part.limits[0]) & (starts < part.limits[1])
-    return trust if part.seen is None else trust * part.seen[:, 0]
 
 
 def _holds(begun: Trial, records: Sequence[Record], loss: Loss) -> bool:

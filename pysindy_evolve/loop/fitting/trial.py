@@ -55,9 +55,6 @@ class Trial:
         Where the runs begin.
     x : ndarray of shape (n_stretches, n, n_states)
         The runs.
-    trust : ndarray of shape (n_stretches, n_states), optional
-        One over the standard deviation of the noise with which each start was measured, zero where
-        it is not known; by default all starts are free.
     """
 
     design: Design
@@ -66,7 +63,6 @@ class Trial:
     coef: np.ndarray
     starts: np.ndarray
     x: np.ndarray
-    trust: np.ndarray | None = None
 
     @property
     def n_seen(self) -> int:
@@ -88,18 +84,12 @@ class Trial:
         """What the sensors show of the states to meet, minus what they show of the runs."""
         return self.part.missed(self.x)
 
-    @property
-    def astray(self) -> np.ndarray:
-        """What the starts miss, in standard deviations of what is known of them."""
-        known = 0.0 if self.trust is None else self.trust
-        return np.asarray(known * (self.target[:, 0] - self.starts))
-
     @lazily
     def error(self) -> float:
-        """Sum of the squared misses, those of the starts too; infinite if a run diverges."""
+        """Sum of the squared misses; infinite if a run diverges."""
         with np.errstate(over="ignore", invalid="ignore"):
             misses = (self.miss / self.scale)[..., : self.n_seen]
-            total = float(np.sum(misses**2) + np.sum(self.astray**2))
+            total = float(np.sum(misses**2))
         return total if np.isfinite(total) else np.inf
 
     def aimed_at(self, target: np.ndarray) -> Trial:
@@ -109,9 +99,7 @@ class Trial:
 
     def picked(self, pick: slice) -> Trial:
         """Return the trial over some of the stretches."""
-        trust = None if self.trust is None else self.trust[pick]
-        part, starts, x = self.part.picked(pick), self.starts[pick], self.x[pick]
-        return replace(self, part=part, starts=starts, x=x, trust=trust)
+        return replace(self, part=self.part.picked(pick), starts=self.starts[pick], x=self.x[pick])
 
     def rows(self, most_growth: float = MAX_GROWTH) -> Rows | None:
         """Return what the runs miss and what the coefficients change, free of the starts.
@@ -128,11 +116,6 @@ class Trial:
             there = is_observed(self.x, self.part.limits, self.part.seen)
             there = picked(there[..., : self.n_seen], keep)
             free, response = free * there, response * there
-        if self.trust is not None:
-            known = (self.trust * self.scale / np.sqrt(keep))[..., None] * np.eye(len(self.scale))
-            free = np.concatenate([free, known], axis=1)
-            still = np.zeros((*self.trust.shape, response.shape[2]))
-            response = np.concatenate([response, still], axis=1)
         basis, _ = np.linalg.qr(free)
         return Rows(response, basis, np.linalg.pinv(free), self.scale, keep, self.n_seen)
 
@@ -160,9 +143,6 @@ class Trial:
         if rows is None or not np.isfinite(rows.response).all():
             return None
         miss = rows.of(self.miss)
-        if self.trust is not None:  # a start counts as often as the rows that stand for others
-            astray = self.astray[..., None] / np.sqrt(rows.keep)
-            miss = np.concatenate([miss, astray], axis=1)
         change = rows.change(rows.response, miss)
         return change, rows.starts(rows.response, miss, change)
 
@@ -177,7 +157,7 @@ class Rows:
     Attributes
     ----------
     response : ndarray of shape (n_stretches, n_rows, p)
-        What a unit change of each coefficient moves. Starts that are known have the last rows.
+        What a unit change of each coefficient moves.
     basis : ndarray of shape (n_stretches, n_rows, n_states)
         Orthonormal basis of what the starts move.
     to_starts : ndarray of shape (n_stretches, n_states, n_rows)
