@@ -97,13 +97,13 @@ def pendulum(folder=None) -> Split:
     data = pse.datasets.load_pendulum(folder)
     train, test = prepared(data["first"]), prepared(data["rest"])
     start = test[: int(np.searchsorted(test.t, test.t[0] + 18.0))]
-    return Split([train], test, (Run((start,), "%", 3.0),))
+    return Split([train], test, (Run((start,), "%", 2.2),))
 
 
 def silverbox(folder=None) -> Split:
     data = pse.datasets.load_silverbox(folder)
     train, test, arrow = (prepared(data[name]) for name in ("train", "multisine", "arrow"))
-    return Split([train], test, (Run((test,), "mV", 1.0), Run((arrow,), "mV", 2.0)))
+    return Split([train], test, (Run((test,), "mV", 0.5), Run((arrow,), "mV", 1.2)))
 
 
 def cart(left_out: str) -> Callable[..., Split]:
@@ -189,14 +189,14 @@ CASES = (
             (),
             pendulum,
             lambda names: bool(names & COULOMB),
-            "Coulomb friction, run over 18 s ≤ 3 %",
+            "Coulomb friction, run over 18 s ≤ 2.2 %",
         ),
         "silverbox": Case(
             {"y": "v", "v": "a*u - b*v - c*y"},
             ("u",),
             silverbox,
             lambda names: "cubic stiffness" in names and not names & FRICTION,
-            "cubic stiffness, no friction, run ≤ 1.0 mV, arrow ≤ 2 mV",
+            "cubic stiffness, no friction, run ≤ 0.5 mV, arrow ≤ 1.2 mV",
         ),
         "tclab": Case(
             {"T1": "a*Q1 - b*T1 + c", "T2": "-d*T2 + e"},
