@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -94,20 +95,24 @@ def grow(
         )
     )
     found: list[list[Candidate]] = Parallel(n_jobs=n_jobs)(searches)
-    return [candidate for one in found for candidate in one] + _found_elsewhere(declared, design)
+    own = [candidate for one in found for candidate in one]
+    named_ones = {(candidate.state, candidate.terms) for candidate in (*known, *own)}
+    elsewhere = _found_elsewhere(declared, design)
+    return own + [one for one in elsewhere if (one.state, one.terms) not in named_ones]
 
 
-def _found_elsewhere(declared: Design, design: Design) -> list[Candidate]:
-    """Return what was found in one equation, for the others: what leaves a store enters another."""
-    found = [column.parts for column in design.columns if column not in declared.columns]
-    terms = [
-        Candidate(EVOLVED, state, (bare(part),))
-        for parts in found
-        for part in parts
-        for state in design.open_states
-        if part.parts and not parts[state].parts
-    ]
-    return [replace(one, spared=one.size - 1) for one in terms]  # it was read before
+def _found_elsewhere(declared: Design, design: Design) -> Iterator[Candidate]:
+    """Go through what was found in one equation, for the others.
+
+    What leaves a store enters another. It was read before, so it costs no more than a node.
+    """
+    for column in design.columns:
+        if column in declared.columns:
+            continue
+        for part, state in product(column.parts, design.open_states):
+            if part.parts and not column.parts[state].parts:
+                one = Candidate(EVOLVED, state, (bare(part),))
+                yield replace(one, spared=one.size - 1)
 
 
 @one_thread()

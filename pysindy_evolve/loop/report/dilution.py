@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import eigh
 
-from ...hidden_states.memory import remembered
-from ...hidden_states.memory_equations import MemoryEquations
+from ...hidden_states.memory_equations import as_acting
 from ...signals import Record
 from ...terms import Sum
 from ..given.rows import variables_of
@@ -49,11 +48,10 @@ def diluted(report: LoopReport) -> list[str]:
     list of str
         A sentence for each equation with such parameters.
     """
-    design, model = report.design, report.equations
+    design = report.design
     if design.algebraic:
         return []
-    memories = model.memories if isinstance(model, MemoryEquations) else ()
-    records = [remembered(record, memories) for record in report.train]
+    records = [as_acting(report.equations, record)[1] for record in report.train]
     said = []
     for state in design.open_states:
         columns = [column for column in design.columns if column.parts[state].parts]

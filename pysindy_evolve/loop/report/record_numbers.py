@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...hidden_states.memory import remembered
-from ...hidden_states.memory_equations import MemoryEquations
+from ...hidden_states.memory_equations import as_acting
 from ..fitting.fit import derivative_square, refit
 from ..given.rows import variables_of
 
@@ -28,11 +27,10 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
 
     Those that matter most. Empty of a single record, and where all records share their numbers.
     """
-    design, model = report.design, report.equations
+    design = report.design
     if len(report.train) < 2 or not design.columns:
         return {}
-    memories = model.memories if isinstance(model, MemoryEquations) else ()
-    records = [remembered(record, memories) for record in report.train]
+    records = [as_acting(report.equations, record)[1] for record in report.train]
     pooled = refit(design, records, "derivative")
     own = np.array([refit(design, [record], "derivative") for record in records])
     apart = zip(records, own, strict=True)
