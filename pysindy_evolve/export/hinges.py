@@ -14,7 +14,7 @@ import numpy as np
 import sympy
 
 from ..operators import BUILTIN, Operator
-from ..terms import ONE, Call, Product, Sum, add, as_sum, constant, mul, sub
+from ..terms import ONE, Atom, Call, Product, Sum, add, as_sum, constant, mul, sub
 
 __all__ = ["as_hinges"]
 
@@ -73,22 +73,42 @@ def _inside(term: Product) -> Product:
 
 
 def _rooted(side: Sum) -> Sum:
-    """Write c sqrt(|a|) + c sqrt(|a|) sgn(a) as 2 c sqrt(max(a, 0))."""
+    """Write c sqrt(|a|) + c sqrt(|a|) sgn(a) as 2 c sqrt(max(a, 0)); so for all powers of |a|."""
     weights = {term: weight for weight, term in side.parts}
     for term, weight in weights.items():
         for atom, n in term.factors:
             if not isinstance(atom, Call) or (atom.operator.name, n) != ("sgn", 1):
                 continue
             plain = Product(tuple(factor for factor in term.factors if factor[0] != atom))
-            root = Call(BUILTIN["sqrt"], (as_sum(Call(BUILTIN["abs"], atom.args)),))
-            if abs(weights.get(plain, 0.0)) != abs(weight) or (root, 1) not in plain.factors:
+            if abs(weights.get(plain, 0.0)) != abs(weight):
                 continue
+            size = as_sum(Call(BUILTIN["abs"], atom.args))
             beyond = mul(constant(np.sign(weight * weights[plain])), atom.args[0])
-            hinge = Call(root.operator, (as_sum(Call(MAX, (beyond, Sum(())))),))
-            rest = Product(tuple(factor for factor in plain.factors if factor != (root, 1)))
+            above = as_sum(Call(MAX, (beyond, Sum(()))))
+            roots = ((factor, _root_of(factor, size, above)) for factor in plain.factors)
+            factor, hinge = next((one for one in roots if one[1] is not None), (None, None))
+            if hinge is None:
+                continue
+            rest = Product(tuple(other for other in plain.factors if other != factor))
             left = tuple(part for part in side.parts if part[1] not in (term, plain))
             return _rooted(Sum((*left, (2.0 * weights[plain], _times(rest, hinge)))))
     return side
+
+
+def _root_of(factor: tuple[Atom, int], size: Sum, above: Sum) -> Call | None:
+    """Return a root or power of a magnitude with something in its place; None of other factors."""
+    atom, n = factor
+    if n != 1 or not isinstance(atom, Call):
+        return None
+    root, log = BUILTIN["sqrt"], as_sum(Call(BUILTIN["log"], (size,)))
+    if atom == Call(root, (size,)):
+        return Call(root, (above,))
+    if atom.operator != BUILTIN["exp"] or len(atom.args[0].parts) != 1:
+        return None
+    ((exponent, term),) = atom.args[0].parts
+    if exponent <= 0.0 or term != log.parts[0][1]:
+        return None
+    return Call(atom.operator, (mul(constant(exponent), as_sum(Call(BUILTIN["log"], (above,)))),))
 
 
 def _kinks(side: Sum) -> list[_Kink]:

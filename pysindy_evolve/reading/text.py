@@ -292,7 +292,7 @@ def _total(sums: list[Sum]) -> Sum:
 def real_power(base: Sum, exponent: float) -> Sum:
     """Return an integer power, x^n sqrt(x) for halves, exp(p log(x)) for all others.
 
-    That of max(x, 0) is the power of |x| where x is positive: x + |x| may round to less than zero.
+    That of max(x, 0) has the root of |x|, where x is positive: x + |x| may round to less than zero.
     """
     whole = int(exponent)
     if exponent == whole:
@@ -300,8 +300,9 @@ def real_power(base: Sum, exponent: float) -> Sum:
     x = positive_part_of(base) if exponent > 0.0 else None
     if x is not None:
         is_positive = terms.add(terms.constant(1.0), terms.call(BUILTIN["sgn"], x))
-        size = real_power(terms.call(BUILTIN["abs"], x), exponent)
-        return terms.mul(terms.constant(0.5), terms.mul(is_positive, size))
+        root = real_power(terms.call(BUILTIN["abs"], x), exponent - whole)
+        beyond = terms.mul(terms.power(x, whole), root)
+        return terms.mul(terms.constant(0.5), terms.mul(is_positive, beyond))
     if abs(exponent - whole) == 0.5:
         root = terms.call(BUILTIN["sqrt"], base)
         result = terms.mul(real_power(base, abs(whole)), root)

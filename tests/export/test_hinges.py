@@ -33,6 +33,11 @@ ROWS = np.random.default_rng(0).normal(size=(100, 3))
         ("-v - 2*sqrt(max(q - 0.5, 0))", "-v - 2 sqrt(max(q - 0.5, 0))"),
         ("-sqrt(abs(q - 0.5))*(1 + sgn(q - 0.5)) - v", "-v - 2 sqrt(max(q - 0.5, 0))"),
         ("-v - u*sqrt(abs(q))*(1 - sgn(q))", "-v - 2 u sqrt(max(-q, 0))"),
+        ("-v - 2*max(q - 0.5, 0)**0.6", "-v - 2 max(q - 0.5, 0)^0.6"),
+        (
+            "-v - 2*max(q - 0.5, 0)**1.5",
+            "-v + sqrt(max(q - 0.5, 0)) - 2 q sqrt(max(q - 0.5, 0))",
+        ),
         (
             "-v*abs(q - 0.5)*sin(u)**2 - v*(q - 0.5)",
             "0.5 v - q v - v sin(u)^2 |q - 0.5|",
