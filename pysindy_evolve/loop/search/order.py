@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..evidence.findings import Finding
 from .free_runs import find_in_runs, hold_against_runs
 from .grown import grow_terms
 from .named import find_named, take_holds, tune_memories
@@ -21,9 +22,21 @@ def look_for_effects(search: Search) -> None:
     if not search.has_room:
         take_holds(search)
     _look(search)
+    before = search.findings
     if search.takes_functions():
-        _look(search)
+        _look_again(search, before)
     search.judge_rest()
+
+
+def _look_again(search: Search, before: list[Finding]) -> None:
+    """Look from the beginning; an interrupt that comes too early leaves what was known before."""
+    try:
+        _look(search)
+    except KeyboardInterrupt:
+        if not search.findings:
+            search.findings = before
+            search.look_through(before)
+        raise
 
 
 def _look(search: Search) -> None:

@@ -1,0 +1,34 @@
+"""The order of the looks, and what an interrupt leaves of them."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from pysindy_evolve.loop.search import order
+
+
+class Interrupted(SimpleNamespace):
+    """A search that begins again because of what it found, and is interrupted then."""
+
+    def takes_functions(self):
+        self.findings = []
+        return True
+
+    def look_through(self, findings):
+        self.seen_with = findings
+
+
+@pytest.mark.parametrize(("found_again", "left"), [([], ["first"]), (["second"], ["second"])])
+def test_an_interrupt_of_the_second_search_loses_nothing(monkeypatch, found_again, left):
+    search = Interrupted(findings=["first"], has_room=True, looks=0)
+
+    def look(search):
+        search.looks += 1
+        if search.looks == 2:
+            search.findings = found_again
+            raise KeyboardInterrupt("Ctrl-C")
+
+    monkeypatch.setattr(order, "_look", look)
+    with pytest.raises(KeyboardInterrupt, match="Ctrl-C"):
+        order.look_for_effects(search)
+    assert search.findings == left
