@@ -204,8 +204,10 @@ def _with_position(
     """Go through what a weight, or a damping or friction that changes with the position, does."""
     for unit in units:
         angle = mul(constant(unit), q)
-        yield effect("gravity", call(BUILTIN["sin"], angle))
-        yield effect("gravity", call(BUILTIN["cos"], angle), parents=(OFFSET,), whole=True)
+        across, along = call(BUILTIN["sin"], angle), call(BUILTIN["cos"], angle)
+        yield effect("gravity", across)
+        yield effect("gravity", along, parents=(OFFSET,), whole=True)
+        yield effect("gravity", across, along, parents=(OFFSET,), whole=True)
     yield effect("nonlinear damping", mul(power(q, 2), v))
     yield effect("position-dependent friction", mul(_abs(q), _sgn(v)))
     yield effect("position-dependent friction", mul(power(q, 2), _sgn(v)))

@@ -101,7 +101,7 @@ def chance(
     model : sequence of int
         Columns of the rival's model.
     columns : sequence of int
-        Columns of the effect; the one that gains most clearly counts.
+        Columns of the effect; what they gain together counts.
     level : float
         So small a chance can be told.
     rng : numpy.random.Generator
@@ -112,15 +112,35 @@ def chance(
     float
     """
     free, own = _freed(grams, model), list(columns)
-    left = _left(free)
-    observed = left.ratios(np.ones((1, len(grams))))[0, own].max()
+    left, inner = _left(free), free[:, own][:, :, own]
+    everywhere = np.ones((1, len(grams)))
+    observed = _together(left.slopes[:, own], inner, everywhere)
     elsewhere = free.sum(axis=0) - free
     coef = solve(elsewhere[:, own][:, :, own], elsewhere[:, own, -1])
     explained = free[:, :-1, own] @ coef[:, :, None]
     both = replace(left, slopes=left.slopes - explained[..., 0])
     signs = rng.choice([-1.0, 1.0], size=(draws_for(level, N_SIGNS), len(grams)))
     largest = both.ratios(signs).max(axis=1)
-    return p_value_of(observed, largest)
+    if len(own) > 1:
+        largest = np.maximum(largest, _together(both.slopes[:, own], inner, signs))
+    return p_value_of(float(observed[0]), largest)
+
+
+def _together(slopes: np.ndarray, inner: np.ndarray, signs: np.ndarray) -> np.ndarray:
+    """Return the gains of several columns together over their jackknifed scatter, (n_draws,).
+
+    That of one column is what `Left.ratios` says of it. What explains only together, such as the
+    sine and the cosine of one wave, shows in no column alone.
+    """
+    one = np.eye(slopes.shape[1])
+    shares = inner @ np.linalg.pinv(inner.sum(axis=0), hermitian=True)
+    total = signs @ slopes
+    missed = signs[:, :, None] * slopes - np.einsum("sij,dj->dsi", shares, total)
+    missed = np.einsum("sij,dsj->dsi", np.linalg.pinv((1.0 + 1e-6) * one - shares), missed)
+    scatter = np.einsum("dsi,dsj->dij", missed, missed)
+    size = np.einsum("dii->d", scatter)[:, None, None]
+    turned = np.linalg.solve(scatter + (1e-9 * size + TINY) * one, total[:, :, None])
+    return np.asarray(np.sum(total * turned[..., 0], axis=1))
 
 
 def explained(
