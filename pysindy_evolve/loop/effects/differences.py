@@ -4,23 +4,30 @@ Heat between two walls, current between two nodes, the loss of a tank to the roo
 has a coefficient for one part of the difference already, the other one alone says as much.
 
 Between what stores, of the first order, also flows that are not in proportion: a turbulent one
-through a valve goes with the root of the difference, a draft with its square.
+through a valve goes with the root of the difference, a draft with its square. And what slips, as a
+tyre does, pulls by no more than its grip.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
 
 from ...operators import BUILTIN
 from ...terms import Sum, call, mul, sub, variable
 from ..given.design import Design
-from .candidate import Candidate, CandidateMaker, bare
+from .candidate import Candidate, CandidateMaker, Shape, bare
+from .hysteresis import rounded_sign
 
-__all__ = ["acting_differences", "differences", "losses"]
+__all__ = ["acting_differences", "differences", "gripping", "losses"]
+
+GRIPS = (0.1, 0.3, 1.0)  # differences at which a grip gives way, in the largest of the record
 
 
 def differences(
-    effect: CandidateMaker, design: Design, state: int, other: int
+    effect: CandidateMaker, design: Design, state: int, other: int, apart: np.ndarray
 ) -> Iterator[Candidate]:
     """Go through what the difference of two states does: of positions, or of states alike."""
     position, is_position = design.position_of(state), design.derivative_of(other) is not None
@@ -29,25 +36,35 @@ def differences(
     if alike:  # a current is not compared with an angle
         yield from _difference(effect, design, own, other)
         if position is None:
-            yield from _flows(effect, own, other)
+            yield from _flows(effect, own, other, apart)
 
 
-def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:
+def losses(
+    effect: CandidateMaker, design: Design, column: int, apart: np.ndarray
+) -> Iterator[Candidate]:
     """Go through what a state of the first order loses to surroundings, measured as an input.
 
     An input that acts on the state already is no such surroundings, but what heats it.
     """
     if not any(column in side.variables for side in design.sides_of(effect.state)):
         yield from _difference(effect, design, effect.state, column)
-        yield from _flows(effect, effect.state, column)
+        yield from _flows(effect, effect.state, column, apart)
 
 
-def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
-    """Yield what flows by the root of a difference, and by its square, toward the lower one."""
+def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:
+    """Yield what pulls by a difference, at most by its grip; `reach` is the largest difference."""
+    for share in GRIPS:
+        build = partial(rounded_sign, slip)
+        yield effect(name, shape=Shape((share * reach,), (build,), meanings=("slip at the grip",)))
+
+
+def _flows(effect: CandidateMaker, own: int, other: int, apart: np.ndarray) -> Iterator[Candidate]:
+    """Yield what flows by the root of a difference, its square, or its grip, to the lower one."""
     head = sub(variable(other), variable(own))
     size = call(BUILTIN["abs"], head)
     yield effect("coupling", mul(call(BUILTIN["sgn"], head), call(BUILTIN["sqrt"], size)))
     yield effect("coupling", mul(head, size))
+    yield from gripping(effect, "coupling", head, float(apart[own, other]))
 
 
 def _difference(

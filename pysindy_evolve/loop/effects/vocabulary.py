@@ -18,7 +18,7 @@ from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .angles import angles_of, between_angles, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
-from .differences import acting_differences, differences, losses
+from .differences import acting_differences, differences, gripping, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
@@ -128,7 +128,7 @@ def _of_rate(
     for other in range(n_states):
         if other not in (state, position):
             yield from _couplings(effect, state, other)
-            yield from differences(effect, design, state, other)
+            yield from differences(effect, design, state, other, apart)
             yield from _between(effect, design, state, other, apart)
             if {own, other} <= turning:
                 yield from between_angles(effect, variable(own), variable(other))
@@ -137,7 +137,7 @@ def _of_rate(
         u, reach = variable(column), float(scales[column])
         yield from _inputs(effect, u, states, reach, float(middle[column]))
         if position is None:
-            yield from losses(effect, design, column)
+            yield from losses(effect, design, column, apart)
     yield from _relative(effect, design, state, apart)
     yield from radial(effect, design, turning)
     yield from _at_joints(effect, design, scales)
@@ -243,14 +243,16 @@ def _between(
     if position is None:
         return
     if design.position_of(other) is not None:
-        yield from _slips(effect, sub(variable(state), variable(other)))
+        slip = sub(variable(state), variable(other))
+        yield from _slips(effect, slip, float(apart[state, other]))
     if design.derivative_of(other) is not None:
         stretch = sub(variable(position), variable(other))
         yield from _stretches(effect, stretch, float(apart[position, other]))
 
 
-def _slips(effect: CandidateMaker, slip: Sum) -> Iterator[Candidate]:
+def _slips(effect: CandidateMaker, slip: Sum, reach: float) -> Iterator[Candidate]:
     yield effect("Coulomb friction", _sgn(slip))
+    yield from gripping(effect, "Coulomb friction", slip, reach)
     yield effect("nonlinear damping", _abs(slip), parents=(OFFSET,))
     yield effect("quadratic drag", mul(slip, _abs(slip)))
     yield effect("nonlinear damping", power(slip, 3))
@@ -271,7 +273,7 @@ def _relative(
     for own, other in acting_differences(design, state):
         between = sub(variable(own), variable(other))
         if own == state:
-            yield from _slips(effect, between)
+            yield from _slips(effect, between, float(apart[own, other]))
         else:
             yield from _stretches(effect, between, float(apart[own, other]))
 

@@ -65,18 +65,22 @@ def tune_memories(search: Search) -> None:
         search.look_through(search.findings)
 
 
-def take_holds(search: Search) -> None:
-    """Take inputs as held that are, which a search for effects would find as it goes.
+def take_holds(search: Search) -> bool:
+    """Take inputs as held that are, and tell whether any is.
 
     Parameters
     ----------
     search : Search
-        Has no room for effects.
+        Has no room for effects, or has found all that it can.
+
+    Returns
+    -------
+    bool
     """
-    if search.runs_tell_more:
-        late = holds_alone(search.design, search.part)
-        if late:
-            search.take_as_held(late, held_where_it_jumps)
+    late = holds_alone(search.design, search.part) if search.runs_tell_more else {}
+    if late:
+        search.take_as_held(late, held_where_it_jumps)
+    return bool(late)
 
 
 def without_holds(search: Search, found: list[Finding]) -> list[Finding]:

@@ -23,9 +23,17 @@ def look_for_effects(search: Search) -> None:
         take_holds(search)
     _look(search)
     before = search.findings
-    if search.takes_functions():
+    if search.takes_functions() or _holds_show(search):
         _look_again(search, before)
     search.judge_rest()
+
+
+def _holds_show(search: Search) -> bool:
+    """Tell whether inputs turn out to be held, which what was missing hid; forget all findings."""
+    if not (search.findings and take_holds(search)):
+        return False
+    search.forget()
+    return True
 
 
 def _look_again(search: Search, before: list[Finding]) -> None:

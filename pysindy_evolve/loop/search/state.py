@@ -150,8 +150,7 @@ class Search:
             return False
         self.plain, through = acting, acting[0].through
         self.whole = self.whole.of([acting_through(record, through) for record in self.wide])
-        self.findings, self.rejected = [], None
-        self.look_through([])
+        self.forget()
         return True
 
     def _through_what_was_found(self) -> Sequence[Record]:
@@ -165,6 +164,11 @@ class Search:
             if len(tried[0].through) > len(acting[0].through):
                 acting, taken = tried, [*taken, finding]
         return acting
+
+    def forget(self) -> None:
+        """Forget all findings, as the records look otherwise by now."""
+        self.findings, self.rejected = [], None
+        self.look_through([])
 
     def judge_rest(self) -> None:
         """Ask whether what is left depends on what was measured."""
