@@ -32,6 +32,7 @@ from .refuted import unrefuted
 from .runaway import last_runaway
 from .shape_intervals import with_numbers_known
 from .transfer import last_untransferred
+from .wandering import last_wandering
 from .worsened import last_worsened
 
 __all__ = ["settled"]
@@ -103,7 +104,9 @@ def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport)
     if gone is not None:
         return gone
     before, after, records = report.before.model, report.after.model, search.plain
-    gone = last_runaway(findings, before, after, records)
+    level = search.rules.significance
+    gone = last_wandering(findings, report.effects, after, records, level)
+    gone = gone or last_runaway(findings, before, after, records)
     return gone or last_worsened(findings, before, after, records)
 
 

@@ -1,0 +1,105 @@
+"""A drift that is no more than a sensor, or a force, that wanders.
+
+What is the sum of many small random steps looks like a trend, and fits one better the longer the
+record is (Granger and Newbold, J. Econometrics 2 (1974), DOI 10.1016/0304-4076(74)90034-7). So what
+is left without a drift is taken for such a walk with noise upon it, as strong as the likelihood of
+the residual has them, and the drift must be more than that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.stats import t as student
+
+from ...checks import TINY
+from ...equations import Equations
+from ...signals import Record
+from ..evidence.findings import Finding, excluding, is_needed
+from ..fitting.random_force import whitening
+from ..fitting.residual import residual_on
+from ..given.rows import variables_of
+from ..report.effect import Effect
+
+__all__ = ["last_wandering"]
+
+ROWS = 64  # of a record, means over equal times: what wanders is slow
+SLOW = 0.1  # of an effect's variance, at most, is within these times
+
+
+def last_wandering(
+    findings: Sequence[Finding],
+    effects: Sequence[Effect],
+    corrected: Equations,
+    records: Sequence[Record],
+    significance: float,
+) -> Finding | None:
+    """Return the last effect of the time, a slow one, that a random walk shows as well.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+        What was found.
+    effects : sequence of Effect
+        The same with their coefficients.
+    corrected : Equations
+        The model with all of them.
+    records : sequence of Record
+        Training records.
+    significance : float
+        With a larger chance, a walk shows as much of it.
+
+    Returns
+    -------
+    Finding or None
+    """
+    if corrected.n_algebraic:
+        return None
+    for finding, effect in reversed(list(zip(findings, effects, strict=True))):
+        if _is_of_time(finding, records[0]) and not is_needed(
+            finding, excluding(findings, finding)
+        ):
+            pieces = [_pieces(finding, effect.coefficients, corrected, r) for r in records]
+            if all(map(_is_slow, pieces)) and _chance_of_walk(pieces) > significance:
+                return finding
+    return None
+
+
+def _is_of_time(finding: Finding, record: Record) -> bool:
+    return (
+        bool(finding.columns) and record.n_states + record.n_inputs in finding.candidate.variables
+    )
+
+
+def _pieces(
+    finding: Finding, coef: np.ndarray, corrected: Equations, record: Record
+) -> list[np.ndarray]:
+    """Return pieces of a record, with what an effect does, and what is left without it."""
+    variables, state = variables_of(record), finding.candidate.state
+    done = sum(
+        c * term.evaluate(variables) for c, term in zip(coef, finding.candidate.terms, strict=True)
+    )
+    left = residual_on(corrected, record)[:, state] + done
+    return np.array_split(np.column_stack([done, left]), min(ROWS, len(record)))
+
+
+def _is_slow(pieces: Sequence[np.ndarray]) -> bool:
+    """Tell whether an effect hardly changes within each of the pieces."""
+    within = np.mean([piece[:, 0].var() for piece in pieces])
+    return bool(within < SLOW * np.concatenate(pieces)[:, 0].var())
+
+
+def _chance_of_walk(records: Sequence[Sequence[np.ndarray]]) -> float:
+    """Return the chance that a random walk with noise follows an effect as closely."""
+    grams, logdets, n_free = np.zeros((2, 2)), np.zeros(1), -1
+    for pieces in records:
+        rows = np.array([piece.mean(axis=0) for piece in pieces])
+        weights = whitening(len(rows), 1)
+        grams, logdets = grams + weights.grams(rows), logdets + weights.logdets
+        n_free += len(rows) - 1
+    size = np.maximum(grams[:, 0, 0], TINY)
+    rest = np.maximum(grams[:, 1, 1] - grams[:, 0, 1] ** 2 / size, TINY)
+    likeliest = int(np.argmin(n_free * np.log(rest) + logdets))
+    slope = grams[likeliest, 0, 1] / np.sqrt(size * rest / n_free)[likeliest]
+    return float(2.0 * student.sf(abs(slope), n_free))
