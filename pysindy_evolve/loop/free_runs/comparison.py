@@ -122,9 +122,10 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
 
 
 def _burden(candidate: Candidate) -> tuple[int, bool]:
-    """Return how many numbers an effect has inside, and whether it is more than a straight line."""
+    """Return how many numbers an effect has, and whether it is more than a straight line."""
     shape = shape_of(candidate)
-    return 0 if shape is None else len(shape.values), not candidate.is_straight
+    inside = 0 if shape is None else len(shape.values)
+    return candidate.n_columns + inside, not candidate.is_straight
 
 
 def _price(one: Contender, other: Contender) -> float:

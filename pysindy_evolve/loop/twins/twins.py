@@ -2,12 +2,8 @@
 
 Whatever a search finds in a twin, it finds where nothing is missing. A twin follows the model with
 the measured input, carries the noise of the sensor through the same preparation, and has the part
-of the residual that this noise does not explain, multiplied by a slow random signal: as strong and
-as colored as measured, wherever it was, but a function of nothing.
-
-References
-----------
-Shao, JASA 105 (2010), DOI 10.1198/jasa.2009.tm08744, the dependent wild bootstrap.
+of the residual that this noise does not explain, multiplied by slow random signals: as strong and
+as colored as measured, wherever it was, but a function of nothing, see signs.py.
 """
 
 from __future__ import annotations
@@ -16,8 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import fft
-from scipy.ndimage import fourier_gaussian
 
 from ...checks import TINY
 from ...equations import Equations
@@ -26,8 +20,9 @@ from ..fitting.residual import residual_on
 from ..given.input_errors import untimely
 from ..given.sensor import as_observed
 from .paths import Path, follow
+from .signs import Shuffle
 
-__all__ = ["TwinMaker", "memory_of", "shuffle_signs"]
+__all__ = ["TwinMaker"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +33,7 @@ class TwinMaker:
     records: tuple[Record, ...]
     simulated: tuple[Path | None, ...]
     residuals: tuple[np.ndarray, ...]
-    memories: tuple[float, ...]
+    shuffles: tuple[Shuffle, ...]
 
     @classmethod
     def of(cls, equations: Equations, records: Sequence[Record]) -> TwinMaker:
@@ -59,12 +54,12 @@ class TwinMaker:
         """
         residuals = tuple(residual_on(equations, record) for record in records)
         simulated = tuple(follow(equations, record) for record in records)
-        memories = tuple(memory_of(residual) for residual in residuals)
-        return cls(equations, tuple(records), simulated, residuals, memories)
+        shuffles = tuple(map(Shuffle.of, residuals))
+        return cls(equations, tuple(records), simulated, residuals, shuffles)
 
     def make(self, rng: np.random.Generator) -> list[Record]:
         """Return one twin of each record."""
-        parts = zip(self.records, self.simulated, self.residuals, self.memories, strict=True)
+        parts = zip(self.records, self.simulated, self.residuals, self.shuffles, strict=True)
         return [self._twin(*part, rng) for part in parts]
 
     def _twin(
@@ -72,7 +67,7 @@ class TwinMaker:
         record: Record,
         path: Path | None,
         residual: np.ndarray,
-        memory: float,
+        shuffle: Shuffle,
         rng: np.random.Generator,
     ) -> Record:
         twin, explained = record, np.zeros_like(residual)
@@ -90,7 +85,7 @@ class TwinMaker:
         explained = explained + self._untimely(twin, rates, residual, explained.var(axis=0), rng)
         left = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
         share = np.sqrt(left / np.maximum(residual.var(axis=0), TINY))
-        disturbed = rates + explained + share * shuffle_signs(residual, rng, memory)
+        disturbed = rates + explained + share * shuffle.draw(rng)
         return replace(twin, x_dot=disturbed)
 
     def _untimely(
@@ -139,46 +134,3 @@ def _noisier(record: Record, made: Preparation, rng: np.random.Generator) -> np.
     noise = linear.apply(made.t, made.noise * rng.standard_normal(made.y.shape))
     columns = np.column_stack([noise.x, noise.x_dot[:, made.order - 1 :: made.order]])
     return record.u if record.u is None else record.u + columns
-
-
-def shuffle_signs(
-    columns: np.ndarray, rng: np.random.Generator, memory: float | None = None
-) -> np.ndarray:
-    """Multiply columns by a slow random signal: the dependent wild bootstrap.
-
-    What is strong at some time stays strong there, and what is colored stays so over the memory
-    of the columns, but nothing is a function of the states any more.
-
-    Parameters
-    ----------
-    columns : ndarray of shape (n_samples, n_columns)
-        Residuals. All are multiplied by the same signal, so what they share stays shared.
-    rng : numpy.random.Generator
-        Draws the signal.
-    memory : float, optional
-        Standard deviation, in samples, of the bell that smooths the signal; by default from the
-        columns, see `memory_of`.
-
-    Returns
-    -------
-    ndarray of shape (n_samples, n_columns)
-    """
-    n = len(columns)
-    memory = memory_of(columns) if memory is None else memory
-    slow = fft.irfft(fourier_gaussian(fft.rfft(rng.standard_normal(n)), memory, n), n)
-    return columns * (slow / max(float(slow.std()), TINY))[:, None]
-
-
-def memory_of(columns: np.ndarray) -> float:
-    """Return twice the lag, in samples, at which the autocorrelation has fallen to a tenth.
-
-    Its envelope counts: that of a residual which rings crosses zero long before it is forgotten.
-    """
-    n = len(columns)
-    length = fft.next_fast_len(2 * n, real=True)
-    spectrum = fft.rfft(columns - columns.mean(axis=0), length, axis=0)
-    # Without its negative frequencies, an autocovariance has its envelope as magnitude.
-    covariance = np.abs(fft.ifft(np.abs(spectrum) ** 2, length, axis=0)[:n])
-    correlation = np.max(covariance / np.maximum(covariance[0], TINY), axis=1)
-    lag = int(np.argmax(correlation < 0.1)) or n
-    return float(np.clip(2 * lag, 2, max(2, n // 40)))

@@ -1,0 +1,94 @@
+"""Residuals times slow random signals: as strong and as colored, but functions of nothing.
+
+What is strong at some time stays strong there, and what is colored stays so over the memory of the
+residual, but nothing depends on the states any more. Beside the noise of a sensor little is left of
+the memory of what wanders slowly, which fits a trend or a square by chance as white noise never
+does. So the slow part of a residual has a signal of its own, with a memory of its own.
+
+References
+----------
+Shao, JASA 105 (2010), DOI 10.1198/jasa.2009.tm08744, the dependent wild bootstrap.
+Granger and Newbold, J. Econometrics 2 (1974), DOI 10.1016/0304-4076(74)90034-7: what wanders.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import fft
+from scipy.ndimage import fourier_gaussian, gaussian_filter1d
+
+from ...checks import TINY
+
+__all__ = ["Shuffle", "shuffle_signs"]
+
+# Longest memories, in records: of the slow part the signal must still change its sign.
+LONGEST, LONGEST_OF_REST = 1.0 / 8.0, 1.0 / 40.0
+
+
+@dataclass(frozen=True, eq=False)
+class Shuffle:
+    """Columns as a sum of parts, each with the memory that its signal has.
+
+    Attributes
+    ----------
+    parts : tuple of ndarray of shape (n_samples, n_columns)
+        What is slow, and the rest.
+    memories : tuple of float
+        Of each part: standard deviation, in samples, of the bell that smooths its signal.
+    """
+
+    parts: tuple[np.ndarray, ...]
+    memories: tuple[float, ...]
+
+    @classmethod
+    def of(cls, columns: np.ndarray) -> Shuffle:
+        """Take columns of shape (n_samples, n_columns) apart."""
+        n = len(columns)
+        slow = gaussian_filter1d(columns, n * LONGEST_OF_REST, axis=0)
+        parts = (slow, columns - slow)
+        longest = (n * LONGEST, n * LONGEST_OF_REST)
+        return cls(parts, tuple(map(_memory_of, parts, longest)))
+
+    def draw(self, rng: np.random.Generator) -> np.ndarray:
+        """Return the columns under other signals; all columns of a part have the same one."""
+        pairs = zip(self.parts, self.memories, strict=True)
+        return np.sum([part * _signal(len(part), memory, rng) for part, memory in pairs], axis=0)
+
+
+def shuffle_signs(columns: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Multiply columns by slow random signals.
+
+    Parameters
+    ----------
+    columns : ndarray of shape (n_samples, n_columns)
+        Residuals. All are multiplied by the same signals, so what they share stays shared.
+    rng : numpy.random.Generator
+        Draws the signals.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_columns)
+    """
+    return Shuffle.of(columns).draw(rng)
+
+
+def _signal(n: int, memory: float, rng: np.random.Generator) -> np.ndarray:
+    slow = fft.irfft(fourier_gaussian(fft.rfft(rng.standard_normal(n)), memory, n), n)
+    return np.asarray(slow / max(float(np.sqrt(np.mean(slow**2))), TINY))[:, None]
+
+
+def _memory_of(columns: np.ndarray, longest: float) -> float:
+    """Return twice the lag, in samples, at which the autocorrelation has fallen to a tenth.
+
+    Its envelope counts: that of a residual which rings crosses zero long before it is forgotten.
+    """
+    n = len(columns)
+    length = fft.next_fast_len(2 * n, real=True)
+    spectrum = fft.rfft(columns - columns.mean(axis=0), length, axis=0)
+    # Without its negative frequencies, an autocovariance has its envelope as magnitude.
+    covariance = np.abs(fft.ifft(np.abs(spectrum) ** 2, length, axis=0)[:n])
+    correlation = np.max(covariance / np.maximum(covariance[0], TINY), axis=1)
+    lag = int(np.argmax(correlation < 0.1)) or n
+    return float(np.clip(2 * lag, 2, max(2, longest)))
