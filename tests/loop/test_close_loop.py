@@ -276,6 +276,17 @@ def test_pendulum_without_its_gravity_is_given_it():
 
 
 @pytest.mark.slow
+def test_a_weight_may_hang_at_an_angle_that_is_measured_from_elsewhere():
+    truth = {"q": "w", "w": "-1.7*w + F - 30*cos(q - 0.4)"}
+    declared = {"q": "w", "w": "-c*w + b*F"}
+    report = close_by_name(pse.DeclaredModel(declared, inputs=["F"]), measured(truth, size=60.0))
+    assert names(report) == ["gravity"]
+    expected = [-30.0 * np.sin(0.4), -30.0 * np.cos(0.4)]
+    assert report.effects[0].coefficients == pytest.approx(expected, rel=0.01)
+    assert report.effects[0].alternatives == ()
+
+
+@pytest.mark.slow
 def test_weight_of_an_arm_is_not_split_into_an_offset_and_a_spring():
     truth = {"q": "w", "w": "-30*q - 1.7*w + F - 20*cos(q)"}
     declared = {"q": "w", "w": "-k*q - c*w + b*F"}

@@ -23,7 +23,7 @@ from .hysteresis import rounded_sign
 
 __all__ = ["acting_differences", "differences", "gripping", "losses"]
 
-GRIPS = (0.1, 0.3, 1.0)  # differences at which a grip gives way, in the largest of the record
+GRIPS = (0.03, 0.1, 0.3, 1.0)  # differences at which a grip gives way, in the largest of the record
 
 
 def differences(

@@ -103,3 +103,33 @@ def test_a_flow_between_two_tanks_is_a_coupling_in_both_equations(flow, term):
         assert abs(effect.coefficients[0]) == pytest.approx(
             float(flow[: flow.index("*")]), rel=0.02
         )
+
+
+def tyre(seed):
+    """Speeds of a wheel, driven by jumps of a torque, and of the vehicle that its tyre pulls."""
+    rng, n, dt = np.random.default_rng(seed), 4000, 0.02
+    torque = rng.uniform(-6.0, 12.0, 60).repeat(67)[:n, None]
+    sides = {
+        "w": "3*T - 18*tanh((w - v)/1.2) - 0.05*w", "v": "6*tanh((w - v)/1.2) - 0.02*v - 0.1"
+    }  # fmt: skip
+    fine = torque.repeat(8, axis=0)
+    times = 0.125 * dt * np.arange(len(fine))
+    x = pse.simulate(equations_of(sides, ("T",)), [20.0, 20.0], times, fine)[::8]
+    y = x + 0.03 * rng.standard_normal((n, 2))
+    return pse.prepare(dt * np.arange(n), y, torque, order=1, held=True)
+
+
+@pytest.mark.slow
+def test_a_tyre_pulls_by_no_more_than_its_grip():
+    """Its slip is declared as a straight line."""
+    declared = pse.DeclaredModel(
+        {"w": "b*T - k1*(w - v) - c1*w", "v": "k2*(w - v) - c2*v - r"}, inputs=["T"]
+    )
+    report = pse.close_loop(declared, tyre(1), tyre(2), operators=(), random_state=0)
+    found = {effect.state: effect for effect in report.effects}
+    assert set(found) == {"w", "v"}
+    assert abs(found["w"].coefficients[0]) == pytest.approx(18.0, rel=0.02)
+    assert abs(found["v"].coefficients[0]) == pytest.approx(6.0, rel=0.02)
+    for effect in report.effects:
+        assert effect.numbers["slip at the grip"] == pytest.approx(1.2, rel=0.03)
+    assert max(report.after.simulation_error) < 0.05 * max(report.before.simulation_error)
