@@ -32,3 +32,20 @@ def test_an_interrupt_of_the_second_search_loses_nothing(monkeypatch, found_agai
     with pytest.raises(KeyboardInterrupt, match="Ctrl-C"):
         order.look_for_effects(search)
     assert search.findings == left
+
+
+@pytest.mark.parametrize(("found", "looks"), [(["friction"], 2), ([], 1)])
+def test_holds_that_a_missing_effect_hid_begin_the_search_again(monkeypatch, found, looks):
+    search = SimpleNamespace(findings=[], has_room=True, looks=0, takes_functions=lambda: False)
+    search.forget = lambda: setattr(search, "findings", [])
+    search.judge_rest = lambda: None
+
+    def look(search):
+        search.looks += 1
+        search.findings = found
+
+    monkeypatch.setattr(order, "_look", look)
+    monkeypatch.setattr(order, "take_holds", lambda search: True)
+    order.look_for_effects(search)
+    assert search.looks == looks
+    assert search.findings == found
