@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...equations import Equations, stack
-from ...hidden_states.memory import preceded
+from ...hidden_states.memory import preceded, remembered
 from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...hidden_states.path_states import hidden_along, kind_of
 from ...signals import Record
@@ -16,7 +16,7 @@ from ..given.design import Design
 from ..given.rows import scale_of
 from ..given.sticking import noise_of
 
-__all__ = ["begun", "first_state", "hidden_on", "rates_on", "settled_rows"]
+__all__ = ["begun", "first_state", "hidden_on", "missed_on", "rates_on", "settled_rows"]
 
 LONGEST = 8  # no more than the eighth part of a record tells how it began
 PAST_HALVES = 4.0  # times the mean square that another past must leave: it halves the error
@@ -136,6 +136,25 @@ def rates_on(equations: Equations, record: Record) -> np.ndarray:
         return equations.evaluate(record.x, record.u, record.t)
     x = np.column_stack([record.x, hidden_on(full, record)])
     return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
+
+
+def missed_on(equations: Equations, record: Record) -> np.ndarray:
+    """Return what a model leaves of the derivative, its memories begun where the first rows say.
+
+    Parameters
+    ----------
+    equations : Equations
+        The model, with its memories of inputs if it has any.
+    record : Record
+        What was measured.
+
+    Returns
+    -------
+    ndarray of shape (n_samples, n_states)
+        Units of x_dot.
+    """
+    memories = equations.memories if isinstance(equations, MemoryEquations) else ()
+    return record.x_dot - rates_on(equations, remembered(begun(equations, record), memories))
 
 
 def hidden_on(equations: MemoryEquations, record: Record) -> np.ndarray:

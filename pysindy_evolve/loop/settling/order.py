@@ -104,8 +104,9 @@ def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport)
     if gone is not None:
         return gone
     before, after, records = report.before.model, report.after.model, search.plain
-    level = search.rules.significance
-    gone = last_wandering(findings, report.effects, after, records, level)
+    if search.runs_tell_more:
+        level = search.rules.significance
+        gone = last_wandering(findings, report.effects, after, records, level)
     gone = gone or last_runaway(findings, before, after, records)
     return gone or last_worsened(findings, before, after, records)
 

@@ -17,8 +17,8 @@ from ...checks import TINY
 from ...equations import Equations
 from ...signals import Record
 from ..evidence.findings import Finding, excluding, is_needed
+from ..fitting.past import missed_on
 from ..fitting.random_force import whitening
-from ..fitting.residual import residual_on
 from ..given.rows import variables_of
 from ..report.effect import Effect
 
@@ -54,33 +54,28 @@ def last_wandering(
     -------
     Finding or None
     """
-    if corrected.n_algebraic:
-        return None
     for finding, effect in reversed(list(zip(findings, effects, strict=True))):
-        if _is_of_time(finding, records[0]) and not is_needed(
-            finding, excluding(findings, finding)
-        ):
-            pieces = [_pieces(finding, effect.coefficients, corrected, r) for r in records]
-            if all(map(_is_slow, pieces)) and _chance_of_walk(pieces) > significance:
-                return finding
+        if not _is_of_time(finding, records[0]) or is_needed(finding, excluding(findings, finding)):
+            continue
+        pieces = [_pieces(finding, effect.coefficients, corrected, record) for record in records]
+        if all(map(_is_slow, pieces)) and _chance_of_walk(pieces) > significance:
+            return finding
     return None
 
 
 def _is_of_time(finding: Finding, record: Record) -> bool:
-    return (
-        bool(finding.columns) and record.n_states + record.n_inputs in finding.candidate.variables
-    )
+    """Tell whether an effect is a term that the time is in."""
+    time, candidate = record.n_states + record.n_inputs, finding.candidate
+    return bool(finding.columns) and time in candidate.variables and not candidate.is_exchange
 
 
 def _pieces(
     finding: Finding, coef: np.ndarray, corrected: Equations, record: Record
 ) -> list[np.ndarray]:
     """Return pieces of a record, with what an effect does, and what is left without it."""
-    variables, state = variables_of(record), finding.candidate.state
-    done = sum(
-        c * term.evaluate(variables) for c, term in zip(coef, finding.candidate.terms, strict=True)
-    )
-    left = residual_on(corrected, record)[:, state] + done
+    variables, terms = variables_of(record), finding.candidate.terms
+    done = np.column_stack([term.evaluate(variables) for term in terms]) @ coef[: len(terms)]
+    left = missed_on(corrected, record)[:, finding.candidate.state] + done
     return np.array_split(np.column_stack([done, left]), min(ROWS, len(record)))
 
 

@@ -12,11 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import remembered
-from ...hidden_states.memory_equations import MemoryEquations
 from ...signals import Record
 from ..evidence.findings import Finding
-from ..fitting.past import begun, rates_on
+from ..fitting.past import missed_on
 from ..fitting.runs import simulation_errors
 from ..given.rows import scale_of
 from .runaway import LOST, free_of
@@ -64,8 +62,6 @@ def _runs_closer(declared: Equations, corrected: Equations, record: Record) -> b
 
 def _left(equations: Equations, records: Sequence[Record]) -> float:
     """Return the mean square that a model leaves of the derivatives, in their variances."""
-    memories = equations.memories if isinstance(equations, MemoryEquations) else ()
-    acted = [remembered(begun(equations, record), memories) for record in records]
-    rates = [record.x_dot for record in records]
-    errors = [r - rates_on(equations, one) for r, one in zip(rates, acted, strict=True)]
-    return float(np.nanmean((np.concatenate(errors) / scale_of(rates)) ** 2))
+    errors = np.concatenate([missed_on(equations, record) for record in records])
+    scale = scale_of([record.x_dot for record in records])
+    return float(np.nanmean((errors / scale) ** 2))

@@ -21,7 +21,7 @@ from scipy.ndimage import fourier_gaussian, gaussian_filter1d
 
 from ...checks import TINY
 
-__all__ = ["Shuffle", "shuffle_signs"]
+__all__ = ["Shuffle"]
 
 # Longest memories, in records: of the slow part the signal must still change its sign.
 LONGEST, LONGEST_OF_REST = 1.0 / 8.0, 1.0 / 40.0
@@ -52,26 +52,9 @@ class Shuffle:
         return cls(parts, tuple(map(_memory_of, parts, longest)))
 
     def draw(self, rng: np.random.Generator) -> np.ndarray:
-        """Return the columns under other signals; all columns of a part have the same one."""
+        """Return the columns under other signals; what they share stays shared."""
         pairs = zip(self.parts, self.memories, strict=True)
         return np.sum([part * _signal(len(part), memory, rng) for part, memory in pairs], axis=0)
-
-
-def shuffle_signs(columns: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Multiply columns by slow random signals.
-
-    Parameters
-    ----------
-    columns : ndarray of shape (n_samples, n_columns)
-        Residuals. All are multiplied by the same signals, so what they share stays shared.
-    rng : numpy.random.Generator
-        Draws the signals.
-
-    Returns
-    -------
-    ndarray of shape (n_samples, n_columns)
-    """
-    return Shuffle.of(columns).draw(rng)
 
 
 def _signal(n: int, memory: float, rng: np.random.Generator) -> np.ndarray:

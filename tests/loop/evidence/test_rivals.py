@@ -37,6 +37,27 @@ def noisy_rows(rng, weights=()):
     return np.concatenate([columns, target[..., None]], axis=2)
 
 
+def test_columns_that_explain_only_together_refute_a_rival():
+    """Each of two columns that are nearly alike explains little, and their difference all."""
+    rng = np.random.default_rng(0)
+    rows = noisy_rows(rng)
+    rows[..., 0] = rows[..., 1] + 0.1 * rows[..., 2]
+    rows[..., -1] += 10.0 * (rows[..., 0] - rows[..., 1])
+    grams = grams_of(rows)
+    assert chance(grams, (3,), (0, 1), 0.01, rng) < 0.02
+    assert chance(grams, (3,), (0,), 0.01, rng) > 0.02
+
+
+@pytest.mark.parametrize("n_columns", [1, 2, 3])
+def test_a_true_rival_is_refuted_as_seldom_as_the_level_says(n_columns):
+    refuted = 0
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        grams = grams_of(noisy_rows(rng, (0.5,)))
+        refuted += chance(grams, (0,), range(1, 1 + n_columns), 0.05, rng) <= 0.05
+    assert refuted <= 10
+
+
 def gains_beside(grams, model):
     """Return what each column by itself explains beside a model."""
     return np.array(explained(grams, model, [(k,) for k in range(N_COLUMNS)]))

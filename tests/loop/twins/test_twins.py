@@ -9,7 +9,7 @@ from loop_systems import equations_of, measured
 import pysindy_evolve as pse
 from pysindy_evolve.loop.twins import paths
 from pysindy_evolve.loop.twins.paths import Path, follow
-from pysindy_evolve.loop.twins.signs import shuffle_signs
+from pysindy_evolve.loop.twins.signs import Shuffle
 from pysindy_evolve.loop.twins.twins import TwinMaker
 
 SPRING = {"q": "v", "v": "-40*q - 0.8*v + F"}
@@ -20,6 +20,10 @@ def colored(n=4000, seed=0):
     """Noise with a memory of some ten samples."""
     white = np.random.default_rng(seed).standard_normal(n + 40)
     return np.convolve(white, np.ones(20) / 20, mode="valid")[:n, None]
+
+
+def shuffle_signs(columns, rng):
+    return Shuffle.of(columns).draw(rng)
 
 
 def maker_of(truth, model=SPRING, **options):
