@@ -1,4 +1,7 @@
-"""Grown terms that are products of states: couplings, as of speeds about two other axes."""
+"""Grown terms that are products with another state: couplings, as of speeds about two other axes.
+
+So is what turns one axis with the speed of a rotor, an input, times that of another axis.
+"""
 
 from __future__ import annotations
 
@@ -41,8 +44,9 @@ def with_products_named(design: Design, findings: Sequence[Finding]) -> list[Fin
 
 def _is_product(design: Design, candidate: Candidate) -> bool:
     own = {candidate.state, design.position_of(candidate.state)}
+    acting = candidate.variables
     parts = [part for term in candidate.terms for _, part in term.parts]
     atoms = [atom for part in parts for atom, _ in part.factors]
     is_one = len(parts) == 1 and all(isinstance(atom, Variable) for atom in atoms)
-    of_states = candidate.variables <= set(range(len(design.states)))
-    return is_one and of_states and len(atoms) > 1 and not candidate.variables <= own
+    others = acting & set(range(len(design.states))) - own
+    return is_one and len(atoms) > 1 and bool(others) and design.time not in acting

@@ -30,7 +30,9 @@ def design():
         (mul(W, Z), "coupling"),
         (mul(power(W, 2), V), "coupling"),
         (mul(Q, V), "evolved term"),  # only what moves itself
-        (mul(W, F), "evolved term"),
+        (mul(W, F), "coupling"),  # as of a rotor that turns with the speed F
+        (mul(V, F), "evolved term"),
+        (mul(W, variable(5)), "evolved term"),  # with the time
         (power(W, 3), "evolved term"),
         (add(mul(W, Z), W), "evolved term"),
         (mul(W, call(BUILTIN["sin"], Z)), "evolved term"),
