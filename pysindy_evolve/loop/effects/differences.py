@@ -4,8 +4,8 @@ Heat between two walls, current between two nodes, the loss of a tank to the roo
 has a coefficient for one part of the difference already, the other one alone says as much.
 
 Between what stores, of the first order, also flows that are not in proportion: a turbulent one
-through a valve goes with the root of the difference, a draft with its square. And what slips, as a
-tyre does, pulls by no more than its grip.
+through a valve goes with the root of the difference, a draft with its square. And where a pull by a
+difference is declared, as that of a tyre that slips, it may be no more than a grip.
 """
 
 from __future__ import annotations
@@ -36,19 +36,20 @@ def differences(
     if alike:  # a current is not compared with an angle
         yield from _difference(effect, design, own, other)
         if position is None:
-            yield from _flows(effect, own, other, apart)
+            yield from _flows(effect, own, other)
+            if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
+                slip = sub(variable(other), variable(own))
+                yield from gripping(effect, "coupling", slip, float(apart[own, other]))
 
 
-def losses(
-    effect: CandidateMaker, design: Design, column: int, apart: np.ndarray
-) -> Iterator[Candidate]:
+def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:
     """Go through what a state of the first order loses to surroundings, measured as an input.
 
     An input that acts on the state already is no such surroundings, but what heats it.
     """
     if not any(column in side.variables for side in design.sides_of(effect.state)):
         yield from _difference(effect, design, effect.state, column)
-        yield from _flows(effect, effect.state, column, apart)
+        yield from _flows(effect, effect.state, column)
 
 
 def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:
@@ -58,13 +59,12 @@ def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iter
         yield effect(name, shape=Shape((share * reach,), (build,), meanings=("slip at the grip",)))
 
 
-def _flows(effect: CandidateMaker, own: int, other: int, apart: np.ndarray) -> Iterator[Candidate]:
-    """Yield what flows by the root of a difference, its square, or its grip, to the lower one."""
+def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
+    """Yield what flows by the root of a difference, and by its square, toward the lower one."""
     head = sub(variable(other), variable(own))
     size = call(BUILTIN["abs"], head)
     yield effect("coupling", mul(call(BUILTIN["sgn"], head), call(BUILTIN["sqrt"], size)))
     yield effect("coupling", mul(head, size))
-    yield from gripping(effect, "coupling", head, float(apart[own, other]))
 
 
 def _difference(

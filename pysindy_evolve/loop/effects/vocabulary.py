@@ -137,7 +137,7 @@ def _of_rate(
         u, reach = variable(column), float(scales[column])
         yield from _inputs(effect, u, states, reach, float(middle[column]))
         if position is None:
-            yield from losses(effect, design, column, apart)
+            yield from losses(effect, design, column)
     yield from _relative(effect, design, state, apart)
     yield from radial(effect, design, turning)
     yield from _at_joints(effect, design, scales)

@@ -12,7 +12,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.stops import begun_at_same
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, PRICE, columns_of, score, tuned
+from ..evidence.scoring import LEAD, MARGIN, PRICE, columns_of, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 from .marginality import without_parents
@@ -41,9 +41,12 @@ def exchange(
         options = dict.fromkeys([*allowed, finding.candidate])
         scores = score(design, part, list(options), pairs=False)
         own = next((s for s in scores if s.group == (finding.candidate,)), None)
+        if own is None:
+            continue
+        better, n_own = scores[0].group[0], finding.candidate.n_columns
         least = PRICE if finding.candidate.is_straight else MARGIN  # what bends must do much better
-        if own is not None and scores[0].value > own.value + least:
-            better = scores[0].group[0]
+        least += LEAD * max(better.n_columns - n_own, 0)  # and what has more coefficients
+        if scores[0].value > own.value + least:
             findings[place] = replace(
                 finding,
                 candidate=better,
