@@ -80,5 +80,8 @@ def test_what_noise_makes_of_a_shaft_is_no_effect():
     maker = TwinMaker.of(equations, records)
     plain = twin_values(maker, part, statistic, observed, rules, rng(0))
     assert np.sum(plain >= observed) == 0
-    p_value, _ = chance_of(observed, statistic, design, equations, part, rules, rng(0))
-    assert p_value > rules.level
+    draws = [
+        chance_of(observed, statistic, design, equations, part, rules, rng(seed))[0]
+        for seed in range(3)
+    ]
+    assert np.median(draws) > rules.level
