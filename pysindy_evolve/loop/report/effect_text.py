@@ -125,9 +125,10 @@ def without_rivals(effect: Effect) -> str:
 
 def alternative(rival: Alternative, effect: Effect) -> str:
     """Return name, equation if it is another one, and term of an alternative."""
-    name = "the same in the form" if rival.name == effect.name else rival.name
+    if rival.name == effect.name:
+        return f"the same in the form {format_expression(rival.force)}"
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
-    return f"{name} {format_expression(rival.force)}{where} (p = {rival.p_value:.2g})"
+    return f"{rival.name} {format_expression(rival.force)}{where} (p = {rival.p_value:.2g})"
 
 
 def _factor(term: Any) -> str:
