@@ -13,7 +13,16 @@ from ...terms import ONE, Call, Product, Sum, call, constant, mul, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
 
-__all__ = ["UNITS", "angles_of", "between_angles", "is_wave_of", "units_of", "without_turns"]
+__all__ = [
+    "UNITS",
+    "angles_of",
+    "bends",
+    "between_angles",
+    "is_wave_of",
+    "swing_of",
+    "units_of",
+    "without_turns",
+]
 
 RADIAN, DEGREE = 1.0, math.pi / 180.0
 UNITS = (RADIAN, DEGREE)  # what an angle is measured in, in radians
@@ -35,10 +44,20 @@ def units_of(
     In degrees only where these go far enough to both sides of their middle, as no height of a fall
     from forty metres does, and where no sine of the model says what it is.
     """
-    swing = scales[variable] - abs(middle[variable])
-    if swing < BENT or variable in angles_of(design):
+    swing = swing_of(variable, scales, middle)
+    if not bends(swing, DEGREE) or variable in angles_of(design):
         return (RADIAN,)
     return UNITS
+
+
+def swing_of(variable: int, scales: np.ndarray, middle: np.ndarray) -> float:
+    """Return how far a variable goes to both sides of its middle, at least."""
+    return float(scales[variable] - abs(middle[variable]))
+
+
+def bends(swing: float, unit: float) -> bool:
+    """Tell whether sine and cosine of what swings so far are clearly no straight lines."""
+    return swing * unit > math.radians(BENT)
 
 
 def without_turns(term: Product) -> Product:

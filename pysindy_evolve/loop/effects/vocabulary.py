@@ -16,7 +16,7 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .angles import angles_of, between_angles, units_of
+from .angles import angles_of, bends, between_angles, swing_of, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
 from .differences import acting_differences, differences, gripping, losses
 from .entries import entries_of
@@ -123,7 +123,9 @@ def _of_rate(
         yield from _springs(effect, q, float(scales[position]))
         yield from stops(effect, q, float(scales[position]), float(middle[position]))
         yield from damped_contacts(effect, design, q, v)
-        yield from _with_position(effect, q, v, units_of(design, position, scales, middle))
+        swing = swing_of(position, scales, middle)
+        yield from _weights(effect, q, units_of(design, position, scales, middle), swing)
+        yield from _with_position(effect, q, v)
     own = state if position is None else position
     for other in range(n_states):
         if other not in (state, position):
@@ -160,9 +162,9 @@ def _of_target(
         yield from _frictions(effect, variable(v), float(scales[v]))
         yield from _springs(effect, variable(x), float(scales[x]))
         yield from stops(effect, variable(x), float(scales[x]), float(middle[x]))
-        yield from _with_position(
-            effect, variable(x), variable(v), units_of(design, x, scales, middle)
-        )
+        units, swing = units_of(design, x, scales, middle), swing_of(x, scales, middle)
+        yield from _weights(effect, variable(x), units, swing)
+        yield from _with_position(effect, variable(x), variable(v))
         yield from rounded(effect, v, scales)
         yield from yields(effect, x, v, scales, float(middle[x]))
         yield from remembering(effect, x, v, float(scales[x]) - abs(float(middle[x])))
@@ -198,16 +200,21 @@ def _half_width(width: float, q: Sum) -> Shape:
     return Shape((width,), (partial(_beyond, q),), meanings=("half width",))
 
 
-def _with_position(
-    effect: CandidateMaker, q: Sum, v: Sum, units: tuple[float, ...]
+def _weights(
+    effect: CandidateMaker, q: Sum, units: tuple[float, ...], swing: float
 ) -> Iterator[Candidate]:
-    """Go through what a weight, or a damping or friction that changes with the position, does."""
+    """Go through what a weight does; its angle may be measured from elsewhere if it goes far."""
     for unit in units:
         angle = mul(constant(unit), q)
         across, along = call(BUILTIN["sin"], angle), call(BUILTIN["cos"], angle)
         yield effect("gravity", across)
         yield effect("gravity", along, parents=(OFFSET,), whole=True)
-        yield effect("gravity", across, along, parents=(OFFSET,), whole=True)
+        if bends(swing, unit):  # at small angles both together are any soft or hard spring
+            yield effect("gravity", across, along, parents=(OFFSET,), whole=True)
+
+
+def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:
+    """Go through what a damping or friction that changes with the position does."""
     yield effect("nonlinear damping", mul(power(q, 2), v))
     yield effect("position-dependent friction", mul(_abs(q), _sgn(v)))
     yield effect("position-dependent friction", mul(power(q, 2), _sgn(v)))

@@ -23,7 +23,8 @@ from ...checks import TINY
 
 __all__ = ["Shuffle"]
 
-# Longest memories, in records: of the slow part the signal must still change its sign.
+# Longest memories, in records. What changes faster than the longer one is not slow, and even the
+# signal of the slow part must still change its sign.
 LONGEST, LONGEST_OF_REST = 1.0 / 8.0, 1.0 / 40.0
 
 
@@ -46,7 +47,7 @@ class Shuffle:
     def of(cls, columns: np.ndarray) -> Shuffle:
         """Take columns of shape (n_samples, n_columns) apart."""
         n = len(columns)
-        slow = gaussian_filter1d(columns, n * LONGEST_OF_REST, axis=0)
+        slow = gaussian_filter1d(columns, n * LONGEST, axis=0)
         parts = (slow, columns - slow)
         longest = (n * LONGEST, n * LONGEST_OF_REST)
         return cls(parts, tuple(map(_memory_of, parts, longest)))

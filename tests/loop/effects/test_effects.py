@@ -52,6 +52,14 @@ def points(design, n=200):
     return np.random.default_rng(0).uniform(-3.0, 3.0, (n, n_variables))
 
 
+@pytest.mark.parametrize(("swing", "n_pairs"), [(0.3, 0), (0.6, 1)])
+def test_weight_at_an_unknown_angle_is_proposed_where_it_is_no_mere_spring(swing, n_pairs):
+    """At small angles a sine and a cosine together are a quadratic and a cubic spring."""
+    weights = [c for c in proposed(design_of(ONE_MASS), swing) if c.name == "gravity"]
+    assert sum(c.n_columns == 2 for c in weights) == n_pairs
+    assert sum(c.n_columns == 1 for c in weights) == 2
+
+
 def test_every_static_effect_is_proposed_for_a_mass_of_which_nothing_is_declared():
     names = {c.name for c in proposed(design_of({"q": "v", "v": "0"}))}
     assert names == STATIC

@@ -151,6 +151,10 @@ def test_time_is_an_input_of_a_model_that_needs_it(drifting):
     assert drifting.model.feature_names == ["q", "v", "F", "t"]
 
 
+def test_drift_may_be_a_state_too_slow_to_be_looked_for(drifting):
+    assert "The drift of v may also be a state that nobody measured" in str(drifting)
+
+
 def test_effects_are_the_terms_of_the_corrected_equation(report):
     q, v, force = sympy.symbols("q v F", real=True)
     added = sympy.expand(report.after.equations[1])

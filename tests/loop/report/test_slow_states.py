@@ -9,7 +9,7 @@ import pysindy_evolve as pse
 
 @pytest.mark.slow
 @pytest.mark.parametrize("exchange", [0.0, 0.08])
-def test_a_drift_may_be_a_compartment_slower_than_an_eighth_of_the_record(exchange):
+def test_compartment_slower_than_an_eighth_of_the_record_is_not_passed_over(exchange):
     true = equations_of({"C": f"0.05*u - 0.15*C - {exchange}*(C - P)", "P": "0.05*(C - P)"}, ("u",))
     t, records = np.arange(0.0, 100.0, 0.05), []
     for seed in range(2):
@@ -20,5 +20,6 @@ def test_a_drift_may_be_a_compartment_slower_than_an_eighth_of_the_record(exchan
         records.append(pse.prepare(t, plasma + noise, doses, order=1))
     declared = pse.DeclaredModel({"C": "a*u - k*C"}, inputs=["u"])
     report = pse.close_loop(declared, *records, operators=(), random_state=0, n_twins=59)
-    assert ("drift" in [effect.name for effect in report.effects]) == (exchange > 0.0)
-    assert ("may also be a state that nobody measured" in str(report)) == (exchange > 0.0)
+    said = " ".join(str(report).split())
+    assert not report.effects
+    assert ("or a state that nobody measured" in said) == (exchange > 0.0)
