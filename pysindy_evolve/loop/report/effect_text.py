@@ -43,7 +43,8 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     if round(100 * effect.explained) > 0:
         lines.append(f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; {chance}")
     else:
-        lines.append(f"by itself removes nothing of the held-out {of_what}; {chance}")
+        said = f"by itself removes nothing of the held-out {of_what}"
+        lines += _laid_out([f"{said}; in the training data {chance}"], wide)
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
         said = f"this record cannot tell it from: {rivals}"

@@ -94,9 +94,9 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "rivals": [
             (
                 "the same in another form" if rival.name == effect.name else rival.name,
-                expression_mathml(rival.term if rival.name == effect.name else rival.force),
+                expression_mathml(rival.force),
                 "" if rival.state == effect.state else rival.state,
-                f"{rival.p_value:.2g}",
+                "" if rival.name == effect.name else f"{rival.p_value:.2g}",
             )
             for rival in effect.rivals
         ],
