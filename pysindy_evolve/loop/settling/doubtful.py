@@ -36,13 +36,13 @@ def most_doubtful(
     Returns
     -------
     Finding or None
-        None if each has a coefficient or a time whose interval does not contain zero, is neither,
-        remembers, or is needed beside another.
+        None if each has a coefficient, a time or a brim whose interval does not contain zero, has
+        none, remembers, or is needed beside another.
     """
     doubts = {
-        k: _ratio(effect)
+        k: _ratio(effect, _telling(finding))
         for k, (finding, effect) in enumerate(zip(findings, effects, strict=True))
-        if (finding.columns or _is_time(finding))
+        if (finding.columns or isinstance(finding, MemoryFinding))
         and not is_needed(finding, excluding(findings, finding))
         and not _remembers(finding, design)
     }
@@ -50,19 +50,22 @@ def most_doubtful(
     return findings[worst] if worst is not None and doubts[worst] < 1.0 else None
 
 
-def _is_time(finding: Finding) -> bool:
-    """Tell whether it is a delay or a time constant, which may be none if its interval says so."""
-    return isinstance(finding, MemoryFinding) and not finding.memory.has_brim
+def _telling(finding: Finding) -> slice:
+    """Return which numbers say whether an effect is there: of a vessel, its brim does."""
+    overflows = isinstance(finding, MemoryFinding) and finding.memory.has_brim
+    return slice(1, 2) if overflows else slice(None)
 
 
 def _remembers(finding: Finding, design: Design) -> bool:
     return len(design.dropping(finding.columns).paths) < len(design.paths)
 
 
-def _ratio(effect: Effect) -> float:
-    """Return how many times an interval's reach towards zero the surest coefficient is."""
-    values, ends = effect.coefficients, effect.confidence_intervals
+def _ratio(effect: Effect, telling: slice) -> float:
+    """Return how many times an interval's reach towards zero the surest of its numbers is."""
+    values, ends = effect.coefficients[telling], effect.confidence_intervals[telling]
     towards = np.abs(values - np.where(values > 0.0, ends[:, 0], ends[:, 1]))
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.where(ends[:, 0] == 0.0, 0.0, np.abs(values) / towards)  # a time ends there
+        ratios = np.where(
+            ends[:, 0] == 0.0, 0.0, np.abs(values) / towards
+        )  # times and brims end there
     return float(np.max(np.nan_to_num(ratios, nan=np.inf), initial=0.0))
