@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 __all__ = ["beyond"]
 
 BEYOND = 0.1  # of a variable's range in the training data
-MISSED = 10.0  # percent of the standard deviation, that the derivative must err at least ...
+MISSED = 10.0  # percent of the standard deviation, that the derivative must err at least, also
+# averaged and without rows at rest, where the sign of a speed is a coin toss ...
 TIMES = 3.0  # ... and times what it errs on the training data
 
 
@@ -39,7 +40,8 @@ def beyond(report: LoopReport) -> list[str]:
     if model.n_algebraic:
         return []
     fitted, judged = percent_left(model, report.train), percent_left(model, report.test)
-    times = np.where(judged > MISSED, judged / np.maximum(fitted, 1e-9), 0.0)
+    errs = (judged > MISSED) & (report.after.derivative_error > MISSED)
+    times = np.where(errs, judged / np.maximum(fitted, 1e-9), 0.0)
     times = np.nan_to_num(times)  # a derivative that hardly varied while training has no share
     worst = int(np.argmax(times))
     wider = _wider(report, (*model.states, *model.inputs)) if times[worst] > TIMES else []
