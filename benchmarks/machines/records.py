@@ -13,7 +13,7 @@ from .systems import SYSTEMS
 NULLS = (
     "white 0.1 %", "white 0.5 %", "white 2 %", "no noise", "colored", "over-smoothed",
     "closed-loop", "standstill", "quantized", "process noise", "slow process noise", "short",
-    "records", "noisy input",
+    "records", "noisy input", "wandering sensor",
 )  # fmt: skip
 
 
@@ -51,6 +51,9 @@ def measure(name, n, kind, rng, effect="0", percent=0.5):
         y = np.round(y / (0.03 * spread)) * 0.03 * spread
     elif kind == "colored":
         y = y + 0.01 * spread * np.column_stack([ar1(n, 0.9, rng) for _ in spread])
+    elif kind == "wandering sensor":
+        walk = np.cumsum(rng.standard_normal(y.shape), axis=0) / np.sqrt(n)
+        y = y + percent / 100 * spread * (rng.standard_normal(y.shape) + walk)
     elif kind != "no noise":
         white = rng.standard_normal(y.shape) if noise is None else noise
         y = y + percent / 100 * spread * white

@@ -65,7 +65,6 @@ def _ratio(effect: Effect, telling: slice) -> float:
     values, ends = effect.coefficients[telling], effect.confidence_intervals[telling]
     towards = np.abs(values - np.where(values > 0.0, ends[:, 0], ends[:, 1]))
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.where(
-            ends[:, 0] == 0.0, 0.0, np.abs(values) / towards
-        )  # times and brims end there
+        # Where an interval ends at zero, it is that of a time or a brim.
+        ratios = np.where(ends[:, 0] == 0.0, 0.0, np.abs(values) / towards)
     return float(np.max(np.nan_to_num(ratios, nan=np.inf), initial=0.0))
