@@ -2,8 +2,8 @@
 
 What is the sum of many small random steps looks like a trend, and fits one better the longer the
 record is (Granger and Newbold, J. Econometrics 2 (1974), DOI 10.1016/0304-4076(74)90034-7). So what
-is left without a drift is taken for such a walk with noise upon it, as strong as the likelihood of
-the residual has them, and the drift must be more than that.
+is left without a drift is taken for such walks with noise upon it, the more the likelier they are,
+and the drift must be more than that.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.special import softmax
 from scipy.stats import t as student
 
 from ...checks import TINY
@@ -86,7 +87,11 @@ def _is_slow(pieces: Sequence[np.ndarray]) -> bool:
 
 
 def _chance_of_walk(records: Sequence[Sequence[np.ndarray]]) -> float:
-    """Return the chance that a random walk with noise follows an effect as closely."""
+    """Return the chance that a random walk with noise follows an effect as closely.
+
+    It is that of each walk, weighed by its restricted likelihood: of a faint one not even the
+    likeliest strength is near the true one, and where that is none, any trend would be more.
+    """
     grams, logdets, n_free = np.zeros((2, 2)), np.zeros(1), -1
     for pieces in records:
         rows = np.array([piece.mean(axis=0) for piece in pieces])
@@ -95,6 +100,6 @@ def _chance_of_walk(records: Sequence[Sequence[np.ndarray]]) -> float:
         n_free += len(rows) - 1
     size = np.maximum(grams[:, 0, 0], TINY)
     rest = np.maximum(grams[:, 1, 1] - grams[:, 0, 1] ** 2 / size, TINY)
-    likeliest = int(np.argmin(n_free * np.log(rest) + logdets))
-    slope = grams[likeliest, 0, 1] / np.sqrt(size * rest / n_free)[likeliest]
-    return float(2.0 * student.sf(abs(slope), n_free))
+    chances = 2.0 * student.sf(np.abs(grams[:, 0, 1]) / np.sqrt(size * rest / n_free), n_free)
+    likely = softmax(-0.5 * (n_free * np.log(rest) + logdets + np.log(size)))
+    return float(likely @ chances)

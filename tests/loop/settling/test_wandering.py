@@ -35,6 +35,10 @@ def walk(t, rng):
     return 0.08 * np.cumsum(steps) / np.sqrt(len(t))
 
 
+def faint(t, rng):
+    return walk(t, rng) / 4.0
+
+
 def withdrawn(record, term=TIME):
     """Tell whether an effect is withdrawn that was fitted to a record of the model without it."""
     design = design_of(DECLARED, [record])
@@ -60,6 +64,11 @@ def cooled_by(slope, term):
 def test_a_trend_stays_and_most_walks_go():
     assert sum(withdrawn(cooled(trend, seed)) for seed in range(10)) <= 1
     assert sum(withdrawn(cooled(walk, seed)) for seed in range(10)) >= 8
+
+
+def test_a_walk_too_faint_to_be_seen_in_the_noise_goes_too():
+    """To the likelihood such a walk may be none, beside which each trend is more than noise."""
+    assert sum(withdrawn(cooled(faint, seed)) for seed in range(20)) >= 18
 
 
 def test_what_changes_faster_than_a_walk_is_not_asked():
