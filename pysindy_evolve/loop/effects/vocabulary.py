@@ -123,8 +123,7 @@ def _of_rate(
         yield from _springs(effect, q, float(scales[position]))
         yield from stops(effect, q, float(scales[position]), float(middle[position]))
         yield from damped_contacts(effect, design, q, v)
-        swing = swing_of(position, scales, middle)
-        yield from _weights(effect, q, units_of(design, position, scales, middle), swing)
+        yield from _weights(effect, design, position, scales, middle)
         yield from _with_position(effect, q, v)
     own = state if position is None else position
     for other in range(n_states):
@@ -162,8 +161,7 @@ def _of_target(
         yield from _frictions(effect, variable(v), float(scales[v]))
         yield from _springs(effect, variable(x), float(scales[x]))
         yield from stops(effect, variable(x), float(scales[x]), float(middle[x]))
-        units, swing = units_of(design, x, scales, middle), swing_of(x, scales, middle)
-        yield from _weights(effect, variable(x), units, swing)
+        yield from _weights(effect, design, x, scales, middle)
         yield from _with_position(effect, variable(x), variable(v))
         yield from rounded(effect, v, scales)
         yield from yields(effect, x, v, scales, float(middle[x]))
@@ -201,11 +199,12 @@ def _half_width(width: float, q: Sum) -> Shape:
 
 
 def _weights(
-    effect: CandidateMaker, q: Sum, units: tuple[float, ...], swing: float
+    effect: CandidateMaker, design: Design, position: int, scales: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
     """Go through what a weight does; its angle may be measured from elsewhere if it goes far."""
-    for unit in units:
-        angle = mul(constant(unit), q)
+    swing = swing_of(position, scales, middle)
+    for unit in units_of(design, position, scales, middle):
+        angle = mul(constant(unit), variable(position))
         across, along = call(BUILTIN["sin"], angle), call(BUILTIN["cos"], angle)
         yield effect("gravity", across)
         yield effect("gravity", along, parents=(OFFSET,), whole=True)

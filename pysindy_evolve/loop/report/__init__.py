@@ -21,6 +21,7 @@ remains             what is left at the end of the search, and what that means
 limits of validity
 cautions            all cautions of a report; most come from the files below
 missed              the model misses the records by more than noise
+slow_states         a drift, or what is left, may be a state too slow to be looked for
 extrapolation       held-out data is outside the range of the training data
 unidentified        the records do not determine a declared parameter
 dilution            noise makes a parameter too small, as too little moved

@@ -10,7 +10,6 @@ import numpy as np
 from ...export import format_expression, format_number
 from ...terms import ONE
 from ..effects.periodic import FORCING
-from ..effects.relaxation import longest_relaxation
 from ..given.kinematics import disagreement
 from .dilution import diluted
 from .exchangeable_poles import exchangeable_poles
@@ -21,6 +20,7 @@ from .one_force import one_force
 from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
 from .shared_lines import shared_lines
+from .slow_states import slow_drifts
 from .start_noise import moved_by_starts
 from .unidentified import unidentified_sentences
 from .units import percent
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["cautions"]
 
-DRIFT = "drift"
 WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
 GREW = 0.1  # percent of the standard deviation: a smaller rise is none
 TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
@@ -130,19 +129,6 @@ def _held(report: LoopReport) -> list[str]:
     return [*taken, *late]
 
 
-def _slow(report: LoopReport) -> list[str]:
-    """Say of a drift that it may be a state that nobody measured, too slow to be looked for."""
-    plain = (e for e in report.effects if e.name == DRIFT and len(e.term.free_symbols) == 1)
-    drifting = dict.fromkeys(one.state for one in plain)
-    longest = max(longest_relaxation(record) for record in report.train)
-    return [
-        f"The drift of {state} may also be a state that nobody measured and that follows slowly, "
-        f"over more than {format_number(longest)}, an eighth of the record: the loop looks for "
-        "quicker ones only. A longer record would tell."
-        for state in drifting
-    ]
-
-
 def _turned(report: LoopReport) -> list[str]:
     """Name the declared parameters that effects give another sign, or leave next to nothing of."""
     before, after = report.before.parameters, report.after.parameters
@@ -233,7 +219,7 @@ SAYINGS = (
     _known,
     one_force,
     _held,
-    _slow,
+    slow_drifts,
     _untold,
     diluted,
     exchangeable_poles,

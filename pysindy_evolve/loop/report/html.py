@@ -20,7 +20,7 @@ from .text import added_up, free_parameters, table_cells, verdict_of
 from .units import check_units, with_unit
 
 if TYPE_CHECKING:
-    from .effect import Effect
+    from .effect import Alternative, Effect
     from .report import LoopReport
 
 __all__ = ["as_html"]
@@ -91,16 +91,16 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "n_twins": len(effect.twin_scores),
         "twins": _twins(effect.name, effect.twin_scores, effect.score, effect.is_limit),
         "alone": "; ".join([without_rivals(effect), *named_together(effect)]),
-        "rivals": [
-            (
-                "the same in another form" if rival.name == effect.name else rival.name,
-                expression_mathml(rival.force),
-                "" if rival.state == effect.state else rival.state,
-                "" if rival.name == effect.name else f"{rival.p_value:.2g}",
-            )
-            for rival in effect.rivals
-        ],
+        "rivals": [_rival(rival, effect) for rival in effect.rivals],
     }
+
+
+def _rival(rival: Alternative, effect: Effect) -> tuple[str, str, str, str]:
+    """Return name, term, equation if it is another one, and p-value if it was tested."""
+    where = "" if rival.state == effect.state else rival.state
+    if rival.name == effect.name:
+        return "the same in another form", expression_mathml(rival.force), where, ""
+    return rival.name, expression_mathml(rival.force), where, f"{rival.p_value:.2g}"
 
 
 def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[tuple[str, ...]]:

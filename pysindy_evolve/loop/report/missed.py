@@ -5,12 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.fft import dct
 
-from ...checks import TINY
-from ...export import format_number
-from ..effects.relaxation import longest_relaxation
-from .residuals import residual_of
+from .slow_states import slow_rest
 from .start_noise import moved_by_starts
 from .unexplained import unexplained
 from .units import percent
@@ -28,8 +24,6 @@ RANDOM = (
     "To each effect that was tried, what remains looks like a random force. If no such force acts, "
     "something is missing that is not among these effects, or not clear in this record."
 )
-SLOWEST = 8  # half waves in a record: what makes fewer changes over more than an eighth of it
-MOST = 0.5  # share of what is left of a derivative
 UNSOUGHT = (
     "The search did not come to its end: an effect that it had not looked for yet may explain this."
 )
@@ -66,28 +60,7 @@ def _of_rates(report: LoopReport) -> list[str]:
 
 
 def _why(report: LoopReport) -> str:
-    return RANDOM + _slow(report) if report.finished else UNSOUGHT
-
-
-def _slow(report: LoopReport) -> str:
-    """Say of what is left that it is slow, as is a state too slow to be looked for."""
-    model = report.after.model
-    shares = np.mean([_slow_share(residual_of(model, one)) for one in report.train], axis=0)
-    slow = [f"d{model.states[k]}/dt" for k in np.flatnonzero(shares > MOST)]
-    if not slow:
-        return ""
-    longest = format_number(max(longest_relaxation(record) for record in report.train))
-    return (
-        f" Most of what is left of {' and '.join(slow)} changes over more than {longest}, an "
-        "eighth of the record, as a sensor or a force does that wanders, or a state that nobody "
-        "measured: the loop looks for quicker ones only. A longer record would tell."
-    )
-
-
-def _slow_share(left: np.ndarray) -> np.ndarray:
-    """Return how much of residuals (n_samples, n_states) is slower than an eighth of them."""
-    power = dct(left, axis=0, norm="ortho") ** 2
-    return np.asarray(power[:SLOWEST].sum(axis=0) / np.maximum(power.sum(axis=0), TINY))
+    return f"{RANDOM}{slow_rest(report)}" if report.finished else UNSOUGHT
 
 
 def _of_run(report: LoopReport, miss: float) -> list[str]:

@@ -1,9 +1,9 @@
 """Effects of which the final fit does not say that they are there.
 
 That something is missing was tested where an effect came in. With all others beside it, and refined
-by the runs, nothing may be left of it; an effect whose own interval contains zero is withdrawn. Not
-so what remembers a motion: free runs have asked for it, and its value is hardly known apart from
-that of the friction beside it.
+by the runs, nothing may be left of it; an effect whose own interval contains zero is withdrawn, and
+a vessel if that of its brim does. Not so what remembers a motion: free runs have asked for it, and
+its value is hardly known apart from that of the friction beside it.
 """
 
 from __future__ import annotations
