@@ -2,6 +2,7 @@
 
 import re
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -12,6 +13,7 @@ from loop_systems import oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.equations import AlgebraicEquations, Equations
 from pysindy_evolve.export.mathml import equations_mathml, expression_mathml
+from pysindy_evolve.loop.report.effect import Alternative
 from pysindy_evolve.terms import ONE, variable
 
 pytest.importorskip("jinja2")
@@ -108,6 +110,18 @@ def test_same_report_gives_the_same_page(complete, tmp_path):
 
 
 @pytest.mark.slow
+def test_page_gives_the_coefficient_of_another_form_but_no_chance(report, tmp_path):
+    """Of the same effect in another form nothing was tested: it is told by no p."""
+    (first, *others), v = report.effects, sympy.Symbol("v", real=True)
+    rounded = Alternative(first.name, first.state, sympy.tanh(v), 0.61, (), force=3 * sympy.tanh(v))
+    other = replace(rounded, name="quadratic drag")
+    for rival, is_tested in ((rounded, False), (other, True)):
+        told = replace(report, effects=(replace(first, rivals=(rival,)), *others))
+        page = page_of(told, tmp_path)
+        assert ("(p = 0.61)" in page) is is_tested
+        assert "<mn>3</mn>" in page[page.index("cannot tell it from") :]
+
+
 def test_page_says_what_to_measure_next_where_effects_cannot_be_told_apart(tmp_path):
     rubbed = oscillator("Coulomb friction", "- 2*sgn(v)")
     record = rubbed.record(noise=0.02)
