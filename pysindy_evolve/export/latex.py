@@ -50,18 +50,17 @@ def to_latex(model: Any, digits: int | None = 4) -> str:
     """
     system = system_of(model, "to_latex", digits)
     printer = _Printer(digits)
-    symbols = system.equations.symbols
 
-    def term(product: Any) -> str:
-        expression = product.to_sympy(symbols)
-        text = printer.doprint(expression)
+    def term(expression: Any) -> str:
+        text = "" if expression == 1 else printer.doprint(expression)
         return rf"\left({text}\right)" if isinstance(expression, sympy.Add) else text
 
     lines = []
     for left, is_rate, side in zip(system.lefts, system.are_rates, system.sides, strict=True):
         name = printer.doprint(sympy.Symbol(left))
         dotted = rf"\dot{{{name}}}" if is_rate else name
-        right = join_terms(as_shown(side), lambda value: _number(value, digits), term)
+        parts = as_shown(side, system.equations.symbols)
+        right = join_terms(parts, lambda value: _number(value, digits), term)
         lines.append((dotted, right))
     if len(lines) == 1:
         return " = ".join(lines[0])

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
 from typing import Any
 
 import sympy
 from sympy.core.function import AppliedUndef
 from sympy.printing.mathml import MathMLPresentationPrinter
 
-from ..terms import ONE, Product, signed
+from ..terms import signed
 from .printing import format_number
 from .symbolic import as_shown, system_of
 
 __all__ = ["equations_mathml", "expression_mathml"]
+
+CHARACTERS = {"&ExponentialE;": "e", "&InvisibleTimes;": "\u2062", "<mo>-</mo>": "<mo>−</mo>"}
 
 
 def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
@@ -37,11 +39,11 @@ def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
     lines = []
     for left, is_rate, side in zip(system.lefts, system.are_rates, system.sides, strict=True):
         name = printer.doprint(sympy.Symbol(left))
-        shown = f"<mover>{name}<mo>˙</mo></mover>" if is_rate else name
-        terms = list(signed(as_shown(side)))
+        shown = _dotted(name) if is_rate else name
+        terms = signed(as_shown(side, symbols))
         pieces = [
-            _math(_between(sign, bool(place)) + _scaled(size, product, symbols, printer))
-            for place, (sign, size, product) in enumerate(terms)
+            _math(_between(sign, bool(place)) + _scaled(size, term, printer))
+            for place, (sign, size, term) in enumerate(terms)
         ]
         lines.append([_math(f"{shown}<mo>=</mo>"), *(pieces or [_math("<mn>0</mn>")])])
     return lines
@@ -64,18 +66,22 @@ def expression_mathml(expression: Any, digits: int = 4) -> str:
     return _math(_Printer(digits).doprint(expression))
 
 
+def _dotted(name: str) -> str:
+    """Return a name with a dot above its letter, and not above its index."""
+    return re.sub(r"(<mi>.*?</mi>)", r"<mover>\1<mo>˙</mo></mover>", name, count=1)
+
+
 def _between(sign: str, has_left: bool) -> str:
     """Return a sign, with room on both sides if it has a term to its left."""
-    space = ' lspace="0.3em" rspace="0.3em"' if has_left else ' form="prefix"'
+    space = ' lspace="0" rspace="0.25em"' if has_left else ' form="prefix"'
     return f"<mo{space}>{sign.replace('-', '−')}</mo>" if sign else ""
 
 
-def _scaled(size: float, product: Product, symbols: Sequence[Any], printer: _Printer) -> str:
+def _scaled(size: float, expression: Any, printer: _Printer) -> str:
     """Return a term with the number before it, unless that is one."""
     number = format_number(size, printer.digits)
-    if product == ONE:
+    if expression == 1:
         return _number(number)
-    expression = product.to_sympy(symbols)
     term = printer.doprint(expression)
     if isinstance(expression, sympy.Add):
         term = f"<mrow><mo>(</mo>{term}<mo>)</mo></mrow>"
@@ -103,7 +109,9 @@ class _Printer(MathMLPresentationPrinter):
     def doprint(self, expression: Any) -> str:
         """Return the expression; the constant e and unseen signs written as characters."""
         text = str(super().doprint(expression))
-        return text.replace("&ExponentialE;", "e").replace("&InvisibleTimes;", "\u2062")
+        for entity, sign in CHARACTERS.items():
+            text = text.replace(entity, sign)
+        return text
 
     def _print_Float(self, expression: Any) -> Any:
         row = self.dom.createElement("mrow")

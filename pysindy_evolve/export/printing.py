@@ -137,14 +137,12 @@ class TextPrinter(StrPrinter):
 def _side(system: System, side: Sum, digits: int | None) -> str:
     printer = TextPrinter(digits)
 
-    def term(product: Any) -> str:
-        expression = product.to_sympy(system.equations.symbols)
-        text = printer.doprint(expression)
-        # Sympy takes the sign out of an odd function: -tanh(a - v).
-        bare = not isinstance(expression, sympy.Add) and not text.startswith("-")
-        return text if bare else f"({text})"
+    def term(expression: Any) -> str:
+        text = "" if expression == 1 else printer.doprint(expression)
+        return f"({text})" if isinstance(expression, sympy.Add) else text
 
-    return join_terms(as_shown(side), lambda value: format_number(value, digits), term)
+    parts = as_shown(side, system.equations.symbols)
+    return join_terms(parts, lambda value: format_number(value, digits), term)
 
 
 def _plain(name: str) -> str:

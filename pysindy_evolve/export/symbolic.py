@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any
@@ -112,9 +113,13 @@ def constant_last(side: Sum) -> list[tuple[float, Product]]:
     return sorted(side.parts, key=lambda part: part[1] == ONE)
 
 
-def as_shown(side: Sum) -> list[tuple[float, Product]]:
-    """Return coefficients and terms as they are written in a line: fractions as one term."""
-    return constant_last(as_fractions(side))
+def as_shown(side: Sum, symbols: Sequence[Any]) -> list[tuple[float, Any]]:
+    """Return coefficients and sympy terms as they are written in a line, fractions as one term.
+
+    Sympy takes the sign out of an odd function, as in -tanh(v); here it goes to the coefficient.
+    """
+    parts = ((c, term.to_sympy(symbols)) for c, term in constant_last(as_fractions(side)))
+    return [(-c, -term) if term.as_coeff_Mul()[0].is_negative else (c, term) for c, term in parts]
 
 
 def round_to(value: float, digits: int | None) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,28 +15,28 @@ from .products import ONE, Product
 
 __all__ = ["Atom", "Sum", "as_sum", "collect", "join_terms", "signed"]
 
+Term = TypeVar("Term")  # of this package, or of sympy
 
-def signed(
-    parts: Iterable[tuple[float, Product]],
-) -> Iterator[tuple[str, float, Product]]:
+
+def signed(parts: Iterable[tuple[float, Term]]) -> Iterator[tuple[str, float, Term]]:
     """Go through sign, size and term of each part; a first one that is positive has no sign."""
     for place, (coefficient, term) in enumerate(parts):
         yield "-" if coefficient < 0 else "+" if place else "", abs(coefficient), term
 
 
 def join_terms(
-    parts: Iterable[tuple[float, Product]],
+    parts: Iterable[tuple[float, Term]],
     number: Callable[[float], str],
-    term: Callable[[Product], str],
+    term: Callable[[Term], str],
 ) -> str:
     """Write coefficients times terms with the signs between them.
 
     Parameters
     ----------
-    parts : iterable of (float, Product)
+    parts : iterable of (float, term)
         Coefficients and terms, in the order in which they are written.
     number, term : callable
-        Print a positive number, and a term.
+        Print a positive number, and a term, of which nothing is printed where it is one.
 
     Returns
     -------
@@ -44,10 +44,9 @@ def join_terms(
     """
     text = ""
     for sign, size, product in signed(parts):
-        scale = number(size)
-        body = scale if product == ONE else term(product)
-        if product != ONE and scale != "1":
-            body = f"{scale} {body}"
+        scale, body = number(size), term(product)
+        if not body or scale != "1":
+            body = f"{scale} {body}".rstrip()
         text += f" {sign} {body}" if text else f"{sign}{body}"
     return text or "0"
 
@@ -71,7 +70,7 @@ class Sum(Node):
 
     def name(self, names: Sequence[str]) -> str:
         """Return the printed form, such as ``0.5 + q``."""
-        return join_terms(self.parts, _number, lambda term: term.name(names))
+        return join_terms(self.parts, _number, lambda term: "" if term == ONE else term.name(names))
 
     def factor_name(self, names: Sequence[str]) -> str:
         """Return the printed form in brackets."""

@@ -296,3 +296,10 @@ def _with_stars(text):
     """Write the spaces that stand for products as signs."""
     inner = text.replace("+ ", "+").replace(" +", "+").replace("- ", "-")
     return inner.replace(" ", "*")
+
+
+@pytest.mark.parametrize("show", [export.format_equations, export.to_latex])
+def test_the_sign_of_an_odd_function_stands_before_its_coefficient(show):
+    turned = equations_of(["3*tanh(1 - 2*v - q)"], ("q", "v"))
+    assert show(turned) == show(equations_of(["-3*tanh(2*v + q - 1)"], ("q", "v")))
+    assert "(-" not in show(turned)

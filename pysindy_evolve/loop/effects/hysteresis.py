@@ -63,7 +63,7 @@ def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Cand
     """Go through frictions whose sign is rounded off."""
     for width in WIDTHS:
         build = partial(rounded_sign, variable(v))
-        smooth = Shape((width * float(scales[v]),), (build,), meanings=("width of the sign",))
+        smooth = Shape((width * float(scales[v]),), (build,), meanings=("width of the transition",))
         yield effect("Coulomb friction", shape=smooth)
 
 
@@ -102,7 +102,7 @@ def yields(
     side = float(np.sign(middle)) if abs(middle) > CENTERED * stroke else 0.0
     places = {"distance of the middle from zero": abs(middle)} if side else {}
     for share in (None, *WIDTHS):
-        width = {} if share is None else {"width of the sign": share * speed}
+        width = {} if share is None else {"width of the transition": share * speed}
         for sign in (1.0, -1.0):
             build = Yield(variable(v), variable(x), sign, side, share is None)
             for slant in SLANTS:

@@ -67,9 +67,13 @@ def _in_time(effect: Effect, units: Mapping[str, str] | None) -> tuple[str, str]
 def _title(alike: Sequence[Experiment]) -> str:
     """Return what is to be told apart."""
     causes: list[Effect | Alternative] = [alike[0].effect, *(one.alternative for one in alike)]
-    forms = " or ".join(f"{cause.name} {format_expression(cause.term)}" for cause in causes)
+    forms = " or ".join(f"{cause.name} {_form(cause)}".rstrip() for cause in causes)
     where = " or ".join(dict.fromkeys(cause.state for cause in causes))
     return f"{forms}, in the equation of {where}?"
+
+
+def _form(cause: Effect | Alternative) -> str:
+    return "" if cause.term == 1 else format_expression(cause.term)  # of a constant
 
 
 def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = None) -> list[str]:

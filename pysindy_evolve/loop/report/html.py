@@ -64,8 +64,8 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         before=equations_mathml(report.before.model),
         after=equations_mathml(report.after.model),
         parameters=[
-            free_parameters(report.before),
-            " ".join([free_parameters(report.after), *added_up(report)]),
+            [_unbroken(free_parameters(report.before))],
+            [_unbroken(free_parameters(report.after)), *added_up(report)],
         ],
         head=head,
         rows=rows,
@@ -76,6 +76,11 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         pictures=_pictures(report, units),
         facts=_facts(report, units),
     )
+
+
+def _unbroken(parameters: str) -> str:
+    """Return text whose lines do not break between a name and its value."""
+    return parameters.replace(" = ", "\u00a0=\u00a0")
 
 
 def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:

@@ -168,7 +168,7 @@ def draw_twins(axes: Any, scores: np.ndarray, observed: float, color: str) -> No
     axes.set_xlim(low - 0.03 * (high - low), high + 0.05 * (high - low) + 1e-12)
     side = "right" if observed > 0.5 * (low + high) else "left"
     axes.annotate(
-        "this record ", (observed, 0.92), xycoords=("data", "axes fraction"), ha=side,
-        color=color, textcoords="offset points", xytext=(-4 if side == "right" else 4, 0),
+        "this record", (observed, 1.0), xycoords=("data", "axes fraction"), ha=side,
+        color=color, textcoords="offset points", xytext=(0, 3), annotation_clip=False,
     )  # fmt: skip
     axes.yaxis.get_major_locator().set_params(integer=True)

@@ -122,7 +122,9 @@ def _label(
     units: Mapping[str, str] | None,
     rate: str,
 ) -> None:
-    tidy(panels["t"], label("t", units), f"residual of {rate}", "Over time: median and 80 % band")
+    has_band = bool(panels["t"].collections)
+    title = "Over time: median and 80 % band" if has_band else "Over time"
+    tidy(panels["t"], label("t", units), f"residual of {rate}", title)
     for letter, variable in zip("abc", shown, strict=False):
         where = f"Over {names[variable]}: median and middle half"
         tidy(panels[letter], label(names[variable], units), "", where)

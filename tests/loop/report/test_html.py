@@ -14,7 +14,8 @@ import pysindy_evolve as pse
 from pysindy_evolve.equations import AlgebraicEquations, Equations
 from pysindy_evolve.export.mathml import equations_mathml, expression_mathml
 from pysindy_evolve.loop.report.effect import Alternative
-from pysindy_evolve.terms import ONE, variable
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import ONE, call, constant, sub, variable
 
 pytest.importorskip("jinja2")
 pytest.importorskip("matplotlib")
@@ -170,3 +171,18 @@ def test_an_input_at_an_earlier_time_keeps_its_capital():
     shown = expression_mathml(sympy.Function("F", real=True)(t - 0.04))
     assert "<mi>F</mi>" in shown
     assert "<mi>f</mi>" not in shown
+
+
+def test_the_sign_of_an_odd_function_is_not_lost_between_two_terms():
+    inside = sub(constant(1.0), variable(0))
+    (term,) = (product for _, product in call(BUILTIN["tanh"], inside).parts)
+    ((_, first, second),) = equations_mathml(Equations((term, ONE), np.array([[3.0, 2.0]]), ("q",)))
+    assert first.startswith('<math><mo form="prefix">−</mo><mn>3</mn>')
+    assert first.count("−") == 2  # its own, and that of q - 1
+    assert second.endswith("<mn>2</mn></math>")
+
+
+def test_the_dot_of_a_rate_stands_above_the_letter_and_not_above_its_index():
+    q = variable(0).parts[0][1]
+    ((left, _),) = equations_mathml(Equations((q,), np.array([[2.0]]), ("u_level",)))
+    assert "<msub><mover><mi>u</mi><mo>˙</mo></mover><mi>level</mi></msub>" in left

@@ -52,3 +52,11 @@ def test_a_mass_that_differs_is_said_beside_the_effect_that_was_found():
     assert [effect.name for effect in report.effects] == ["Coulomb friction"]
     assert numbers_by_record(report)["b"] == pytest.approx([1.0, 1.0 / 1.3], rel=0.02)
     assert str(report).count("by itself, ") == 1
+
+
+def test_a_name_that_two_effects_share_is_not_said():
+    report = report_of(2.4, 1.6)
+    twice = replace(report.design.columns[0], name="f")
+    columns = (twice, *report.design.columns[1:])
+    design = replace(report.design, columns=columns)
+    assert numbers_by_record(replace(report, design=design)) == {}
