@@ -10,6 +10,8 @@ signals/holds.py. An input that runs smoothly is known between its samples as we
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import label
 
@@ -90,13 +92,17 @@ def input_error(
     return record.lowpass((noise + _between(u)) * at_work)
 
 
-def untimely(record: Record, rng: np.random.Generator | None = None) -> np.ndarray | None:
+def untimely(
+    record: Record, columns: Sequence[int], rng: np.random.Generator | None = None
+) -> np.ndarray | None:
     """Return by what inputs differ from their record that jump at any time between two samples.
 
     Parameters
     ----------
     record : Record
         Made from raw data, or nothing is known of its inputs.
+    columns : sequence of int
+        The inputs in question; the others are as recorded.
     rng : numpy.random.Generator, optional
         Draws the time of each jump; by default each is as far off as the draws are on average.
 
@@ -107,15 +113,17 @@ def untimely(record: Record, rng: np.random.Generator | None = None) -> np.ndarr
     """
     if not record.has_raw_inputs:
         return None
-    u = record.raw_u
-    jumping = _samples_of_jumps(u) == 1
-    if not jumping.any():
+    jumping = [k for k in columns if _samples_of_jump(record.raw_u[:, k]) == 1]
+    if not jumping:
         return None
-    steps = np.diff(u, axis=0) * jumping
+    steps = np.diff(record.raw_u[:, jumping], axis=0)
     shares = np.full(len(steps), TYPICAL) if rng is None else rng.uniform(-0.5, 0.5, len(steps))
     moved = shares[:, None] * steps  # samples times height: an area
-    nothing = np.zeros((1, u.shape[1]))
-    return record.lowpass(0.5 * (np.vstack([moved, nothing]) + np.vstack([nothing, moved])))
+    nothing = np.zeros((1, len(jumping)))
+    about = 0.5 * (np.vstack([moved, nothing]) + np.vstack([nothing, moved]))
+    error = np.zeros((record.n_samples, record.n_inputs))
+    error[:, jumping] = record.lowpass(about)
+    return error
 
 
 def _between(u: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -57,6 +58,13 @@ class TwinMaker:
         shuffles = tuple(map(Shuffle.of, residuals))
         return cls(equations, tuple(records), simulated, residuals, shuffles)
 
+    @cached_property
+    def _inputs_at_work(self) -> list[int]:
+        """Return the inputs that the model has, without what is only tried beside it."""
+        n_states, n_inputs = len(self.equations.states), len(self.equations.inputs)
+        used = frozenset().union(*(term.variables for term in self.equations.terms))
+        return [k for k in range(n_inputs) if n_states + k in used]
+
     def make(self, rng: np.random.Generator) -> list[Record]:
         """Return one twin of each record."""
         parts = zip(self.records, self.simulated, self.residuals, self.shuffles, strict=True)
@@ -102,7 +110,8 @@ class TwinMaker:
         it a residual has is seen by jumps that are all equally late: it would be taken for less
         by the drawn ones, which count most where the draw happens to be large.
         """
-        drawn, typical = (self._moved(twin, rates, untimely(twin, r)) for r in (rng, None))
+        errors = (untimely(twin, self._inputs_at_work, draw) for draw in (rng, None))
+        drawn, typical = (self._moved(twin, rates, error) for error in errors)
         power = typical**2
         there = power / np.maximum(np.sum(power, axis=0), TINY)
         unexplained = np.sum(there * residual**2, axis=0) - noise
