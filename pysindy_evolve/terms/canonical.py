@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 from ..operators import BUILTIN
@@ -22,6 +23,7 @@ def multiply(p: Product, q: Product) -> Product:
     return simplified(tuple((atom, n) for atom, n in exponents.items() if n))
 
 
+@lru_cache(maxsize=2**12)  # every twin and every generation makes the same few products
 def simplified(factors: tuple[tuple[Atom, int], ...]) -> Product:
     """Apply x sgn(x) = abs(x), abs(x) sgn(x) = x, abs(x)^2 = x^2, sgn(x)^3 = sgn(x); sort.
 
