@@ -130,9 +130,9 @@ def test_a_force_is_not_integrated(of_a_force):
     assert model.predict(record.x, u=record.u) == pytest.approx(of_a_force.simulate(record))
 
 
-def test_sign_that_sympy_takes_out_of_a_function_is_kept_in_parentheses():
+def test_sign_that_sympy_takes_out_of_a_function_goes_to_its_coefficient():
     text = format_equations(equations_of({"q": "5*tanh(q - 2*F) - 3*q"}, ("F",)))
-    assert text == "q' = -3 q + 5 (-tanh(2 F - q))"
+    assert text == "q' = -3 q - 5 tanh(2 F - q)"
 
 
 def test_declared_target_that_depends_on_itself_is_refused():
