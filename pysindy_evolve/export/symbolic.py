@@ -16,6 +16,7 @@ from .fractions import as_fractions
 from .hinges import as_hinges
 
 __all__ = ["System", "as_shown", "constant_last", "round_to", "system_of", "to_sympy"]
+__all__ += ["without_sign"]
 
 
 def to_sympy(model: Any, digits: int | None = None) -> list[Any]:
@@ -114,12 +115,19 @@ def constant_last(side: Sum) -> list[tuple[float, Product]]:
 
 
 def as_shown(side: Sum, symbols: Sequence[Any]) -> list[tuple[float, Any]]:
-    """Return coefficients and sympy terms as they are written in a line, fractions as one term.
-
-    Sympy takes the sign out of an odd function, as in -tanh(v); here it goes to the coefficient.
-    """
+    """Return coefficients and sympy terms as they are written in a line, fractions as one term."""
     parts = ((c, term.to_sympy(symbols)) for c, term in constant_last(as_fractions(side)))
-    return [(-c, -term) if term.as_coeff_Mul()[0].is_negative else (c, term) for c, term in parts]
+    bare = ((c, *without_sign(term)) for c, term in parts)
+    return [(sign * c, term) for c, sign, term in bare]
+
+
+def without_sign(term: Any) -> tuple[int, Any]:
+    """Return the sign of a sympy term, 1 or -1, and the term without it.
+
+    Sympy takes the sign out of an odd function, as in -tanh(v). It goes to the coefficient, as two
+    signs in a row are hard to read.
+    """
+    return (-1, -term) if term.as_coeff_Mul()[0].is_negative else (1, term)
 
 
 def round_to(value: float, digits: int | None) -> float:

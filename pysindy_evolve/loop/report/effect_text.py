@@ -10,6 +10,7 @@ import numpy as np
 
 from ...export import format_expression
 from ...export.compact import as_written
+from ...export.symbolic import without_sign
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
 from ..effects.periodic import FORCING, RIPPLE
@@ -75,15 +76,10 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
 
 
 def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:
-    """Return a term as it is written, its coefficient, and the ends of the interval.
-
-    A sign of the term goes to the coefficient: two in a row are hard to read.
-    """
-    term = as_written(effect.expressions[k], symbols)
-    value, (low, high) = float(effect.coefficients[k]), effect.confidence_intervals[k]
-    if term.as_coeff_Mul()[0] < 0:
-        return -term, -value, -high, -low
-    return term, value, low, high
+    """Return a term as it is written, its coefficient, and the ends of the interval."""
+    sign, term = without_sign(as_written(effect.expressions[k], symbols))
+    low, high = sorted(sign * effect.confidence_intervals[k])
+    return term, sign * float(effect.coefficients[k]), low, high
 
 
 def _is_phase(effect: Effect) -> bool:

@@ -26,7 +26,7 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
     """Return what parameters are in each training record, of those that are not the same.
 
     Those that matter most. Empty of a single record, and where all records share their numbers.
-    One of two effects of the same name is left out: nobody could tell which it is.
+    Declared ones only: two effects may have the same name.
     """
     design = report.design
     if len(report.train) < 2 or not design.columns:
@@ -42,15 +42,14 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
         np.sqrt(np.mean([np.mean(c.evaluate(variables_of(r)) ** 2) for r in records]))
         for c in design.columns
     ]
-    names = [column.name for column in design.columns]
     moved = np.ptp(own, axis=0) * np.array(sizes)
     return {
-        name: own[:, k]
-        for k, name in enumerate(names)
-        if name.isidentifier()
-        and names.count(name) == 1
+        column.name: own[:, k]
+        for k, column in enumerate(design.columns)
+        if column.name.isidentifier()
+        and column.name in report.before.parameters
         and moved[k] >= WEIGHTY * moved.max()
-        and np.ptp(own[:, k]) > _by_chance(report, name)
+        and np.ptp(own[:, k]) > _by_chance(report, column.name)
     }
 
 
