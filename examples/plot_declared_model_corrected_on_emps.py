@@ -28,7 +28,7 @@ except (OSError, ImportError) as error:  # neither on this machine nor to be dow
 
 train, test = (pse.prepare(r.t, r.y, r.u) for r in (emps["train"], emps["pulses"]))
 declared = pse.DeclaredModel({"q": "v", "v": "b*F - c*v"}, inputs=["F"])
-report = pse.close_loop(declared, train, test=test, random_state=0)
+report = pse.close_loop(declared, train, test=test, random_state=0, n_jobs=-1)
 print(report)
 
 # %%

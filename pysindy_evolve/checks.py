@@ -144,7 +144,9 @@ def same_length(call: str, **arrays: Array | None) -> None:
         first, *rest = lengths
         wrong = next(name for name in rest if lengths[name] != lengths[first])
         got = f"{lengths[wrong]} samples, {first} has {lengths[first]}"
-        refuse(call, wrong, f"as long as {first}", got, "Cut both to the same samples.")
+        lies = lengths[first] in (arrays[wrong].shape or (0,))[1:]
+        advice = "Transpose it: a row is a sample." if lies else "Cut both to the same samples."
+        refuse(call, wrong, f"as long as {first}", got, advice)
 
 
 def number(call: str, parameter: str, value: Any, constraint: str, ok: Any) -> float:

@@ -213,6 +213,7 @@ def test_a_gap_in_time_is_refused_and_resample_mends_it(t):
         ({"u": np.r_[np.zeros(99), np.inf]}, r"prepare\(u=...\) must be finite.*sample 99"),
         ({"y": np.arange(99)}, r"prepare\(y=...\) must be as long as t; got 99 samples, t has 100"),
         ({"u": np.arange(9)}, r"prepare\(u=...\) must be as long as t; got 9 samples"),
+        ({"y": np.ones((2, 100))}, r"got 2 samples, t has 100. Transpose it: a row is a sample."),
         ({"t": np.arange(100)[::-1]}, r"prepare\(t=...\) must be strictly increasing"),
         ({"t": np.arange(100) ** 2.0}, r"prepare\(t=...\) must be uniform within half"),
         ({"y": np.full(100, 3.0)}, r"prepare\(y=...\) must be changing; got 3 in all samples"),
