@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from scipy import fft
@@ -133,7 +133,7 @@ def _without(signal: np.ndarray, cycles: float) -> np.ndarray:
     """Return a signal without its mean and its part at a frequency."""
     phase = 2 * np.pi * cycles * np.arange(len(signal))
     waves = np.column_stack([np.ones(len(signal)), np.sin(phase), np.cos(phase)])
-    taper = np.hanning(len(signal))
+    taper = _taper(len(signal))
     coef = np.linalg.lstsq(waves * taper[:, None], signal * taper, rcond=None)[0]
     return np.asarray(signal - waves @ coef)
 
@@ -156,7 +156,12 @@ def _spectrum_and_floor(signal: np.ndarray, n_fine: int) -> tuple[np.ndarray, np
 
 def _transform(signal: np.ndarray, n_fine: int) -> np.ndarray:
     """Return the complex spectrum of a signal without its mean, tapered and padded with zeros."""
-    return np.asarray(fft.rfft((signal - signal.mean()) * np.hanning(len(signal)), n_fine))
+    return np.asarray(fft.rfft((signal - signal.mean()) * _taper(len(signal)), n_fine))
+
+
+@lru_cache(maxsize=16)
+def _taper(n: int) -> np.ndarray:
+    return np.hanning(n)
 
 
 def _is_response(
