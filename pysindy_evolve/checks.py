@@ -139,13 +139,15 @@ def increasing(call: str, t: Array) -> None:
 
 def same_length(call: str, **arrays: Array | None) -> None:
     """Raise unless all arrays given have the same number of samples."""
-    lengths = {name: a.shape[0] for name, a in arrays.items() if a is not None}
+    shapes = {name: a.shape for name, a in arrays.items() if a is not None}
+    lengths = {name: shape[0] for name, shape in shapes.items()}
     if len(set(lengths.values())) > 1:
         first, *rest = lengths
         wrong = next(name for name in rest if lengths[name] != lengths[first])
         got = f"{lengths[wrong]} samples, {first} has {lengths[first]}"
-        lies = lengths[first] in (arrays[wrong].shape or (0,))[1:]
-        advice = "Transpose it: a row is a sample." if lies else "Cut both to the same samples."
+        advice = "Cut both to the same samples."
+        if lengths[first] in shapes[wrong][1:]:
+            advice = "Transpose it: a row is a sample."
         refuse(call, wrong, f"as long as {first}", got, advice)
 
 
