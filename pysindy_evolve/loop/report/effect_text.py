@@ -72,6 +72,8 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
         lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
         if low < 0.0 < high and not _is_phase(effect):
             lines.append("the interval contains zero: its sign is not known apart from other terms")
+        elif 0.0 in (low, high):  # as far as it reaches, see settling/shape_intervals.py
+            lines.append("hardly told apart from the numbers inside it; zero itself was refuted")
     return lines
 
 

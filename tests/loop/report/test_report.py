@@ -525,13 +525,26 @@ def test_a_number_is_printed_within_its_interval(value, ends, shown):
     assert value_within(value, *ends) == shown
 
 
-def test_a_wave_with_a_phase_of_zero_is_not_said_to_be_unknown():
-    known = {"confidence_intervals": np.array([[1.0, 3.0], [-0.5, 0.5]])}
-    values = {"coefficients": np.array([2.0, 0.0]), "quantities": (), "entry": ""}
+def lines_of(name, coefficients, intervals):
+    """Return what is said of an effect with a term in q and one in its square."""
+    known = {"confidence_intervals": np.array(intervals)}
+    values = {"coefficients": np.array(coefficients), "quantities": (), "entry": ""}
     rest = {"numbers": {}, "number_intervals": np.empty((0, 2)), "by_runs": False, "explained": 0.5}
     rest |= {"p_value": 0.01, "twin_scores": np.zeros(9), "rivals": (), "contested": True}
     rest |= {"together": (), "expressions": (variable(0), power(variable(0), 2))}
     symbols = [sympy.Symbol("q", real=True)]
-    for name, said in (("periodic forcing", False), ("quadratic stiffness", True)):
-        lines = evidence(SimpleNamespace(name=name, **known, **values, **rest), symbols)
-        assert any("contains zero" in line for line in lines) is said
+    return evidence(SimpleNamespace(name=name, **known, **values, **rest), symbols)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("periodic forcing", False), ("quadratic stiffness", True)]
+)
+def test_a_wave_with_a_phase_of_zero_is_not_said_to_be_unknown(name, said):
+    lines = lines_of(name, [2.0, 0.0], [[1.0, 3.0], [-0.5, 0.5]])
+    assert any("contains zero" in line for line in lines) is said
+
+
+@pytest.mark.parametrize(("end", "said"), [(0.0, 1), (0.1, 0)])
+def test_an_interval_that_ends_at_zero_is_explained(end, said):
+    lines = lines_of("Stribeck friction", [2.0, -3.0], [[1.0, 3.0], [-6.0, -end]])
+    assert sum("zero itself was refuted" in line for line in lines) == said
