@@ -147,12 +147,16 @@ def _acting(report: LoopReport) -> tuple[Equations, Sequence[Record]]:
 
 
 def _exchanged(design: Design, effect: Effect, rival: Alternative) -> Design:
-    n_states = len(design.states)
-    pairs = []
-    for one in (effect, rival):
-        state = design.states.index(one.state)
-        pairs.append([in_state(one.name, term, state, n_states) for term in one.expressions])
-    return design.dropping(pairs[0]).adding(pairs[1])
+    """Return the model with a rival in the place of an effect.
+
+    Columns are told by their terms: a grown one that got a name since has kept its own. Those of
+    effects come last.
+    """
+    place, to = design.states.index(effect.state), design.states.index(rival.state)
+    last = {column.parts[place]: column for column in design.columns}
+    own = [last[expression] for expression in effect.expressions if expression in last]
+    new = [in_state(rival.name, term, to, len(design.states)) for term in rival.expressions]
+    return design.dropping(own).adding(new)
 
 
 class _Judge:

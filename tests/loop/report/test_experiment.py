@@ -63,6 +63,17 @@ def test_the_plan_says_it_in_sentences_with_numbers_and_units(slow, cubic):
     assert f"then makes it {cubic.then:.1f}" in said
 
 
+@pytest.mark.slow
+def test_a_grown_term_that_got_a_name_is_exchanged_like_any_other(slow):
+    columns = [
+        replace(column, name="evolved term") if column.name == "quadratic drag" else column
+        for column in slow.design.columns
+    ]
+    grown = replace(slow, design=replace(slow.design, columns=tuple(columns)))
+    assert grown.design != slow.design
+    assert str(grown.suggest_experiment()) == str(slow.suggest_experiment())
+
+
 def test_without_alternatives_there_is_nothing_to_tell_apart(report):
     assert all(not effect.rivals for effect in report.effects)
     assert str(report.suggest_experiment()).startswith("Nothing to tell apart")
