@@ -123,11 +123,20 @@ def without_rivals(effect: Effect) -> str:
 
 
 def alternative(rival: Alternative, effect: Effect) -> str:
-    """Return name, equation if it is another one, and term of an alternative."""
+    """Return name, equation if it is another one, term, and p of an alternative if it was tested."""
+    said = f"{called(rival, effect, 'the same in the form')} {format_expression(rival.force)}"
     if rival.name == effect.name:
-        return f"the same in the form {format_expression(rival.force)}"
+        return said
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
-    return f"{rival.name} {format_expression(rival.force)}{where} (p = {rival.p_value:.2g})"
+    return f"{said}{where} (p = {rival.p_value:.2g})"
+
+
+def called(rival: Alternative, effect: Effect, as_form: str) -> str:
+    """Return what an alternative is called, which may be the same effect in another form."""
+    if rival.name != effect.name:
+        return rival.name
+    alike = rival.term.free_symbols == effect.term.free_symbols
+    return as_form if alike else f"another {rival.name}"
 
 
 def _factor(term: Any) -> str:

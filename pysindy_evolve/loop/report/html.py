@@ -14,7 +14,7 @@ import numpy as np
 from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
-from .effect_text import named_together, numbers_inside, with_sign, without_rivals
+from .effect_text import called, named_together, numbers_inside, with_sign, without_rivals
 from .remains import remains
 from .text import added_up, free_parameters, table_cells, verdict_of
 from .units import check_units, with_unit
@@ -103,9 +103,9 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
 def _rival(rival: Alternative, effect: Effect) -> tuple[str, str, str, str]:
     """Return name, term, equation if it is another one, and p-value if it was tested."""
     where = "" if rival.state == effect.state else rival.state
-    if rival.name == effect.name:
-        return "the same in another form", expression_mathml(rival.force), where, ""
-    return rival.name, expression_mathml(rival.force), where, f"{rival.p_value:.2g}"
+    name = called(rival, effect, "the same in another form")
+    chance = "" if rival.name == effect.name else f"{rival.p_value:.2g}"
+    return name, expression_mathml(rival.force), where, chance
 
 
 def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[tuple[str, ...]]:

@@ -3,8 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
+import sympy
 
 from pysindy_evolve.loop.report.effect import Alternative
+from pysindy_evolve.loop.report.effect_text import alternative
 
 
 def test_the_p_of_an_alternative_is_explained_where_one_is_shown(report):
@@ -27,3 +29,14 @@ def test_no_more_alternatives_are_said_to_do_worse_than_were_tried(report):
     ):
         shown = str(replace(report, effects=(replace(alone, contested=contested),)))
         assert said in shown
+
+
+def test_only_an_alternative_in_the_same_variables_is_the_same_in_another_form(report):
+    *_, effect = report.effects
+    (own,), q = effect.term.free_symbols, sympy.Symbol("q", real=True)
+    for term, said in (
+        (sympy.tanh(own), "the same in the form tanh(v)"),
+        (q * own, "another Coulomb friction q v"),
+    ):
+        rival = Alternative(effect.name, effect.state, term, 1.0, (), force=term)
+        assert alternative(rival, effect) == said
