@@ -123,7 +123,7 @@ def without_rivals(effect: Effect) -> str:
 
 
 def alternative(rival: Alternative, effect: Effect) -> str:
-    """Return name, equation if it is another one, term, and p of an alternative if it was tested."""
+    """Return name, term, and equation of an alternative if it is another one, and p if tested."""
     said = f"{called(rival, effect, 'the same in the form')} {format_expression(rival.force)}"
     if rival.name == effect.name:
         return said
