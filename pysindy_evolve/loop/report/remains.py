@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = ["remains"]
 
+TRACE = 1e-3  # share of the error below which nobody asks which effect it was
+
 
 def remains(report: LoopReport) -> list[str]:
     """Return what is to be said of what was not found, and what to keep in mind, in sentences."""
@@ -46,11 +48,14 @@ def _last_look(report: LoopReport) -> str:
     best = report.rejected
     if best is None:
         return "No other effect improves the model on parts of the record it was not fitted on."
+    is_tested = not np.isnan(best.p_value)
+    if not is_tested and best.share < TRACE:
+        least = percent(100 * TRACE)
+        return f"No other effect would remove {least} of the error that could be explained."
     where = f"in the equation of {_states(report)}"
     again = "a further " if any(best.name == effect.name for effect in report.effects) else ""
     said = f"The strongest candidate that did not pass is {again}{best.name} {where}: "
     n_twins = len(best.twin_scores)
-    is_tested = not np.isnan(best.p_value)
     if is_tested:
         better = round(best.p_value * (1 + n_twins)) - 1
         said += f"{better} of {n_twins} twins, in which nothing is missing, show an effect as good "

@@ -288,6 +288,14 @@ def test_an_effect_that_is_no_chance_but_too_small_is_said_to_be_that(complete):
     assert ", but it would remove 1 % of the error that could be explained, less than" in said
 
 
+@pytest.mark.parametrize(("share", "is_named"), [(9e-4, False), (2e-3, True)])
+def test_a_trace_that_was_not_tested_has_no_name(complete, share, is_named):
+    tried = replace(complete.rejected, p_value=np.nan, twin_scores=np.empty(0), share=share)
+    said = " ".join(str(replace(complete, rejected=tried)).split())
+    assert ("The strongest candidate" in said) is is_named
+    assert ("No other effect would remove 0.1 % of the error" in said) is not is_named
+
+
 def test_a_free_run_that_misses_the_record_is_mentioned(complete):
     missing = replace(complete.after, simulation_error=np.array([46.0, 55.0]))
     said = " ".join(str(replace(complete, after=missing)).split())
