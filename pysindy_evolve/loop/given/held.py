@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from ...signals import Record
 from ...signals.holds import acting_through, hold
-from .input_errors import jumps_at_once
+from .input_errors import may_be_held
 
 __all__ = ["held_inputs", "held_like", "held_where_it_jumps"]
 
@@ -17,12 +17,12 @@ def held_inputs(records: Sequence[Record]) -> dict[int, float]:
 
 
 def held_where_it_jumps(record: Record, late: Mapping[int, float]) -> Record:
-    """Return a record with those inputs held that jump in it: others were driven smoothly.
+    """Return a record with those inputs held that may be: others were driven smoothly.
 
     Or they may have jumped, where a user made the record and nobody knows its raw inputs.
     """
     unknown = record.preparation is None
-    held = {k: share for k, share in late.items() if unknown or jumps_at_once(record, k)}
+    held = {k: share for k, share in late.items() if unknown or may_be_held(record, k)}
     return hold(record, held)
 
 

@@ -18,13 +18,23 @@ from scipy.ndimage import label
 from ...signals import Record
 from ...signals.noise import input_noise
 
-__all__ = ["as_held", "input_error", "is_held", "jumps_at_once", "known_up_to", "untimely"]
+__all__ = [
+    "as_held",
+    "input_error",
+    "is_held",
+    "jumps_at_once",
+    "known_up_to",
+    "may_be_held",
+    "may_be_steps",
+    "untimely",
+]
 
 STILL = 0.2  # share of the steps from sample to sample that are small, if an input is held ...
 SMALL = 0.1  # ... in sizes of all its steps: of a sine that runs on a fifth are below 0.4
 LARGE = 0.25  # of the largest step: these are its jumps
 QUICKER = 1.0 / 6.0  # of the second difference, for a state that is driven directly
 TYPICAL = 1.0 / np.sqrt(12.0)  # samples by which a jump at any time between two is off, rms
+FORETOLD = 0.25  # correlation of a step with the next; that of a mean of steps is a half
 DOUBT = 0.05  # of a held input: more of it is not known at the frequencies that are looked at
 
 
@@ -49,12 +59,23 @@ def is_held(record: Record, column: int) -> bool:
 
 def jumps_at_once(record: Record, column: int) -> bool:
     """Tell whether an input jumps in one step, somewhere between two samples."""
-    return record.has_raw_inputs and is_stepped(record.raw_u[:, column])
+    return record.has_raw_inputs and _samples_of_jump(record.raw_u[:, column]) == 1
 
 
-def is_stepped(u: np.ndarray) -> bool:
-    """Tell whether an input, (n_raw,), jumps in one step, somewhere between two samples."""
-    return _samples_of_jump(u) == 1
+def may_be_held(record: Record, column: int) -> bool:
+    """Tell whether an input may be held from each sample to the next, by the looks of its steps.
+
+    It jumps at once, or moves with every sample as if at random, as the output of a controller does
+    that answers the noise of its sensor.
+    """
+    return record.has_raw_inputs and may_be_steps(record.raw_u[:, column])
+
+
+def may_be_steps(u: np.ndarray) -> bool:
+    """Tell the same of the raw samples of an input, (n_raw,)."""
+    steps = np.diff(u)
+    is_random = steps[1:] @ steps[:-1] < FORETOLD * (steps @ steps)
+    return _samples_of_jump(u) == 1 or bool(is_random)
 
 
 def known_up_to(record: Record) -> float:

@@ -3,7 +3,9 @@
 Where an input jumps in one step, the record itself shows that it is held, but not when in that step
 it jumps: it may follow a controller, and begin at the sample, or somebody's hand. So if such an
 input is found to act late by less than that, it is no delay of the machine; and if it is late by
-more, or lags, it is held first and late after that, unless that does worse.
+more, or lags, it is held first and late after that, unless that does worse. One that moves with
+every sample as if at random may be a controller's answer to noise, which is held as well, if the
+model does better so.
 """
 
 from __future__ import annotations
@@ -18,8 +20,8 @@ from ...signals import Record
 from ...signals.holds import HALF
 from ..evidence.scoring import MARGIN
 from ..given.design import Design
-from ..given.input_errors import is_stepped, jumps_at_once
-from ..given.segments import Segments
+from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
+from ..given.segments import Segments, segments
 from .reach import exchanged, plainest, reach_of
 
 __all__ = ["holds_alone", "memory_beside_hold"]
@@ -46,7 +48,7 @@ class _BehindHold(Memory):
 
 
 def _held(t: np.ndarray, u: np.ndarray, column: int) -> np.ndarray:
-    if not is_stepped(u):
+    if not may_be_steps(u):
         return u
     return Memory(DELAY, column, (HALF * float(t[1] - t[0]),)).response(t, u)
 
@@ -71,15 +73,19 @@ def holds_alone(design: Design, part: Segments) -> dict[int, float]:
     Returns
     -------
     dict of int to float
-        Inputs that jump in all records, none of them known as held, and how late each is, in
+        Inputs that may be held in all records, none of them known as such, and how late each is, in
         sampling times.
     """
     records = part.records
     free = [
         column
         for column in range(len(design.inputs))
-        if all(jumps_at_once(record, column) and column not in record.held for record in records)
+        if all(may_be_held(record, column) and column not in record.held for record in records)
     ]
+    if not free:
+        return {}
+    if part.by_trajectory:  # one piece, and none to judge it on
+        part = segments(records)
     ways = [_Hold(DELAY, column, (HALF * records[0].raw_dt,)) for column in free]
     found = exchanged(ways, design, part)
     return {column: HALF for column, one in zip(free, found, strict=True) if one.gain > MARGIN}
@@ -109,11 +115,11 @@ def memory_beside_hold(
     """
     column, kind, records = memory.column, memory.kind, part.records
     known = any(column in record.held for record in records)
-    jumping = [jumps_at_once(record, column) for record in records]
-    if known or not any(jumping):
+    if known or not any(may_be_held(record, column) for record in records):
         return (0.0, memory) if known or not _may_be_hold(memory, records) else (HALF, None)
     steps = [record.raw_dt for record in records]
-    alike = all(jumping) and np.ptp(steps) <= EVEN * steps[0]
+    jumping = all(jumps_at_once(record, column) for record in records)
+    alike = jumping and np.ptp(steps) <= EVEN * steps[0]
     share = memory.values[0] / steps[0]
     if alike and kind == DELAY and share < LATEST:
         return share, None

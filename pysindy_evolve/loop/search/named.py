@@ -77,7 +77,7 @@ def take_holds(search: Search) -> bool:
     -------
     bool
     """
-    late = holds_alone(search.design, search.part) if search.runs_tell_more else {}
+    late = {} if search.declared.algebraic else holds_alone(search.design, search.part)
     if late:
         search.take_as_held(late, held_where_it_jumps)
     return bool(late)

@@ -29,8 +29,8 @@ def look_for_effects(search: Search) -> None:
 
 
 def _holds_show(search: Search) -> bool:
-    """Tell whether inputs turn out to be held, which what was missing hid; forget all findings."""
-    if not (search.findings and take_holds(search)):
+    """Tell whether inputs turn out to be held by the model as it is now; forget all findings."""
+    if not take_holds(search):
         return False
     search.forget()
     return True

@@ -199,3 +199,35 @@ def test_in_a_closed_loop_a_held_input_is_neither_delay_nor_damping():
     report = pse.close_loop(declared, record, operators=(), random_state=0)
     assert report.verdict == "complete"
     assert report.train[0].held == {0: pytest.approx(0.5, abs=0.02)}
+
+
+def regulated(held, n_steps):
+    """Record a mass whose force answers the noise of its sensor at each sample."""
+    dt, rng = 0.01, np.random.default_rng(2)
+    wanted = np.repeat(rng.uniform(-0.3, 0.3, n_steps), 50)
+    noise = 2e-3 * rng.standard_normal(len(wanted))
+    (q, v), shown, slope, force = (0.0, 0.0), 0.0, 0.0, 0.0
+    rows = []
+    for r, e in zip(wanted, noise, strict=True):
+        slope += 0.2 * ((q + e - shown) / dt - slope)
+        before, shown = force, q + e
+        force = 40.0 * (r - shown) - 9.0 * slope
+        rows.append((shown, force if held else before))
+        for part in (0.125, 0.375, 0.625, 0.875):
+            acts = force if held else before + part * (force - before)
+            middle = v + 0.125 * dt * (acts - 0.8 * v)
+            q, v = q + 0.25 * dt * middle, v + 0.25 * dt * (acts - 0.8 * middle)
+    y, u = np.array(rows).T
+    return pse.prepare(dt * np.arange(len(y)), y, u)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n_steps", [8, 60])  # a short record, and one that is not
+@pytest.mark.parametrize(("is_held", "found"), [(True, {0: 0.5}), (False, {})])
+def test_a_controller_that_answers_noise_is_seen_to_hold_its_output(is_held, found, n_steps):
+    declared = pse.DeclaredModel({"q": "v", "v": "b*M - c*v"}, inputs=["M"])
+    report = close(declared, regulated(is_held, n_steps))
+    assert report.verdict == "complete"
+    assert report.train[0].held == found
+    low, high = report.after.parameter_intervals["c"]
+    assert low < 0.8 < high

@@ -34,8 +34,9 @@ def test_an_interrupt_of_the_second_search_loses_nothing(monkeypatch, found_agai
     assert search.findings == left
 
 
-@pytest.mark.parametrize(("found", "looks"), [(["friction"], 2), ([], 1)])
-def test_holds_that_a_missing_effect_hid_begin_the_search_again(monkeypatch, found, looks):
+@pytest.mark.parametrize("found", [["friction"], []])
+@pytest.mark.parametrize(("shows", "looks"), [(True, 2), (False, 1)])
+def test_holds_that_show_in_the_end_begin_the_search_again(monkeypatch, found, shows, looks):
     search = SimpleNamespace(findings=[], has_room=True, looks=0, takes_functions=lambda: False)
     search.forget = lambda: setattr(search, "findings", [])
     search.judge_rest = lambda: None
@@ -45,7 +46,7 @@ def test_holds_that_a_missing_effect_hid_begin_the_search_again(monkeypatch, fou
         search.findings = found
 
     monkeypatch.setattr(order, "_look", look)
-    monkeypatch.setattr(order, "take_holds", lambda search: True)
+    monkeypatch.setattr(order, "take_holds", lambda search: shows)
     order.look_for_effects(search)
     assert search.looks == looks
     assert search.findings == found
