@@ -22,9 +22,14 @@ def value_within(value: float, low: float, high: float) -> str:
 
 
 def ends(low: float, high: float) -> str:
-    """Return the ends of an interval."""
+    """Return the ends of an interval, with zeros at the end of one where the other has digits."""
     digits = _digits(low, high)
-    return f"{low:.{digits}g} to {high:.{digits}g}"
+    shown = [f"{end:#.{digits}g}" if end else "0" for end in (low, high)]
+    if any("e" in end for end in shown):
+        return f"{low:.{digits}g} to {high:.{digits}g}"
+    while all("." in end and end[-1] in "0." for end in shown):
+        shown = [end[:-1] for end in shown]
+    return " to ".join(end.removesuffix(".") for end in shown)
 
 
 def _digits(low: float, high: float) -> int:

@@ -38,7 +38,16 @@ def drifting():
 
 @pytest.mark.parametrize(
     ("low", "high", "shown"),
-    [(-2.0000012, -1.9999988, "-2.0000012 to -1.9999988"), (0.31, 0.42, "0.31 to 0.42")],
+    [
+        (-2.0000012, -1.9999988, "-2.0000012 to -1.9999988"),
+        (0.31, 0.42, "0.31 to 0.42"),
+        (0.927, 0.9534, "0.9270 to 0.9534"),  # as many digits in both
+        (2.0, 3.0, "2 to 3"),
+        (9.0, 136.2, "9.000 to 136.2"),
+        (-6.141, 0.0, "-6.141 to 0"),
+        (20.0, 30.0, "20 to 30"),
+        (1.5e-7, 3e-7, "1.5e-07 to 3e-07"),
+    ],
 )
 def test_the_ends_of_an_interval_can_be_told_apart(low, high, shown):
     assert interval(low, high) == f"(95 %: {shown})"
