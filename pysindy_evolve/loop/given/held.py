@@ -8,7 +8,7 @@ from ...signals import Record
 from ...signals.holds import acting_through, hold
 from .input_errors import may_be_held
 
-__all__ = ["held_inputs", "held_like", "held_where_it_jumps"]
+__all__ = ["held_inputs", "held_like", "held_where_it_may_be"]
 
 
 def held_inputs(records: Sequence[Record]) -> dict[int, float]:
@@ -16,7 +16,7 @@ def held_inputs(records: Sequence[Record]) -> dict[int, float]:
     return {column: late for record in records for column, late in record.held.items()}
 
 
-def held_where_it_jumps(record: Record, late: Mapping[int, float]) -> Record:
+def held_where_it_may_be(record: Record, late: Mapping[int, float]) -> Record:
     """Return a record with those inputs held that may be: others were driven smoothly.
 
     Or they may have jumped, where a user made the record and nobody knows its raw inputs.
@@ -32,4 +32,4 @@ def held_like(record: Record, others: Sequence[Record]) -> Record:
     always = {k: share for k, share in late.items() if all(k in other.held for other in others)}
     if not record.through:
         record = acting_through(record, others[0].through)
-    return held_where_it_jumps(hold(record, always), late)
+    return held_where_it_may_be(hold(record, always), late)

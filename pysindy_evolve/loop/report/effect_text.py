@@ -124,11 +124,10 @@ def without_rivals(effect: Effect) -> str:
 
 def alternative(rival: Alternative, effect: Effect) -> str:
     """Return name, term, and equation of an alternative if it is another one, and p if tested."""
-    said = f"{called(rival, effect, 'the same in the form')} {format_expression(rival.force)}"
-    if rival.name == effect.name:
-        return said
+    name = called(rival, effect, "the same in the form")
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
-    return f"{said}{where} (p = {rival.p_value:.2g})"
+    chance = "" if rival.name == effect.name else f" (p = {rival.p_value:.2g})"
+    return f"{name} {format_expression(rival.force)}{where}{chance}"
 
 
 def called(rival: Alternative, effect: Effect, as_form: str) -> str:

@@ -150,7 +150,7 @@ def _exchanged(design: Design, effect: Effect, rival: Alternative) -> Design:
     """Return the model with a rival in the place of an effect.
 
     Columns are told by their terms: a grown one that got a name since has kept its own. Those of
-    effects come last.
+    effects come last; what limits a state has none.
     """
     place, to = design.states.index(effect.state), design.states.index(rival.state)
     last = {column.parts[place]: column for column in design.columns}

@@ -8,7 +8,7 @@ from dataclasses import replace
 from ...hidden_states.memory import Memory
 from ..evidence.findings import Finding, MemoryFinding, memories_in, with_findings
 from ..evidence.offers import awaited
-from ..given.held import held_where_it_jumps
+from ..given.held import held_where_it_may_be
 from ..memories.chains import Traded, untraded
 from ..memories.find import find_with_memories, resettled
 from ..memories.holds import holds_alone, memory_beside_hold
@@ -71,7 +71,7 @@ def take_holds(search: Search) -> bool:
     Parameters
     ----------
     search : Search
-        Has no room for effects, or has found all that it can.
+        Has found all that it can.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def take_holds(search: Search) -> bool:
     """
     late = {} if search.declared.algebraic else holds_alone(search.design, search.part)
     if late:
-        search.take_as_held(late, held_where_it_jumps)
+        search.take_as_held(late, held_where_it_may_be)
     return bool(late)
 
 
@@ -103,7 +103,7 @@ def without_holds(search: Search, found: list[Finding]) -> list[Finding]:
         if isinstance(finding, MemoryFinding) and not isinstance(finding.memory, Traded):
             late, memory = memory_beside_hold(finding.memory, search.design, search.part)
             if late > 0.0:
-                search.take_as_held({finding.memory.column: late}, held_where_it_jumps)
+                search.take_as_held({finding.memory.column: late}, held_where_it_may_be)
             if memory is None:
                 return []
             finding = replace(finding, memory=memory)

@@ -19,8 +19,6 @@ def look_for_effects(search: Search) -> None:
     search : Search
         Knows the model and the records, and keeps what is found, also if it is interrupted.
     """
-    if not search.has_room:
-        take_holds(search)
     _look(search)
     before = search.findings
     if search.takes_functions() or _holds_show(search):

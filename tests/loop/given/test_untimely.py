@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.given.input_errors import untimely
+from pysindy_evolve.loop.given.input_errors import may_be_steps, untimely
 
 
 @pytest.fixture
@@ -32,3 +32,14 @@ def test_all_inputs_jump_at_once(record):
 def test_an_input_that_runs_on_has_no_jumps(record):
     assert untimely(record, [2]) is None
     assert untimely(record, []) is None
+
+
+def test_only_steps_that_tell_little_of_the_next_may_be_those_of_a_hold():
+    rng, t = np.random.default_rng(0), np.arange(3000)
+    jitter, jumps = rng.standard_normal(3000), np.repeat(rng.standard_normal(100), 30)
+    means = 0.5 * (jumps + np.r_[jumps[:1], jumps[:-1]])
+    smooth = np.sin(0.02 * t)
+    assert may_be_steps(jumps)
+    assert may_be_steps(5.0 * smooth + 0.1 * jitter)  # a controller that answers noise
+    assert not may_be_steps(smooth)
+    assert not may_be_steps(means)  # about each sample: known as well as they can be

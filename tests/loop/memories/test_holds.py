@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
-from pysindy_evolve.loop.given.held import held_like, held_where_it_jumps
+from pysindy_evolve.loop.given.held import held_like, held_where_it_may_be
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.holds import memory_beside_hold
 from pysindy_evolve.signals.holds import hold
@@ -120,7 +120,7 @@ def test_one_record_may_be_driven_smoothly_and_another_in_steps():
     late = Memory("input delay", 0, (0.009,))
     share, left = memory_beside_hold(late, declared.design(), segments(records))
     assert (share, left) == (0.5, None)
-    held = [held_where_it_jumps(record, {0: share}) for record in records]
+    held = [held_where_it_may_be(record, {0: share}) for record in records]
     assert [record.held for record in held] == [{}, {0: 0.5}]
     assert [held_like(record, held).held for record in records] == [{}, {0: 0.5}]
 
@@ -143,7 +143,7 @@ def test_half_a_sample_is_a_hold_where_nobody_knows_the_raw_input(kind, share, h
     late = Memory(kind, 0, (share * DT,))
     found = memory_beside_hold(late, design, segments([record]))
     assert found == ((0.5, None) if held else (0.0, late))
-    assert held_where_it_jumps(record, {0: 0.5}).held == {0: 0.5}
+    assert held_where_it_may_be(record, {0: 0.5}).held == {0: 0.5}
 
 
 def test_an_input_is_held_only_once():
