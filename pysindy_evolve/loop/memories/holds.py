@@ -124,7 +124,7 @@ def memory_beside_hold(
     if alike and kind == DELAY and share < LATEST:
         return share, None
     behind = reach_of(_BehindHold(kind, column, memory.values), design, part)
-    alone = [] if alike else [_Hold(kind, column, memory.values)]
+    alone = [] if alike and kind == DELAY else [_Hold(kind, column, memory.values)]
     ways: list[Memory] = [*alone, behind, memory]
     gains = [exchange.gain for exchange in exchanged(ways, design, part)]
     best = plainest(ways, gains)

@@ -96,6 +96,14 @@ def test_what_is_behind_a_hold_is_found_with_its_own_time(kind, truth):
     assert report.effects[0].coefficients == pytest.approx(list(truth.values()), rel=0.02)
 
 
+@pytest.mark.parametrize(("lag", "left"), [(0.0, None), (5.0, pytest.approx(5.0, rel=0.02))])
+def test_a_hold_that_passes_for_a_lag_is_a_hold_and_a_lag_behind_it_is_left(lag, left):
+    seen = Memory("actuator lag", 0, (lag + 0.5 * STEP,))
+    late, found = memory_beside_hold(seen, OVEN.design(), segments([oven(lag=lag)]))
+    assert late == 0.5
+    assert (found and found.values[0]) == left
+
+
 def test_one_record_may_be_driven_smoothly_and_another_in_steps():
     rng = np.random.default_rng(0)
 
