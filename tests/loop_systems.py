@@ -167,3 +167,23 @@ def levitated(seed: int, *, held: bool = False, n: int = 20_000) -> pse.Record:
             z, v = z + 0.25 * dt * v + pull * dt**2 / 32.0, v + 0.25 * dt * pull
         current = after
     return pse.prepare(t, shown, applied)
+
+
+def regulated(held: bool, n_steps: int) -> pse.Record:
+    """Record a mass whose force answers the noise of its sensor at each sample."""
+    dt, rng = 0.01, np.random.default_rng(2)
+    wanted = np.repeat(rng.uniform(-0.3, 0.3, n_steps), 50)
+    noise = 2e-3 * rng.standard_normal(len(wanted))
+    (q, v), shown, slope, force = (0.0, 0.0), 0.0, 0.0, 0.0
+    rows = []
+    for r, e in zip(wanted, noise, strict=True):
+        slope += 0.2 * ((q + e - shown) / dt - slope)
+        before, shown = force, q + e
+        force = 40.0 * (r - shown) - 9.0 * slope
+        rows.append((shown, force if held else before))
+        for part in (0.125, 0.375, 0.625, 0.875):
+            acts = force if held else before + part * (force - before)
+            middle = v + 0.125 * dt * (acts - 0.8 * v)
+            q, v = q + 0.25 * dt * middle, v + 0.25 * dt * (acts - 0.8 * middle)
+    y, u = np.array(rows).T
+    return pse.prepare(dt * np.arange(len(y)), y, u)

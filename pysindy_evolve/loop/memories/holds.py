@@ -18,13 +18,20 @@ import numpy as np
 from ...hidden_states.memory import DELAY, Memory
 from ...signals import Record
 from ...signals.holds import HALF
-from ..evidence.scoring import MARGIN
+from ..effects.candidate import Candidate
+from ..evidence.scoring import LEAD, MARGIN, propose, quick_fit, score
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
 from ..given.segments import Segments, segments
 from .reach import exchanged, plainest, reach_of
 
-__all__ = ["holds_alone", "memory_beside_hold"]
+__all__ = [
+    "free_to_be_held",
+    "hold_beside_another",
+    "holds_alone",
+    "in_pieces",
+    "memory_beside_hold",
+]
 
 EVEN = 0.01  # of a sampling time, by which those of records that are sampled alike may differ
 SHORTEST, LONGEST = 0.4, 0.6  # the same, of a hold that a user's own low-pass has hidden
@@ -76,19 +83,58 @@ def holds_alone(design: Design, part: Segments) -> dict[int, float]:
         Inputs that may be held in all records, none of them known as such, and how late each is, in
         sampling times.
     """
-    records = part.records
-    free = [
+    free = free_to_be_held(part.records)
+    gains = _gains(free, design, in_pieces(part)) if free else []
+    return {column: HALF for column, gain in zip(free, gains, strict=True) if gain > MARGIN}
+
+
+def hold_beside_another(column: int, design: Design, part: Segments, held: Segments) -> bool:
+    """Tell whether an input explains more if it is held, beside what seems to be missing most then.
+
+    A hold and an effect may hide each other: the answer of a controller that comes half a sample
+    late acts like a damping of the other sign.
+
+    Parameters
+    ----------
+    column : int
+        The input.
+    design : Design
+        The model, without what may have taken the place of both.
+    part, held : Segments
+        Pieces of the training records as they are, and with the input held.
+
+    Returns
+    -------
+    bool
+    """
+    (alone,) = _gains([column], design, part)
+    beside = [score(design, one, _missing(design, one), pairs=False) for one in (held, part)]
+    then, now = (scores[0].value if scores else 0.0 for scores in beside)
+    return alone + then - now > LEAD
+
+
+def free_to_be_held(records: Sequence[Record]) -> list[int]:
+    """Return the inputs that may be held in all records, none of them known as such."""
+    return [
         column
-        for column in range(len(design.inputs))
+        for column in range(records[0].n_inputs)
         if all(may_be_held(record, column) and column not in record.held for record in records)
     ]
-    if not free:
-        return {}
-    if part.by_trajectory:  # one piece, and none to judge it on
-        part = segments(records)
-    ways = [_Hold(DELAY, column, (HALF * records[0].raw_dt,)) for column in free]
-    found = exchanged(ways, design, part)
-    return {column: HALF for column, one in zip(free, found, strict=True) if one.gain > MARGIN}
+
+
+def in_pieces(part: Segments) -> Segments:
+    """Return pieces to judge holds on: a trajectory is one, and leaves none."""
+    return segments(part.records) if part.by_trajectory else part
+
+
+def _gains(columns: Sequence[int], design: Design, part: Segments) -> list[float]:
+    late = (HALF * part.records[0].raw_dt,)
+    ways = [_Hold(DELAY, column, late) for column in columns]
+    return [exchange.gain for exchange in exchanged(ways, design, part)]
+
+
+def _missing(design: Design, part: Segments) -> list[Candidate]:
+    return propose(design, quick_fit(design, part), part)
 
 
 def memory_beside_hold(

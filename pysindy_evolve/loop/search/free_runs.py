@@ -21,7 +21,7 @@ from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
 from ..revision.revise import exchange, merged, prune
 from ..revision.superseded import without_outlived
 from ..revision.thinning import thinned
-from .named import without_holds
+from .holding import without_holds
 from .state import Search
 
 __all__ = ["find_in_runs", "hold_against_runs"]

@@ -6,19 +6,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...hidden_states.memory import Memory
-from ..evidence.findings import Finding, MemoryFinding, memories_in, with_findings
+from ..evidence.findings import Finding, memories_in, with_findings
 from ..evidence.offers import awaited
-from ..given.held import held_where_it_may_be
-from ..memories.chains import Traded, untraded
+from ..memories.chains import untraded
 from ..memories.find import find_with_memories, resettled
-from ..memories.holds import holds_alone, memory_beside_hold
 from ..revision.beginnings import settled_beginning
 from ..revision.hidden_numbers import needed_by_runs, smooth_in, with_numbers
 from ..revision.revise import exchange, merged, prune
 from ..revision.sharing import with_shared_numbers
+from .holding import without_holds
 from .state import Search
 
-__all__ = ["find_named", "take_holds", "tune_memories", "without_holds"]
+__all__ = ["find_named", "tune_memories"]
 
 
 def find_named(search: Search) -> None:
@@ -63,52 +62,6 @@ def tune_memories(search: Search) -> None:
         part = awaited(search.design, search.whole)
         search.findings = resettled(search.findings, search.design, part)
         search.look_through(search.findings)
-
-
-def take_holds(search: Search) -> bool:
-    """Take inputs as held that are, and tell whether any is.
-
-    Parameters
-    ----------
-    search : Search
-        Has found all that it can.
-
-    Returns
-    -------
-    bool
-    """
-    late = {} if search.declared.algebraic else holds_alone(search.design, search.part)
-    if late:
-        search.take_as_held(late, held_where_it_may_be)
-    return bool(late)
-
-
-def without_holds(search: Search, found: list[Finding]) -> list[Finding]:
-    """Take inputs as held where that does as well as a memory, and return what is left.
-
-    Parameters
-    ----------
-    search : Search
-        Its records are taken as held.
-    found : list of Finding
-        What a look found.
-
-    Returns
-    -------
-    list of Finding
-        Empty where inputs are taken as held instead, so that all has to be looked at again.
-    """
-    left = []
-    for finding in found:
-        if isinstance(finding, MemoryFinding) and not isinstance(finding.memory, Traded):
-            late, memory = memory_beside_hold(finding.memory, search.design, search.part)
-            if late > 0.0:
-                search.take_as_held({finding.memory.column: late}, held_where_it_may_be)
-            if memory is None:
-                return []
-            finding = replace(finding, memory=memory)
-        left.append(finding)
-    return left
 
 
 def _look_once(search: Search, memories: Sequence[Memory]) -> Sequence[Finding]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from ..evidence.findings import Finding
 from .free_runs import find_in_runs, hold_against_runs
 from .grown import grow_terms
-from .named import find_named, take_holds, tune_memories
+from .holding import take_holds
+from .named import find_named, tune_memories
 from .state import Search
 
 __all__ = ["look_for_effects"]

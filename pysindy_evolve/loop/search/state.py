@@ -26,7 +26,7 @@ from ..evidence.structure import structure_chance
 from ..fitting.unfolding import paths_of
 from ..free_runs.variants import Model
 from ..given.design import Design
-from ..given.held import held_inputs
+from ..given.held import held_inputs, held_where_it_may_be
 from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -37,6 +37,7 @@ from ..growth.naming import small_candidates
 __all__ = ["Holding", "Search"]
 
 Holding = Callable[[Record, Mapping[int, float]], Record]
+NOTHING: Mapping[int, float] = {}
 
 
 @dataclass
@@ -120,11 +121,18 @@ class Search:
 
     def look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
-        memories, limits = memories_in(findings), limits_in(findings)
-        acted = [remembered(record, memories) for record in self.wide]
-        self.part = off_limits(self.whole.of(acted), limits) if findings else self.whole
+        self.part = self.part_with(findings)
         self.grower = TermGrower(self.declared, self.part, self.rules, self.operators, self.rng)
         self.wait(findings)
+
+    def part_with(
+        self, findings: Sequence[Finding], late: Mapping[int, float] = NOTHING
+    ) -> Segments:
+        """Return the pieces as they are with memories and limits, and inputs that may be held."""
+        memories, limits = memories_in(findings), limits_in(findings)
+        held = [held_where_it_may_be(record, late) for record in self.wide]
+        part = self.whole.of([remembered(record, memories) for record in held])
+        return off_limits(part, limits) if findings else part
 
     def wait(self, findings: Sequence[Finding]) -> None:
         """Look at records only where each relaxation knows where it is."""

@@ -2,14 +2,18 @@
 
 import numpy as np
 import pytest
-from loop_systems import DT, equations_of, levitated, multisine
+from loop_systems import DT, equations_of, levitated, multisine, regulated
 from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.loop.given.held import held_like, held_where_it_may_be
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.memories.holds import memory_beside_hold
+from pysindy_evolve.loop.memories.holds import (
+    hold_beside_another,
+    holds_alone,
+    memory_beside_hold,
+)
 from pysindy_evolve.signals.holds import hold
 
 STEP = 10.0  # sampling time of the oven
@@ -209,26 +213,6 @@ def test_in_a_closed_loop_a_held_input_is_neither_delay_nor_damping():
     assert report.train[0].held == {0: pytest.approx(0.5, abs=0.02)}
 
 
-def regulated(held, n_steps):
-    """Record a mass whose force answers the noise of its sensor at each sample."""
-    dt, rng = 0.01, np.random.default_rng(2)
-    wanted = np.repeat(rng.uniform(-0.3, 0.3, n_steps), 50)
-    noise = 2e-3 * rng.standard_normal(len(wanted))
-    (q, v), shown, slope, force = (0.0, 0.0), 0.0, 0.0, 0.0
-    rows = []
-    for r, e in zip(wanted, noise, strict=True):
-        slope += 0.2 * ((q + e - shown) / dt - slope)
-        before, shown = force, q + e
-        force = 40.0 * (r - shown) - 9.0 * slope
-        rows.append((shown, force if held else before))
-        for part in (0.125, 0.375, 0.625, 0.875):
-            acts = force if held else before + part * (force - before)
-            middle = v + 0.125 * dt * (acts - 0.8 * v)
-            q, v = q + 0.25 * dt * middle, v + 0.25 * dt * (acts - 0.8 * middle)
-    y, u = np.array(rows).T
-    return pse.prepare(dt * np.arange(len(y)), y, u)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("n_steps", [8, 60])  # a short record, and one that is not
 @pytest.mark.parametrize(("is_held", "found"), [(True, {0: 0.5}), (False, {})])
@@ -239,3 +223,13 @@ def test_a_controller_that_answers_noise_is_seen_to_hold_its_output(is_held, fou
     assert report.train[0].held == found
     low, high = report.after.parameter_intervals["c"]
     assert low < 0.8 < high
+
+
+@pytest.mark.parametrize("is_held", [True, False])
+def test_a_hold_that_a_missing_damping_hides_shows_beside_it(is_held):
+    """Half a sample late, what the controller answers drives as much as the damping brakes."""
+    record = regulated(is_held, 8)
+    design = pse.DeclaredModel({"q": "v", "v": "b*M"}, inputs=["M"]).design()
+    part, held = segments([record]), segments([hold(record, {0: 0.5})])
+    assert holds_alone(design, part) == {}
+    assert hold_beside_another(0, design, part, held) is is_held
