@@ -17,7 +17,7 @@ from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .angles import angles_of, bends, between_angles, swing_of, units_of
-from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
 from .differences import acting_differences, differences, gripping, losses
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
@@ -230,8 +230,11 @@ def _at_joints(effect: CandidateMaker, design: Design, scales: np.ndarray) -> It
             q = design.position_of(v)
             if q is not None:
                 forces += _springs(effect, variable(q), float(scales[q]))
+        # A spring by itself is none of a damping with a place, whose factor has the other sign.
+        is_free = len(entry.factor.parts) == 1 and not entry.is_known
+        factor = bare(entry.factor) if is_free else entry.factor
         for force in forces:
-            yield replace(rewritten(force, partial(mul, entry.factor)), alone=True)
+            yield replace(rewritten(force, partial(mul, factor)), alone=True)
 
 
 def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:

@@ -6,9 +6,12 @@ from loop_systems import equations_of
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.entries import entered, entries_of
+from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.operators import BUILTIN
-from pysindy_evolve.terms import call, mul, variable
+from pysindy_evolve.terms import call, mul, power, variable
 
+((_, CUBE),) = power(variable(0), 3).parts
 D = "(1 + 0.25*sin(q)**2)"
 CART = pse.DeclaredModel(
     {
@@ -52,6 +55,14 @@ def test_without_a_declared_damping_a_force_may_depend_on_any_speed():
     ).design()
     (entry,) = entries_of(design, 1)
     assert entry.velocities == (1, 3)
+
+
+def test_what_is_a_spring_by_itself_is_none_of_a_damping_with_a_place():
+    """In a circuit of van der Pol a cubic stiffness is v times the -v**2 of its damping."""
+    model = pse.DeclaredModel({"v": "w", "w": "m*w - n*v**2*w - k*v"})
+    ranges = Ranges.of(np.random.default_rng(0).normal(size=(50, 3)))
+    cubic = [c.name for c in candidates(model.design(), ranges) if c.terms[0].parts[-1][1] == CUBE]
+    assert cubic == ["cubic stiffness"]
 
 
 @pytest.mark.slow
