@@ -27,12 +27,12 @@ __all__ = ["demo", "fit", "loop"]
 def demo(given: Namespace) -> bool:
     """Close the loop on a simulated axis whose declared model lacks dry friction."""
     start = time.perf_counter()
-    drive = friction_drive(duration=10.0, random_state=given.seed)
+    drive = friction_drive(duration=5.0, random_state=given.seed)
     declared = DeclaredModel(drive.declared, inputs=drive.train.inputs)
     sides = "\n".join(f"{state}' = {side}" for state, side in drive.declared.items())
     say(
         "A simulated linear axis: motor force F in N, encoder position q in m with noise of 5e-6 m,"
-        "\n10 s at 1 kHz to fit on, and 10 s of another motion to judge on. Declared is a model "
+        "\n5 s at 1 kHz to fit on, and 5 s of another motion to judge on. Declared is a model "
         f"without\ndry friction, with b and c free:\n{indent(sides, '    ')}\n"
     )
     train, test = (prepare(r.t, r.y, r.u) for r in (drive.train, drive.test))
