@@ -23,7 +23,7 @@ from ..given.design import Design
 from ..given.input_errors import input_error
 from ..given.segments import Segments
 
-__all__ = ["without_errors_in_inputs"]
+__all__ = ["EXCESS", "N_DRAWS", "is_of_inputs", "without_errors_in_inputs"]
 
 N_DRAWS = 4  # of the noise
 EXCESS = 1.25  # times the power of these errors; less may be a matter of chance
@@ -58,7 +58,7 @@ def without_errors_in_inputs(
         The least useful one falls first, and the others are looked at again.
     """
     kept = list(findings)
-    suspects = [f for f in kept if _is_of_inputs(f, declared)]
+    suspects = [f for f in kept if is_of_inputs(f, declared)]
     rest = with_findings(declared, [f for f in kept if f not in suspects])
     if not suspects:
         return kept
@@ -73,7 +73,7 @@ def without_errors_in_inputs(
     return kept
 
 
-def _is_of_inputs(finding: Finding, declared: Design) -> bool:
+def is_of_inputs(finding: Finding, declared: Design) -> bool:
     """Tell whether a finding is a function of inputs alone that bends: a gain hides no noise."""
     first = len(declared.states)
     inputs = set(range(first, first + len(declared.inputs)))

@@ -18,6 +18,7 @@ from ..free_runs.two_for_one import two_for_one
 from ..free_runs.unnamed import find_unnamed
 from ..revision.errors_in_inputs import without_errors_in_inputs
 from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
+from ..revision.noise_in_runs import without_noise_in_runs
 from ..revision.revise import exchange, merged, prune
 from ..revision.superseded import without_outlived
 from ..revision.thinning import thinned
@@ -121,6 +122,8 @@ def _doubt_inputs(search: Search) -> None:
     found = without_errors_in_inputs(
         search.declared, search.findings, search.wide, search.part, child
     )
+    if not search.remembers_states:
+        found = without_noise_in_runs(search.declared, found, search.plain, child)
     search.findings = prune(search.declared, found, search.part)
 
 
