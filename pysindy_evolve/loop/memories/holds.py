@@ -2,8 +2,9 @@
 
 Where an input jumps in one step, the record itself shows that it is held, but not when in that step
 it jumps: it may follow a controller, and begin at the sample, or somebody's hand. So if such an
-input is found to act late by less than that, it is no delay of the machine; and if it is late by
-more, or lags, it is held first and late after that, unless that does worse. One that moves with
+input is found to act late by less than that, it is no delay of the machine: it begins at the
+sample, if that does as well. If it is late by more, or lags, it is held first and late after that,
+unless that does worse. One that moves with
 every sample as if at random may be a controller's answer to noise, which is held as well, if the
 model does better so.
 """
@@ -127,6 +128,11 @@ def in_pieces(part: Segments) -> Segments:
     return segments(part.records) if part.by_trajectory else part
 
 
+def _best(ways: Sequence[Memory], design: Design, part: Segments) -> Memory:
+    """Return the first of several ways, the plainest first, that does as well as the best."""
+    return plainest(ways, [exchange.gain for exchange in exchanged(ways, design, part)])
+
+
 def _gains(columns: Sequence[int], design: Design, part: Segments) -> list[float]:
     late = (HALF * part.records[0].raw_dt,)
     ways = [_Hold(DELAY, column, late) for column in columns]
@@ -167,13 +173,12 @@ def memory_beside_hold(
     jumping = all(jumps_at_once(record, column) for record in records)
     alike = jumping and np.ptp(steps) <= EVEN * steps[0]
     share = memory.values[0] / steps[0]
+    hold = _Hold(kind, column, memory.values)
     if alike and kind == DELAY and share < LATEST:
-        return share, None
+        return (HALF if _best([hold, memory], design, part) is hold else share), None
     behind = reach_of(_BehindHold(kind, column, memory.values), design, part)
-    alone = [] if alike and kind == DELAY else [_Hold(kind, column, memory.values)]
-    ways: list[Memory] = [*alone, behind, memory]
-    gains = [exchange.gain for exchange in exchanged(ways, design, part)]
-    best = plainest(ways, gains)
+    alone = [] if alike and kind == DELAY else [hold]
+    best = _best([*alone, behind, memory], design, part)
     if best is memory:
         return 0.0, memory
     return HALF, Memory(kind, column, behind.values) if best is behind else None
