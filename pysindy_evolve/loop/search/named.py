@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...hidden_states.memory import Memory
-from ..evidence.findings import Finding, memories_in, with_findings
+from ..evidence.findings import Finding, excluding, memories_in, with_findings
 from ..evidence.offers import awaited
 from ..memories.chains import untraded
 from ..memories.find import find_with_memories, resettled
@@ -47,6 +47,7 @@ def find_named(search: Search) -> None:
         if len(new) > 1 or len(memories_in(search.findings)) == len(memories):
             tune_memories(search)  # or what is wrong with one would be named as another one
     kept = prune(search.declared, search.findings, search.part)
+    search.outdone = excluding(search.findings, *kept)
     search.findings = merged(search.declared, kept, search.part)
 
 

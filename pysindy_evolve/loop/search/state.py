@@ -15,6 +15,7 @@ from ..effects.candidate import Candidate
 from ..evidence.findings import (
     Finding,
     SensorFinding,
+    excluding,
     limits_in,
     memories_in,
     next_step,
@@ -56,6 +57,7 @@ class Search:
     operators: Sequence[Operator]
     rng: np.random.Generator
     findings: list[Finding] = field(default_factory=list)
+    outdone: list[Finding] = field(default_factory=list)  # what later findings made superfluous
     rejected: Rejected | None = None  # the last one
     chance_left: float = 1.0  # that what is left only seems to depend on what was measured
     relaxing: bool = True  # whether to look for relaxations, and springs that remember
@@ -175,7 +177,7 @@ class Search:
 
     def forget(self) -> None:
         """Forget all findings, as the records look otherwise by now."""
-        self.findings, self.rejected = [], None
+        self.findings, self.outdone, self.rejected = [], [], None
         self.look_through([])
 
     def judge_rest(self) -> None:
@@ -183,8 +185,11 @@ class Search:
         self.chance_left = structure_chance(self.design, self.part, self.rules, self.rng)
 
     def withdraw(self, place: int) -> None:
-        """Take a finding back, and look at what is left without it."""
-        self.findings = [f for k, f in enumerate(self.findings) if k != place]
+        """Take a finding back, and look at what is left without it and with what it outdid."""
+        gone, equation = self.findings[place], self.findings[place].candidate.state
+        back = [finding for finding in self.outdone if finding.candidate.state == equation]
+        self.outdone = excluding(self.outdone, *back)
+        self.findings = [*excluding(self.findings, gone), *back]
         self.look_through(self.findings)
         self.judge_rest()
 

@@ -112,7 +112,7 @@ def test_a_hold_that_passes_for_a_lag_is_a_hold_and_a_lag_behind_it_is_left(lag,
     ("jump", "seen", "late"), [(0.0, 0.5, 0.5), (0.0, 0.501, 0.5), (0.3, 0.2, 0.2)]
 )
 def test_a_hold_begins_at_the_sample_unless_another_time_does_clearly_better(jump, seen, late):
-    """A tenth of a sample more or less took 3 % off the numbers of a dryer in a draught."""
+    """Six hundredths of a sample too many took 3 % off what is known of a dryer in a draught."""
     memory = Memory("input delay", 0, (seen * STEP,))
     found = memory_beside_hold(memory, OVEN.design(), segments([oven(jump=jump)]))
     assert found == (pytest.approx(late, abs=1e-12), None)
