@@ -4,9 +4,8 @@ Where an input jumps in one step, the record itself shows that it is held, but n
 it jumps: it may follow a controller, and begin at the sample, or somebody's hand. So if such an
 input is found to act late by less than that, it is no delay of the machine: it begins at the
 sample, if that does as well. If it is late by more, or lags, it is held first and late after that,
-unless that does worse. One that moves with
-every sample as if at random may be a controller's answer to noise, which is held as well, if the
-model does better so.
+unless that does worse. One that moves with every sample as if at random may be a controller's
+answer to noise, which is held as well, if the model does better so. What is missing may hide that.
 """
 
 from __future__ import annotations

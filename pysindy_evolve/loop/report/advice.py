@@ -82,9 +82,9 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
     if _is_known(one):
         return [
             f"Against noise alone this record would tell them apart, by {_now(alike)} standard "
-            "errors where five are enough. But what either of them leaves of it is more than that "
-            "noise, or differs from piece to piece: look first for what else is missing, or record "
-            "for longer."
+            "errors where five are enough. But either of them leaves more than that noise, or "
+            "something else in each piece: a load that nobody measured, or what else is missing. "
+            "Where the report names nothing else, record for longer."
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
     if _is_hopeless(one):

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["numbers_by_record"]
 
 BETTER = 0.8  # times the squares that are left, where each record has numbers of its own
+TRACE = 0.01  # of a number: records that differ by less are the same to anybody
 WEIGHTY = 0.5  # of what the number that differs most moves in the rates
 
 
@@ -50,6 +51,7 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
         and column.name in report.before.parameters
         and moved[k] >= WEIGHTY * moved.max()
         and np.ptp(own[:, k]) > _by_chance(report, column.name)
+        and np.ptp(own[:, k]) > TRACE * np.abs(own[:, k]).max()
     }
 
 

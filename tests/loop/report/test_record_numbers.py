@@ -42,6 +42,16 @@ def test_a_number_that_differs_by_no_more_than_its_interval_is_not_named():
     assert numbers_by_record(replace(report, after=unsure)) == {}
 
 
+@pytest.mark.parametrize(("stiffness", "named"), [(40.2, []), (41.0, ["k"])])
+def test_a_number_that_differs_by_less_than_a_hundredth_is_not_named(stiffness, named):
+    records = [
+        measured({"q": "v", "v": f"-{k}*q - 0.8*v - 2*sgn(v) + F"}, seed=seed, noise=1e-5)
+        for seed, k in enumerate((40.0, stiffness))
+    ]
+    report = pse.close_loop(MODEL, records, records[0], operators=(), max_effects=0)
+    assert list(numbers_by_record(report)) == named
+
+
 def test_a_mass_that_differs_is_said_beside_the_effect_that_was_found():
     records = [
         measured({"q": "v", "v": f"(-40*q - 0.8*v - 2*sgn(v) + F)/{mass}"}, seed=seed)
