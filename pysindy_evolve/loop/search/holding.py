@@ -27,7 +27,7 @@ def take_holds(search: Search) -> bool:
     Parameters
     ----------
     search : Search
-        Has found all that it can.
+        Has found what it could until now.
 
     Returns
     -------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ..evidence.findings import Finding
 from .free_runs import find_in_runs, hold_against_runs
 from .grown import grow_terms
@@ -23,7 +25,7 @@ def look_for_effects(search: Search) -> None:
     _look(search)
     before = search.findings
     if search.takes_functions() or _holds_show(search):
-        _look_again(search, before)
+        _again(search, before, _look)
     search.judge_rest()
 
 
@@ -35,10 +37,10 @@ def _holds_show(search: Search) -> bool:
     return True
 
 
-def _look_again(search: Search, before: list[Finding]) -> None:
+def _again(search: Search, before: list[Finding], look: Callable[[Search], None]) -> None:
     """Look from the beginning; an interrupt that comes too early leaves what was known before."""
     try:
-        _look(search)
+        look(search)
     except KeyboardInterrupt:
         if not search.findings:
             search.findings = before
@@ -47,10 +49,17 @@ def _look_again(search: Search, before: list[Finding]) -> None:
 
 
 def _look(search: Search) -> None:
-    find_named(search)
-    tune_memories(search)
+    _name(search)
+    before = search.findings
+    if _holds_show(search):  # mostly they do by now, and what follows takes longer
+        _again(search, before, _name)
     if search.runs_tell_more:
         find_in_runs(search)
     grow_terms(search)
     if search.runs_tell_more:
         hold_against_runs(search)
+
+
+def _name(search: Search) -> None:
+    find_named(search)
+    tune_memories(search)
