@@ -34,6 +34,7 @@ from ..given.segments import Segments
 from ..given.through import with_functions
 from ..growth.grower import TermGrower
 from ..growth.naming import small_candidates
+from ..revision.revise import prune
 
 __all__ = ["Holding", "Search"]
 
@@ -189,8 +190,10 @@ class Search:
         gone, equation = self.findings[place], self.findings[place].candidate.state
         back = [finding for finding in self.outdone if finding.candidate.state == equation]
         self.outdone = excluding(self.outdone, *back)
-        self.findings = [*excluding(self.findings, gone), *back]
-        self.look_through(self.findings)
+        left = [*excluding(self.findings, gone), *back]
+        self.look_through(left)
+        # What comes back may be as superfluous as before, if another one than this outdid it.
+        self.findings = prune(self.declared, left, self.part) if back else left
         self.judge_rest()
 
     def hold_instead(self) -> None:
