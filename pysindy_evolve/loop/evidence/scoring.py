@@ -30,7 +30,7 @@ from ..given.ranges import Ranges
 from ..given.rows import variables_of
 from ..given.segments import Segments
 from .spectral import spectral_grams
-from .trace import Score, rank, ranked
+from .trace import Ranking, Score, rank, ranked
 
 __all__ = [
     "MARGIN",
@@ -110,7 +110,7 @@ def _ripples(
 
 def score(
     design: Design, part: Segments, proposed: Sequence[Candidate], *, pairs: bool = True
-) -> list[Score]:
+) -> Ranking:
     """Score candidates on segments, each refitted together with the columns of the design."""
     extra = [column for candidate in proposed for column in columns_of(candidate, design)]
     n_fixed = len(design.columns)

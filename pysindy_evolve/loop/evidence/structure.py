@@ -30,14 +30,15 @@ from .nulls import chance_of, freed_of_noise
 from .scoring import quick_fit
 from .shares import is_exact
 from .spectral import spectral_grams
-from .trace import fold_errors
+from .trace import are_new, fold_errors
 
-__all__ = ["structure_chance"]
+__all__ = ["may_have_structure", "structure_chance"]
 
 MAX_COLUMNS = 60
 LAGS = (1, 2, 4, 8)  # in eighths of the width of the windows
 N_WAVES = 7  # slow ones: what has more periods in a record is no drift
 NOTABLE = 0.05  # log error that the generic model must gain
+TRACE = 0.05  # log error that one of its terms gains by itself, of what may be another function
 
 
 @dataclass(frozen=True)
@@ -88,9 +89,7 @@ def structure_chance(
     """
     if part.by_trajectory:  # which hold fewer numbers than a generic model has coefficients
         return 1.0
-    models = [generic_columns(design, part)]
-    if len(part.records) == 1:  # in another one, a wave has another phase
-        models.append(slow_waves(design, part))
+    models = generic_models(design, part)
     observed = generic_gain(design, models, part)
     if observed < NOTABLE or is_exact(design, part):
         return 1.0
@@ -103,6 +102,35 @@ def structure_chance(
         return 1.0
     statistic = partial(generic_gain, design, models)
     return chance_of(observed, statistic, design, equations, part, rules, rng)[0]
+
+
+def may_have_structure(design: Design, part: Segments) -> bool:
+    """Tell, without twins, whether a generic model or any of its terms gains something.
+
+    Parameters
+    ----------
+    design : Design
+        The model so far.
+    part : Segments
+        Pieces of records, not those of trajectories.
+
+    Returns
+    -------
+    bool
+        Where false, another function of the variables is not likely to gain anything either: a
+        polynomial term has a part of it.
+    """
+    if generic_gain(design, generic_models(design, part), part) >= NOTABLE:
+        return True
+    return _largest_of_one(design, generic_columns(design, part), part) >= TRACE
+
+
+def generic_models(design: Design, part: Segments) -> list[list[Column]]:
+    """Return the columns of each generic model: functions of the variables, slow waves of time."""
+    models = [generic_columns(design, part)]
+    if len(part.records) == 1:  # in another one, a wave has another phase
+        models.append(slow_waves(design, part))
+    return models
 
 
 def _exceeds_noise(
@@ -150,6 +178,17 @@ def slow_waves(design: Design, part: Segments) -> list[Column]:
 def generic_gain(design: Design, models: Sequence[Sequence[Column]], part: Segments) -> float:
     """Return log(held-out error without / with columns) of the generic model that gains most."""
     return max(_gain(design, columns, part) for columns in models)
+
+
+def _largest_of_one(design: Design, columns: Sequence[Column], part: Segments) -> float:
+    """Return what the best of some columns gains by itself."""
+    grams = spectral_grams(part, design, [*design.columns, *columns])
+    fixed = np.arange(len(design.columns))
+    new = len(fixed) + np.flatnonzero(are_new(grams.sum(axis=0)[:-1, :-1], len(fixed)))
+    without = fold_errors(grams, fixed[None, :], part.folds).sum()
+    beside = np.hstack([np.broadcast_to(fixed, (len(new), len(fixed))), new[:, None]])
+    errors = fold_errors(grams, beside, part.folds).sum(axis=1) if len(new) else [without]
+    return log_ratio(without, float(np.min(errors)))
 
 
 def _gain(design: Design, columns: Sequence[Column], part: Segments) -> float:

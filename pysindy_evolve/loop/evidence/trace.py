@@ -12,17 +12,20 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import combinations
+from typing import overload
 
 import numpy as np
 
 from ...checks import TINY
 from ...terms import Sum
-from ..effects.candidate import EVOLVED, OFFSET, Candidate
+from ..effects.candidate import Candidate
 from ..fitting.linear import errors_of, solve_many, summed
 from ..given.rows import LARGEST
+from .pairing import groups_to_try, posing_as_offset
 
-__all__ = ["Score", "are_new", "fold_errors", "rank", "ranked"]
+Judge = Callable[[np.ndarray], np.ndarray]  # columns of models to their errors in each fold
+
+__all__ = ["Ranking", "Score", "are_new", "fold_errors", "rank", "ranked"]
 
 ROUNDING = 1e-16  # relative to the square of the target
 NEW = 1e-6  # share of a column's square that the model's columns must leave
@@ -43,6 +46,59 @@ class Score:
     value: float
 
 
+class Ranking(Sequence[Score]):
+    """Scores, best first; each is made when it is asked for, as few of thousands of pairs are.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+        What was tried.
+    columns : sequence of tuple of int
+        Columns of each candidate.
+    groups : sequence of tuple of int
+        Places of the candidates in each group.
+    without : ndarray of shape (n_folds,)
+        Errors of the model without any of them.
+    errors : ndarray of shape (n_groups, n_folds)
+        Errors with each group.
+    """
+
+    def __init__(
+        self,
+        candidates: Sequence[Candidate],
+        columns: Sequence[tuple[int, ...]],
+        groups: Sequence[tuple[int, ...]],
+        without: np.ndarray,
+        errors: np.ndarray,
+    ) -> None:
+        self._candidates, self._columns, self._groups = candidates, columns, groups
+        self._without, self._errors = without, errors
+        self.values = _values(without, errors, groups)
+        self._order = np.argsort(-self.values, kind="stable").tolist()
+
+    def __len__(self) -> int:
+        return len(self._order)
+
+    @overload
+    def __getitem__(self, place: int) -> Score: ...
+    @overload
+    def __getitem__(self, place: slice) -> list[Score]: ...
+    def __getitem__(self, place: int | slice) -> Score | list[Score]:
+        if isinstance(place, slice):
+            return [self._score(k) for k in self._order[place]]
+        return self._score(self._order[place])
+
+    def _score(self, k: int) -> Score:
+        group = self._groups[k]
+        return Score(
+            tuple(self._candidates[i] for i in group),
+            sum((self._columns[i] for i in group), ()),
+            self._without,
+            self._errors[k],
+            float(self.values[k]),
+        )
+
+
 def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.ndarray:
     """Predict each fold of segments from the others.
 
@@ -60,11 +116,19 @@ def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.
     ndarray of shape (n_models, n_folds)
         Sum of squared errors in each fold.
     """
+    return _judge_of(grams, folds)(models)
+
+
+def _judge_of(grams: np.ndarray, folds: np.ndarray) -> Judge:
     held = summed(grams, folds)
     # Not the sum of all less this one: a column that is zero elsewhere would leave its rounding.
-    rest = np.array([np.delete(held, k, axis=0).sum(axis=0) for k in range(len(held))])
+    before, after = (np.cumsum(one, axis=0) for one in (held, held[::-1]))
+    rest = np.zeros_like(held)
+    rest[1:] += before[:-1]
+    rest[:-1] += after[-2::-1]
     # Below rounding one fit is not better than another, and ratios of errors would overflow.
-    return np.maximum(errors_of(rest, held, models), ROUNDING * held[:, -1, -1])
+    floor = ROUNDING * held[:, -1, -1]
+    return lambda models: np.maximum(errors_of(rest, held, models), floor)
 
 
 def rank(
@@ -75,7 +139,7 @@ def rank(
     folds: np.ndarray,
     *,
     pairs: bool = True,
-) -> list[Score]:
+) -> Ranking:
     """Score all candidates and all pairs of them, best first.
 
     Parameters
@@ -96,11 +160,12 @@ def rank(
 
     Returns
     -------
-    list of Score
+    Ranking
         Candidates that are linear combinations of the model's columns are left out.
     """
-    judge = partial(fold_errors, grams, folds=folds)
-    return ranked(judge, grams.sum(axis=0), n_fixed, candidates, present, pairs=pairs)
+    return ranked(
+        _judge_of(grams, folds), grams.sum(axis=0), n_fixed, candidates, present, pairs=pairs
+    )
 
 
 def ranked(
@@ -111,7 +176,7 @@ def ranked(
     present: set[tuple[int, Sum]],
     *,
     pairs: bool = True,
-) -> list[Score]:
+) -> Ranking:
     """Score all candidates and all pairs of them, best first.
 
     Parameters
@@ -125,90 +190,77 @@ def ranked(
 
     Returns
     -------
-    list of Score
+    Ranking
     """
-    without = judge(np.arange(n_fixed)[None, :])[0]
-    own, start = [], n_fixed
-    for candidate in candidates:
-        own.append(tuple(range(start, start + candidate.n_columns)))
-        start += candidate.n_columns
+    own = _columns_of(candidates, n_fixed)
     fresh = are_new(total[:-1, :-1], n_fixed)
     new = [i for i, columns in enumerate(own) if all(fresh[k - n_fixed] for k in columns)]
-    groups: list[tuple[int, ...]] = [(i,) for i in new]
-    paired = [i for i in new if pairs and not candidates[i].alone]
-    groups += [
-        (i, j)
-        for i, j in combinations(paired, 2)
-        if candidates[i].name != candidates[j].name or candidates[i].name == EVOLVED
-    ]
-    missing = [{(c.state, parent) for parent in c.parents} - present for c in candidates]
-    brought = [{(c.state, term) for term in c.terms} for c in candidates]
-    needs = [lacks - terms for lacks, terms in zip(missing, brought, strict=True)]
-    allowed = [g for g in groups if all(_is_met(needs[i], i, g, brought) for i in g)]
-    offsets = {candidates[i].state: i for i in new if candidates[i].terms == (OFFSET,)}
-    posing = [i for i in new if candidates[i].parents == (OFFSET,) and missing[i]]
-    lacking = [(offsets[candidates[i].state], i) for i in posing if candidates[i].state in offsets]
-    scorer = partial(_scored, judge, n_fixed, candidates, own, without=without)
-    scores = [*scorer(allowed), *_without_offset(scorer, candidates, lacking)]
-    return sorted(scores, key=lambda score: -score.value)
+    groups = groups_to_try(candidates, new, present, pairs=pairs)
+    errors = partial(_errors, judge, n_fixed)
+    without = judge(np.arange(n_fixed)[None, :])[0]
+    lacking = posing_as_offset(candidates, new, present)
+    free = _without_offset(partial(errors, own), without, lacking)
+    tried = [*candidates, *(replace(candidates[i], parents=()) for i in free)]
+    own += [own[i] for i in free]
+    groups += [(place,) for place in range(len(candidates), len(tried))]
+    return Ranking(tried, own, groups, without, errors(own, groups))
+
+
+def _errors(
+    judge: Judge, n_fixed: int, own: Sequence[tuple[int, ...]], groups: Sequence[tuple[int, ...]]
+) -> np.ndarray:
+    """Solve all groups with equally many columns at once; errors are (n_groups, n_folds)."""
+    columns = [own[g[0]] + own[g[1]] if len(g) == 2 else own[g[0]] for g in groups]
+    sizes = np.array([len(one) for one in columns], dtype=int)
+    found: list[tuple[np.ndarray, np.ndarray]] = []
+    for size in np.unique(sizes).tolist():
+        at = np.flatnonzero(sizes == size)
+        fixed = np.broadcast_to(np.arange(n_fixed), (len(at), n_fixed))
+        found.append((at, judge(np.hstack([fixed, [columns[k] for k in at.tolist()]]))))
+    n_folds = found[0][1].shape[1] if found else 0
+    errors = np.empty((len(groups), n_folds))
+    for at, part in found:
+        errors[at] = part
+    return errors
+
+
+def _values(
+    without: np.ndarray, errors: np.ndarray, groups: Sequence[tuple[int, ...]]
+) -> np.ndarray:
+    """Return log(error without / error with) of each group, per effect."""
+    before, after = (np.maximum(e.sum(axis=-1), TINY) for e in (without, errors))
+    n_effects = np.array([len(group) for group in groups], dtype=float)
+    return np.asarray((np.log(before) - np.log(after)) / n_effects)
 
 
 def _without_offset(
-    scorer: Callable[[Sequence[tuple[int, ...]]], list[Score]],
-    candidates: Sequence[Candidate],
-    pairs: Sequence[tuple[int, int]],
-) -> list[Score]:
-    """Score effects by themselves that could pose as an offset, but need none beside them.
-
-    `pairs` are the places of an offset and of such an effect. An offset that is really there would
-    gain beside the effect; one that gains nothing must not stand in its way.
-    """
-    places = {place for pair in pairs for place in pair}
-    scores = scorer([*((i,) for i in places), *pairs])
-    gains = {score.group: score.value * len(score.group) for score in scores}
-    free = []
-    for offset, effect in ((candidates[i], candidates[j]) for i, j in pairs):
-        both, alone = gains[offset, effect], gains[effect,]
-        if both - alone < IDLE * (both - gains[offset,]):
-            score = next(score for score in scores if score.group == (effect,))
-            free.append(replace(score, group=(replace(effect, parents=()),)))
-    return free
-
-
-def _scored(
-    judge: Callable[[np.ndarray], np.ndarray],
-    n_fixed: int,
-    candidates: Sequence[Candidate],
-    own: Sequence[tuple[int, ...]],
-    groups: Sequence[tuple[int, ...]],
+    errors: Callable[[Sequence[tuple[int, ...]]], np.ndarray],
     without: np.ndarray,
-) -> list[Score]:
-    """Solve all groups with equally many columns at once."""
-    base = tuple(range(n_fixed))
-    models: dict[int, list[tuple[tuple[int, ...], tuple[int, ...]]]] = {}
-    for group in groups:
-        columns = sum((own[i] for i in group), ())
-        models.setdefault(len(columns), []).append((group, columns))
-    scores = []
-    for entries in models.values():
-        errors = judge(np.array([base + columns for _, columns in entries]))
-        before, after = (np.maximum(e.sum(axis=-1), TINY) for e in (without, errors))
-        values = (np.log(before) - np.log(after)) / np.array([len(group) for group, _ in entries])
-        scores += [
-            Score(tuple(candidates[i] for i in group), columns, without, error, value)
-            for (group, columns), error, value in zip(entries, errors, values.tolist(), strict=True)
-        ]
-    return scores
+    lacking: Sequence[tuple[int, int]],
+) -> list[int]:
+    """Return the effects that could pose as an offset, but need none beside them.
+
+    An offset that is really there would gain beside the effect; one that gains nothing must not
+    stand in its way.
+    """
+    if not lacking:
+        return []
+    alone = sorted({place for pair in lacking for place in pair})
+    groups = [*((place,) for place in alone), *lacking]
+    values = _values(without, errors(groups), groups).tolist()
+    gains = {group: value * len(group) for group, value in zip(groups, values, strict=True)}
+    return [
+        effect
+        for offset, effect in lacking
+        if gains[offset, effect] - gains[effect,] < IDLE * (gains[offset, effect] - gains[offset,])
+    ]
 
 
-def _is_met(
-    needs: set[tuple[int, Sum]],
-    place: int,
-    group: Sequence[int],
-    brought: Sequence[set[tuple[int, Sum]]],
-) -> bool:
-    """Tell whether the other effect of a group, if there is one, brings what one needs."""
-    return not needs or any(needs <= brought[other] for other in group if other != place)
+def _columns_of(candidates: Sequence[Candidate], n_fixed: int) -> list[tuple[int, ...]]:
+    """Return the columns of each candidate, which come after the fixed ones in their order."""
+    ends = n_fixed + np.cumsum([candidate.n_columns for candidate in candidates], dtype=int)
+    sizes = [candidate.n_columns for candidate in candidates]
+    return [tuple(range(e - n, e)) for e, n in zip(ends.tolist(), sizes, strict=True)]
 
 
 def are_new(gram: np.ndarray, n_fixed: int) -> np.ndarray:

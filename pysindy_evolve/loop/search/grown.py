@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..evidence.structure import structure_chance
+from ..evidence.structure import may_have_structure, structure_chance
 from ..growth.short import find_small, is_better
 from .named import find_named
 from .state import Search
@@ -25,7 +25,8 @@ def grow_terms(search: Search) -> None:
         _grow_by_trajectory(search)
         return
     n_searches = 1 if search.findings else _n_searches(search)
-    while search.has_room:
+    # Growing takes longer than all else, and finds nothing where a generic model finds nothing.
+    while search.has_room and may_have_structure(search.design, search.grower.seen):
         found = search.grower.find(search.design, n_searches)
         if not found:
             break

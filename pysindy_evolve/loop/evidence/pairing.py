@@ -1,0 +1,94 @@
+"""Which effects may be tried, alone and in pairs: each needs its parents in the equation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...terms import Sum
+from ..effects.candidate import EVOLVED, OFFSET, Candidate
+
+__all__ = ["groups_to_try", "posing_as_offset"]
+
+Keys = set[tuple[int, Sum]]
+
+
+def groups_to_try(
+    candidates: Sequence[Candidate], new: Sequence[int], present: Keys, *, pairs: bool
+) -> list[tuple[int, ...]]:
+    """Return the places of candidates that may be tried alone, then those of pairs.
+
+    Parameters
+    ----------
+    candidates : sequence of Candidate
+        What may be missing.
+    new : sequence of int
+        Places of those that are no combinations of what stands in the model.
+    present : set of (int, Sum)
+        Equation and expression of what stands in the model; parents must be in it, or in the
+        group.
+    pairs : bool
+        Whether to go through pairs too. Two shapes of one effect are none, unless they grew.
+
+    Returns
+    -------
+    list of tuple of int
+    """
+    needs = [_parents(candidates[i]) - present - _terms(candidates[i]) for i in new]
+    alone: list[tuple[int, ...]] = [(i,) for i, need in zip(new, needs, strict=True) if not need]
+    if not pairs:
+        return alone
+    at = [k for k, i in enumerate(new) if not candidates[i].alone]
+    able = _able([needs[k] for k in at], [_terms(candidates[new[k]]) for k in at])
+    able &= able.T & _unlike([candidates[new[k]].name for k in at])
+    places = np.array(new, dtype=int)[at]
+    first, second = np.nonzero(np.triu(able, 1))
+    return alone + list(zip(places[first].tolist(), places[second].tolist(), strict=True))
+
+
+def posing_as_offset(
+    candidates: Sequence[Candidate], new: Sequence[int], present: Keys
+) -> list[tuple[int, int]]:
+    """Return the places of each offset that is not there yet, and of an effect that may pose as it.
+
+    Parameters
+    ----------
+    candidates, new, present
+        As in `groups_to_try`.
+
+    Returns
+    -------
+    list of (int, int)
+    """
+    offsets = {candidates[i].state: i for i in new if candidates[i].terms == (OFFSET,)}
+    posing = [i for i in new if candidates[i].parents == (OFFSET,)]
+    lacking = (i for i in posing if (candidates[i].state, OFFSET) not in present)
+    return [(offsets[candidates[i].state], i) for i in lacking if candidates[i].state in offsets]
+
+
+def _able(needs: Sequence[Keys], brought: Sequence[Keys]) -> np.ndarray:
+    """Tell where the column's effect brings what the row's effect needs."""
+    able = np.ones((len(needs), len(needs)), dtype=bool)
+    rows: dict[frozenset[tuple[int, Sum]], list[bool]] = {}
+    for row, need in zip(able, map(frozenset, needs), strict=True):
+        if need:
+            if need not in rows:  # many effects need the same offset
+                rows[need] = [need <= terms for terms in brought]
+            row[:] = rows[need]
+    return able
+
+
+def _unlike(names: Sequence[str]) -> np.ndarray:
+    """Tell which two names differ, or are that of what grew, which has no other."""
+    codes = np.unique(names, return_inverse=True)[1]
+    grown = np.array([name == EVOLVED for name in names], dtype=bool)
+    return np.asarray((codes[:, None] != codes) | grown)
+
+
+def _parents(candidate: Candidate) -> Keys:
+    return {(candidate.state, parent) for parent in candidate.parents}
+
+
+def _terms(candidate: Candidate) -> Keys:
+    return {(candidate.state, term) for term in candidate.terms}
