@@ -86,6 +86,9 @@ class Candidate:
     partners : tuple of Candidate
         Effects of other equations that are tuned with it, and that it stands for. They have
         coefficients of their own, see partners.py.
+    force : tuple, optional
+        Of an effect that enters as a declared force does: the place, and what acts there. The same
+        force at the same place stands in several equations, see entries.py.
     spared : int
         Nodes that cost nothing: a declared term that a grown one holds whole is known, and reads as
         one node.
@@ -101,6 +104,7 @@ class Candidate:
     alone: bool = field(default=False, compare=False)
     passive: bool = field(default=False, compare=False)
     partners: tuple[Candidate, ...] = ()
+    force: tuple[int, tuple[Sum, ...]] | None = field(default=None, compare=False)
     spared: int = field(default=0, compare=False)
 
     @property

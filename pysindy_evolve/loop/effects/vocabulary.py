@@ -234,7 +234,8 @@ def _at_joints(effect: CandidateMaker, design: Design, scales: np.ndarray) -> It
         is_free = len(entry.factor.parts) == 1 and not entry.is_known
         factor = bare(entry.factor) if is_free else entry.factor
         for force in forces:
-            yield replace(rewritten(force, partial(mul, factor)), alone=True)
+            there = rewritten(force, partial(mul, factor))
+            yield replace(there, alone=True, force=(entry.beside, force.terms))
 
 
 def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -29,7 +30,8 @@ def groups_to_try(
         Equation and expression of what stands in the model; parents must be in it, or in the
         group.
     pairs : bool
-        Whether to go through pairs too. Two shapes of one effect are none, unless they grew.
+        Whether to go through pairs too. Two shapes of one effect are none, unless they grew; one
+        force in two equations is.
 
     Returns
     -------
@@ -44,7 +46,8 @@ def groups_to_try(
     able &= able.T & _unlike([candidates[new[k]].name for k in at])
     places = np.array(new, dtype=int)[at]
     first, second = np.nonzero(np.triu(able, 1))
-    return alone + list(zip(places[first].tolist(), places[second].tolist(), strict=True))
+    found = zip(places[first].tolist(), places[second].tolist(), strict=True)
+    return [*alone, *found, *_of_one_force(candidates, new)]
 
 
 def posing_as_offset(
@@ -65,6 +68,20 @@ def posing_as_offset(
     posing = [i for i in new if candidates[i].parents == (OFFSET,)]
     lacking = (i for i in posing if (candidates[i].state, OFFSET) not in present)
     return [(offsets[candidates[i].state], i) for i in lacking if candidates[i].state in offsets]
+
+
+def _of_one_force(candidates: Sequence[Candidate], new: Sequence[int]) -> list[tuple[int, ...]]:
+    """Return the pairs that are one force at one place, which stands in two equations.
+
+    Each alone explains its own equation, and with several segments only that may not be clear.
+    """
+    places: dict[tuple[int, tuple[Sum, ...]], list[int]] = {}
+    for i in new:
+        force = candidates[i].force
+        if force is not None:
+            places.setdefault(force, []).append(i)
+    pairs = (pair for group in places.values() for pair in combinations(group, 2))
+    return [(i, j) for i, j in pairs if candidates[i].state != candidates[j].state]
 
 
 def _able(needs: Sequence[Keys], brought: Sequence[Keys]) -> np.ndarray:

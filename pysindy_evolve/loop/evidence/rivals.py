@@ -20,6 +20,7 @@ from .encompassing import chance, explained
 from .same_model import hold
 from .scoring import columns_of
 from .spectral import spectral_grams
+from .trace import fold_errors
 
 __all__ = ["Rival", "rivals_of"]
 
@@ -27,6 +28,7 @@ ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the
 # Share of what an effect explains that a rival must explain in its place. Where much is missing,
 # anything could hide in the rest, and a test alone refutes nothing.
 EXPLAINED = 1.0 / 3.0
+FARTHER = 2.0  # times the squares that an effect leaves, that a rival must leave to be outdone
 STEADY = 0.1  # of its mean, that a term varies by if it is a constant
 ENOUGH = 3  # names in a row that twins refute: those that come less close need none
 MORE = 2  # nodes that another form of a grown term may have
@@ -109,9 +111,24 @@ def rivals_of(
         if squares < EXPLAINED * ours:
             continue
         p_value = chance(grams, (*base, *place), own, level, rng)
+        if p_value > level and _is_outdone(grams, (*base, *place), (*base, *own), part, level):
+            continue
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
+
+
+def _is_outdone(
+    grams: np.ndarray, rival: Sequence[int], own: Sequence[int], part: Segments, level: float
+) -> bool:
+    """Tell whether a rival misses each fold by more than the effect does, and all by much more.
+
+    By chance the cause would do so no more often than one in two to the number of folds. Where a
+    few pieces tell them apart very clearly, the scatter over the pieces hides it.
+    """
+    theirs, ours = (fold_errors(grams, np.array([model]), part.folds)[0] for model in (rival, own))
+    clear = 0.5 ** len(ours) < level
+    return bool(clear and np.all(theirs > ours) and theirs.sum() > FARTHER * ours.sum())
 
 
 def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:

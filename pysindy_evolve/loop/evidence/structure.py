@@ -1,7 +1,8 @@
 """Is anything left that depends on what was measured? The question behind "untraced".
 
 A generic model, polynomials of all variables and the recent past of the inputs, or slow waves of
-time, predicts held-out segments. If it does so better than it does in twins, there is structure
+time, predicts held-out segments; so does each term of the polynomials by itself, as a small effect
+is lost in what many of them fit. If it does so better than in twins, there is structure
 that no tried effect explains: perhaps a delay or a hidden state, which need more than the present
 values. The past of the states is left out, as filtered sensor noise alone makes x_dot a function of
 it.
@@ -37,8 +38,7 @@ __all__ = ["may_have_structure", "structure_chance"]
 MAX_COLUMNS = 60
 LAGS = (1, 2, 4, 8)  # in eighths of the width of the windows
 N_WAVES = 7  # slow ones: what has more periods in a record is no drift
-NOTABLE = 0.05  # log error that the generic model must gain
-TRACE = 0.05  # log error that one of its terms gains by itself, of what may be another function
+NOTABLE = 0.05  # log error that the generic model must gain, or one of its terms
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def structure_chance(
 
 
 def may_have_structure(design: Design, part: Segments) -> bool:
-    """Tell, without twins, whether a generic model or any of its terms gains something.
+    """Tell, without twins, whether a generic model or one of its terms gains anything notable.
 
     Parameters
     ----------
@@ -120,9 +120,7 @@ def may_have_structure(design: Design, part: Segments) -> bool:
         Where false, another function of the variables is not likely to gain anything either: a
         polynomial term has a part of it.
     """
-    if generic_gain(design, generic_models(design, part), part) >= NOTABLE:
-        return True
-    return _largest_of_one(design, generic_columns(design, part), part) >= TRACE
+    return generic_gain(design, generic_models(design, part), part) >= NOTABLE
 
 
 def generic_models(design: Design, part: Segments) -> list[list[Column]]:
@@ -176,24 +174,22 @@ def slow_waves(design: Design, part: Segments) -> list[Column]:
 
 
 def generic_gain(design: Design, models: Sequence[Sequence[Column]], part: Segments) -> float:
-    """Return log(held-out error without / with columns) of the generic model that gains most."""
-    return max(_gain(design, columns, part) for columns in models)
+    """Return log(held-out error without / with columns) of what gains most.
 
-
-def _largest_of_one(design: Design, columns: Sequence[Column], part: Segments) -> float:
-    """Return what the best of some columns gains by itself."""
-    grams = spectral_grams(part, design, [*design.columns, *columns])
-    fixed = np.arange(len(design.columns))
-    new = len(fixed) + np.flatnonzero(are_new(grams.sum(axis=0)[:-1, :-1], len(fixed)))
-    without = fold_errors(grams, fixed[None, :], part.folds).sum()
-    beside = np.hstack([np.broadcast_to(fixed, (len(new), len(fixed))), new[:, None]])
-    errors = fold_errors(grams, beside, part.folds).sum(axis=1) if len(new) else [without]
-    return log_ratio(without, float(np.min(errors)))
-
-
-def _gain(design: Design, columns: Sequence[Column], part: Segments) -> float:
-    grams = spectral_grams(part, design, [*design.columns, *columns])
+    That is a generic model, or one column of the first by itself: all together fit much noise.
+    """
+    grams = [spectral_grams(part, design, [*design.columns, *columns]) for columns in models]
     n_fixed = len(design.columns)
+    whole = max(_gain(one, np.arange(one.shape[1] - 1)[None, :], n_fixed, part) for one in grams)
+    new = n_fixed + np.flatnonzero(are_new(grams[0].sum(axis=0)[:-1, :-1], n_fixed))
+    if not len(new):
+        return whole
+    fixed = np.broadcast_to(np.arange(n_fixed), (len(new), n_fixed))
+    return max(whole, _gain(grams[0], np.hstack([fixed, new[:, None]]), n_fixed, part))
+
+
+def _gain(grams: np.ndarray, models: np.ndarray, n_fixed: int, part: Segments) -> float:
+    """Return the gain of the best of some models, given by their columns."""
     without = fold_errors(grams, np.arange(n_fixed)[None, :], part.folds).sum()
-    with_all = fold_errors(grams, np.arange(n_fixed + len(columns))[None, :], part.folds).sum()
-    return log_ratio(without, with_all)
+    errors = fold_errors(grams, models, part.folds).sum(axis=1)
+    return log_ratio(without, float(errors.min()))
