@@ -60,10 +60,15 @@ def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iter
 
 
 def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
-    """Yield what flows by the root of a difference, and by its square, toward the lower one."""
+    """Yield what flows by a power of a difference, toward the lower one.
+
+    The root is that of an orifice, the square that of a resistance, and what lies between that of
+    a slot or of air that flows as it is warm.
+    """
     head = sub(variable(other), variable(own))
     size = call(BUILTIN["abs"], head)
     yield effect("coupling", mul(call(BUILTIN["sgn"], head), call(BUILTIN["sqrt"], size)))
+    yield effect("coupling", mul(head, call(BUILTIN["sqrt"], size)))
     yield effect("coupling", mul(head, size))
 
 

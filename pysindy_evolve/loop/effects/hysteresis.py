@@ -36,6 +36,7 @@ SIMPLER = (
     "quintic stiffness",
     "dead zone",
     "gravity",
+    "second harmonic",
 )
 SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
 WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v

@@ -42,6 +42,7 @@ VOCABULARY = (
     "dead zone",
     "saturation",
     "gravity",
+    "second harmonic",
     "constant offset",
     "coupling",
     "input nonlinearity",
@@ -210,6 +211,15 @@ def _weights(
         yield effect("gravity", along, parents=(OFFSET,), whole=True)
         if bends(swing, unit):  # at small angles both together are any soft or hard spring
             yield effect("gravity", across, along, parents=(OFFSET,), whole=True)
+            yield from _second_harmonics(effect, mul(constant(2.0), angle))
+
+
+def _second_harmonics(effect: CandidateMaker, twice: Sum) -> Iterator[Candidate]:
+    """Go through what comes twice a turn: salient poles, a gradient of gravity, wind on a hull."""
+    across, along = call(BUILTIN["sin"], twice), call(BUILTIN["cos"], twice)
+    yield effect("second harmonic", across)
+    yield effect("second harmonic", along, parents=(OFFSET,), whole=True)
+    yield effect("second harmonic", across, along, parents=(OFFSET,), whole=True)
 
 
 def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:
