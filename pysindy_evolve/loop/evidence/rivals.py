@@ -28,7 +28,7 @@ ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the
 # Share of what an effect explains that a rival must explain in its place. Where much is missing,
 # anything could hide in the rest, and a test alone refutes nothing.
 EXPLAINED = 1.0 / 3.0
-FARTHER = 2.0  # times the squares that an effect leaves, that a rival must leave to be outdone
+FARTHER = 2.0  # times the held-out squares of an effect, from which on a rival is outdone
 STEADY = 0.1  # of its mean, that a term varies by if it is a constant
 ENOUGH = 3  # names in a row that twins refute: those that come less close need none
 MORE = 2  # nodes that another form of a grown term may have
@@ -111,7 +111,7 @@ def rivals_of(
         if squares < EXPLAINED * ours:
             continue
         p_value = chance(grams, (*base, *place), own, level, rng)
-        if p_value > level and _is_outdone(grams, (*base, *place), (*base, *own), part, level):
+        if p_value > level and _is_outdone(grams, (*base, *place), (*base, *own), part.folds):
             continue
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
@@ -119,16 +119,15 @@ def rivals_of(
 
 
 def _is_outdone(
-    grams: np.ndarray, rival: Sequence[int], own: Sequence[int], part: Segments, level: float
+    grams: np.ndarray, rival: Sequence[int], own: Sequence[int], folds: np.ndarray
 ) -> bool:
-    """Tell whether a rival misses each fold by more than the effect does, and all by much more.
+    """Tell whether a rival predicts held-out pieces much worse than the effect, and most of them.
 
-    By chance the cause would do so no more often than one in two to the number of folds. Where a
-    few pieces tell them apart very clearly, the scatter over the pieces hides it.
+    The cause would hardly do so by chance. Where a few pieces tell both apart very clearly, and the
+    others do not, the scatter over the pieces hides it.
     """
-    theirs, ours = (fold_errors(grams, np.array([model]), part.folds)[0] for model in (rival, own))
-    clear = 0.5 ** len(ours) < level
-    return bool(clear and np.all(theirs > ours) and theirs.sum() > FARTHER * ours.sum())
+    theirs, ours = (fold_errors(grams, np.array([model]), folds)[0] for model in (rival, own))
+    return bool(theirs.sum() > FARTHER * ours.sum() and np.median(theirs / ours) > 1.0)
 
 
 def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from loop_systems import measured
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.angles import is_wave_of, without_turns
@@ -42,6 +43,18 @@ def test_a_second_harmonic_of_a_coupling_is_found_where_it_is(harmonic):
     assert found == ([("coupling", "a", "sin(2*a - 2*b)")] if harmonic else [])
     if harmonic:
         assert abs(report.effects[0].coefficients[0]) == pytest.approx(0.1, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("torque", ["", " + 4*sin(2*q - 0.6)"])
+def test_what_comes_twice_a_turn_is_one_effect_wherever_the_angle_is_measured_from(torque):
+    record = measured({"q": "v", "v": f"-0.8*v + F{torque}"}, size=12.0, duration=20.0)
+    declared = pse.DeclaredModel({"q": "v", "v": "-c*v + b*F"}, inputs=["F"])
+    report = pse.close_loop(declared, record, operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == ["second harmonic"] * bool(torque)
+    if torque:
+        expected = [4.0 * np.cos(0.6), -4.0 * np.sin(0.6)]
+        assert report.effects[0].coefficients == pytest.approx(expected, rel=0.02)
 
 
 def test_whole_turns_are_taken_out_of_a_phase():

@@ -85,6 +85,7 @@ def vessels(seed, flow):
     ("flow", "term"),
     [
         ("0.04*sgn(h1 - h2)*sqrt(abs(h1 - h2))", "sqrt(Abs(h1 - h2))*sign(h1 - h2)"),
+        ("0.012*(h1 - h2)*sqrt(abs(h1 - h2))", "(h1 - h2)*sqrt(Abs(h1 - h2))"),
         ("0.006*(h1 - h2)*abs(h1 - h2)", "(h1 - h2)*Abs(h1 - h2)"),
     ],
 )

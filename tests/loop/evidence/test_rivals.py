@@ -12,7 +12,7 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.stops import stops
 from pysindy_evolve.loop.evidence.encompassing import chance, explained
 from pysindy_evolve.loop.evidence.findings import Finding
-from pysindy_evolve.loop.evidence.rivals import _with_offset, rivals_of
+from pysindy_evolve.loop.evidence.rivals import _is_outdone, _with_offset, rivals_of
 from pysindy_evolve.loop.evidence.same_model import hold
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
@@ -117,6 +117,22 @@ def test_nor_is_it_where_a_few_pieces_are_loud(n_segments):
         refuted += chance(grams, (0, 1), [best], 0.05, rng) <= 0.05
     # In 2 400 draws 8 %; it was 40 % as long as gains were not in units of their scatter.
     assert refuted < 0.13 * 200
+
+
+def test_a_rival_that_a_few_pieces_refute_very_clearly_is_outdone_but_the_cause_is_not():
+    folds, outdone = np.arange(N_SEGMENTS) // 2, 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        rows = noisy_rows(rng)
+        loud = rng.choice(N_SEGMENTS, 3, replace=False)
+        rows[:, :, 1] = rows[:, :, 0]
+        rows[loud, :, 1] += 3.0 * rows[loud, :, 2]  # there the two differ
+        rows[:, :, -1] += 5.0 * rows[:, :, 0]
+        grams = grams_of(rows)
+        outdone += _is_outdone(grams, (1,), (0,), folds)
+        assert not _is_outdone(grams, (0,), (1,), folds)
+        assert not _is_outdone(grams, (0,), (0,), folds)
+    assert outdone == 20
 
 
 def test_an_effect_beside_a_wrong_rival_is_missed():

@@ -34,6 +34,34 @@ def test_structure_that_no_tried_effect_explains_is_said_to_be_there(strength, v
     assert report.verdict == verdict, str(report)
 
 
+def motor(friction):
+    """Current and speed of a motor under three waves of voltage, as noisy sensors read them."""
+    t = np.arange(0.0, 8.0, 0.005)
+
+    def u(s):
+        return 6.0 * np.sin(1.1 * s) + 4.0 * np.sin(3.7 * s + 1.0) + 2.0 * np.sin(9.0 * s + 2.0)
+
+    def rates(s, x):
+        i, w = x
+        rubbed = friction * np.tanh(w / 1e-3)
+        return (u(s) - 1.2 * i - 0.5 * w) / 0.05, (0.5 * i - 0.05 * w - rubbed) / 0.02
+
+    solution = solve_ivp(
+        rates, (0.0, t[-1]), (0.0, 0.0), t_eval=t, method="LSODA", rtol=1e-8, atol=1e-9
+    )
+    y = solution.y.T
+    noise = 3e-3 * y.std(axis=0) * np.random.default_rng(0).standard_normal(y.shape)
+    return pse.prepare(t, y + noise, u(t), order=1)
+
+
+@pytest.mark.parametrize(("friction", "verdict"), [(0.1, "untraced"), (0.0, "complete")])
+def test_where_no_effect_is_looked_for_one_that_is_missing_is_structure(friction, verdict):
+    """A polynomial of four variables in two equations fits more noise than the friction is."""
+    declared = pse.DeclaredModel({"i": "a*u - r*i - k*w", "w": "m*i - d*w"}, inputs=["u"])
+    report = pse.close_loop(declared, motor(friction), max_effects=0, random_state=0)
+    assert report.verdict == verdict, str(report)
+
+
 @pytest.mark.slow
 def test_a_grown_term_explains_it():
     report = pse.close_loop(DECLARED, measured(0.15), random_state=0)
