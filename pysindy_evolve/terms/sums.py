@@ -45,7 +45,9 @@ def join_terms(
     text = ""
     for sign, size, product in signed(parts):
         scale, body = number(size), term(product)
-        if not body or scale != "1":
+        if body.startswith("1/"):  # 24/v, not 24 1/v
+            body = f"{scale}{body[1:]}"
+        elif not body or scale != "1":
             body = f"{scale} {body}".rstrip()
         text += f" {sign} {body}" if text else f"{sign}{body}"
     return text or "0"

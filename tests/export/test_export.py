@@ -303,3 +303,9 @@ def test_the_sign_of_an_odd_function_stands_before_its_coefficient(show):
     turned = equations_of(["3*tanh(1 - 2*v - q)"], ("q", "v"))
     assert show(turned) == show(equations_of(["-3*tanh(2*v + q - 1)"], ("q", "v")))
     assert "(-" not in show(turned)
+
+
+@pytest.mark.parametrize(("side", "shown"), [("2*q - 24/v", "2 q - 24/v"), ("1/v", "1/v")])
+def test_a_coefficient_stands_above_the_line_of_a_reciprocal(side, shown):
+    printed = export.format_equations(equations_of([side], ("q", "v")))
+    assert printed.endswith(f" = {shown}")

@@ -9,6 +9,7 @@ offers              which effects are candidates in this step
 scoring             fits candidates beside the columns of a design, and scores them
 trace               held-out score of each effect and each pair: log of the error ratio
 pairing             which effects may be tried, alone and in pairs
+ranking             what was tried, best first
 refinement          whether an effect is better than a simpler one, or only fits noise
 how it is measured
 witness             chooses between the spectrum of the derivative and the trajectory

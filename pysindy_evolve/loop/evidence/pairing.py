@@ -47,7 +47,7 @@ def groups_to_try(
     places = np.array(new, dtype=int)[at]
     first, second = np.nonzero(np.triu(able, 1))
     found = zip(places[first].tolist(), places[second].tolist(), strict=True)
-    return [*alone, *found, *_of_one_force(candidates, new)]
+    return [*alone, *found, *_of_one_force(candidates, [i for (i,) in alone])]
 
 
 def posing_as_offset(
@@ -70,13 +70,13 @@ def posing_as_offset(
     return [(offsets[candidates[i].state], i) for i in lacking if candidates[i].state in offsets]
 
 
-def _of_one_force(candidates: Sequence[Candidate], new: Sequence[int]) -> list[tuple[int, ...]]:
+def _of_one_force(candidates: Sequence[Candidate], able: Sequence[int]) -> list[tuple[int, ...]]:
     """Return the pairs that are one force at one place, which stands in two equations.
 
     Each alone explains its own equation, and with several segments only that may not be clear.
     """
     places: dict[tuple[int, tuple[Sum, ...]], list[int]] = {}
-    for i in new:
+    for i in able:
         force = candidates[i].force
         if force is not None:
             places.setdefault(force, []).append(i)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .trace import Score
+from .ranking import Score
 
 __all__ = ["Rejected"]
 

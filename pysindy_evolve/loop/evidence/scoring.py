@@ -29,8 +29,9 @@ from ..given.design import Column, Design, in_state
 from ..given.ranges import Ranges
 from ..given.rows import variables_of
 from ..given.segments import Segments
+from .ranking import Ranking, Score
 from .spectral import spectral_grams
-from .trace import Ranking, Score, rank, ranked
+from .trace import rank, ranked
 
 __all__ = [
     "MARGIN",

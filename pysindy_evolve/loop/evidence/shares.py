@@ -13,8 +13,9 @@ from ..fitting.residual import derivative_grams, jacobian, view_grams
 from ..fitting.trajectory import Trajectories
 from ..given.design import Design
 from ..given.segments import Segments
+from .ranking import Score
 from .scoring import columns_of, quick_fit
-from .trace import Score, fold_errors
+from .trace import fold_errors
 
 __all__ = ["Shares", "is_exact", "view_gain"]
 

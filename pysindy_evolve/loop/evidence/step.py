@@ -16,11 +16,11 @@ from ..given.rules import Rules
 from ..given.segments import Segments
 from .findings import Finding
 from .nulls import chance_of
+from .ranking import Score
 from .refinement import justified
 from .rejected import Rejected
 from .scoring import Proposer, columns_of, plainest, quick_fit, score, sharpened, tuned
 from .shares import Shares, is_exact
-from .trace import Score
 
 __all__ = ["Look", "find"]
 

@@ -10,9 +10,8 @@ because some only show together: friction and drag, whose sum the viscous dampin
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import overload
 
 import numpy as np
 
@@ -22,81 +21,15 @@ from ..effects.candidate import Candidate
 from ..fitting.linear import errors_of, solve_many, summed
 from ..given.rows import LARGEST
 from .pairing import groups_to_try, posing_as_offset
+from .ranking import Ranking, values_of
 
 Judge = Callable[[np.ndarray], np.ndarray]  # columns of models to their errors in each fold
 
-__all__ = ["Ranking", "Score", "are_new", "fold_errors", "rank", "ranked"]
+__all__ = ["are_new", "fold_errors", "rank", "ranked"]
 
 ROUNDING = 1e-16  # relative to the square of the target
 NEW = 1e-6  # share of a column's square that the model's columns must leave
 IDLE = 0.05  # of what an effect gains beside its offset: an offset that gains less is not needed
-
-
-@dataclass(frozen=True, eq=False)
-class Score:
-    """How a group of one or two candidates did: errors of each fold without and with it.
-
-    Its value is log(error without / error with), per effect of the group.
-    """
-
-    group: tuple[Candidate, ...]
-    places: tuple[int, ...]
-    without: np.ndarray
-    errors: np.ndarray
-    value: float
-
-
-class Ranking(Sequence[Score]):
-    """Scores, best first; each is made when it is asked for, as few of thousands of pairs are.
-
-    Parameters
-    ----------
-    candidates : sequence of Candidate
-        What was tried.
-    columns : sequence of tuple of int
-        Columns of each candidate.
-    groups : sequence of tuple of int
-        Places of the candidates in each group.
-    without : ndarray of shape (n_folds,)
-        Errors of the model without any of them.
-    errors : ndarray of shape (n_groups, n_folds)
-        Errors with each group.
-    """
-
-    def __init__(
-        self,
-        candidates: Sequence[Candidate],
-        columns: Sequence[tuple[int, ...]],
-        groups: Sequence[tuple[int, ...]],
-        without: np.ndarray,
-        errors: np.ndarray,
-    ) -> None:
-        self._candidates, self._columns, self._groups = candidates, columns, groups
-        self._without, self._errors = without, errors
-        self.values = _values(without, errors, groups)
-        self._order = np.argsort(-self.values, kind="stable").tolist()
-
-    def __len__(self) -> int:
-        return len(self._order)
-
-    @overload
-    def __getitem__(self, place: int) -> Score: ...
-    @overload
-    def __getitem__(self, place: slice) -> list[Score]: ...
-    def __getitem__(self, place: int | slice) -> Score | list[Score]:
-        if isinstance(place, slice):
-            return [self._score(k) for k in self._order[place]]
-        return self._score(self._order[place])
-
-    def _score(self, k: int) -> Score:
-        group = self._groups[k]
-        return Score(
-            tuple(self._candidates[i] for i in group),
-            sum((self._columns[i] for i in group), ()),
-            self._without,
-            self._errors[k],
-            float(self.values[k]),
-        )
 
 
 def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.ndarray:
@@ -224,15 +157,6 @@ def _errors(
     return errors
 
 
-def _values(
-    without: np.ndarray, errors: np.ndarray, groups: Sequence[tuple[int, ...]]
-) -> np.ndarray:
-    """Return log(error without / error with) of each group, per effect."""
-    before, after = (np.maximum(e.sum(axis=-1), TINY) for e in (without, errors))
-    n_effects = np.array([len(group) for group in groups], dtype=float)
-    return np.asarray((np.log(before) - np.log(after)) / n_effects)
-
-
 def _without_offset(
     errors: Callable[[Sequence[tuple[int, ...]]], np.ndarray],
     without: np.ndarray,
@@ -247,7 +171,7 @@ def _without_offset(
         return []
     alone = sorted({place for pair in lacking for place in pair})
     groups = [*((place,) for place in alone), *lacking]
-    values = _values(without, errors(groups), groups).tolist()
+    values = values_of(without, errors(groups), groups).tolist()
     gains = {group: value * len(group) for group, value in zip(groups, values, strict=True)}
     return [
         effect

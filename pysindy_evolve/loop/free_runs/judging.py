@@ -16,9 +16,9 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, with_parents
 from ..evidence.findings import Finding, MemoryFinding, limits_in, memories_in, with_columns
+from ..evidence.ranking import Score
 from ..evidence.rejected import Rejected
 from ..evidence.scoring import MARGIN, columns_of, score
-from ..evidence.trace import Score
 from ..fitting.fit import refit
 from ..fitting.trial import converged
 from ..given.design import Design

@@ -16,8 +16,8 @@ from ...operators import Operator
 from ...terms import ONE, Product, Sum, constant, mul, sub
 from ..effects.candidate import Candidate
 from ..effects.shaping import shape_of
+from ..evidence.ranking import Score
 from ..evidence.scoring import MARGIN, PRICE, net, score, tuned
-from ..evidence.trace import Score
 from ..given.design import Design
 from ..given.segments import Segments
 from .naming import sparing

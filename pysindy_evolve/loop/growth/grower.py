@@ -18,10 +18,10 @@ from ..effects.candidate import EVOLVED, OFFSET, Candidate
 from ..effects.missing import candidates, fitted, standing, zeros_of
 from ..effects.stops import is_stop
 from ..evidence.findings import Finding, with_columns
+from ..evidence.ranking import Score
 from ..evidence.scoring import net, score
 from ..evidence.shares import view_gain
 from ..evidence.step import find
-from ..evidence.trace import Score
 from ..fitting.fit import derivative_intervals
 from ..given.design import Design
 from ..given.rows import have_values

@@ -1,5 +1,7 @@
 """Pairs of effects: those that bring what the other needs, and one force in two equations."""
 
+from dataclasses import replace
+
 import numpy as np
 
 import pysindy_evolve as pse
@@ -46,6 +48,8 @@ def test_one_force_in_two_equations_is_a_pair_though_each_is_scored_in_no_other(
         )
     ]  # fmt: skip
     assert tried(*offered)[4:] == [(0, 1), (1, 3)]
+    squares = [replace(one, parents=(Z,)) for one in offered]
+    assert tried(*squares) == [(2,)]  # which brings what it needs itself
 
 
 def test_a_friction_of_a_cart_is_one_force_in_its_equation_and_in_that_of_what_hangs_on_it():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.evidence.ranking import Score
 from pysindy_evolve.loop.evidence.scoring import PRICE, net
-from pysindy_evolve.loop.evidence.trace import Score
 from pysindy_evolve.loop.growth.naming import named, sparing
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import Sum, call, constant, mul, power, variable
