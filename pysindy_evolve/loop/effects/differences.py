@@ -4,8 +4,9 @@ Heat between two walls, current between two nodes, the loss of a tank to the roo
 has a coefficient for one part of the difference already, the other one alone says as much.
 
 Between what stores, of the first order, also flows that are not in proportion: a turbulent one
-through a valve goes with the root of the difference, a draft with its square. And where a pull by a
-difference is declared, as that of a tyre that slips, it may be no more than a grip.
+through a valve goes with the root of the difference, a draft with its square; and what a measured
+flow carries, as the air of a fan does, with both. And where a pull by a difference is declared, as
+that of a tyre that slips, it may be no more than a grip.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ def differences(
         yield from _difference(effect, design, own, other)
         if position is None:
             yield from _flows(effect, own, other)
+            yield from _carried(effect, design, own, other)
             if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
                 slip = sub(variable(other), variable(own))
                 yield from gripping(effect, "coupling", slip, float(apart[own, other]))
@@ -50,13 +52,14 @@ def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Cand
     if not any(column in side.variables for side in design.sides_of(effect.state)):
         yield from _difference(effect, design, effect.state, column)
         yield from _flows(effect, effect.state, column)
+        yield from _carried(effect, design, effect.state, column)
 
 
 def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:
     """Yield what pulls by a difference, at most by its grip; `reach` is the largest difference."""
     for share in GRIPS:
-        build = partial(rounded_sign, slip)
-        yield effect(name, shape=Shape((share * reach,), (build,), meanings=("slip at the grip",)))
+        build, meanings = partial(rounded_sign, slip), ("difference where it levels off",)
+        yield effect(name, shape=Shape((share * reach,), (build,), meanings=meanings))
 
 
 def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
@@ -70,6 +73,14 @@ def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
     yield effect("coupling", mul(call(BUILTIN["sgn"], head), call(BUILTIN["sqrt"], size)))
     yield effect("coupling", mul(head, call(BUILTIN["sqrt"], size)))
     yield effect("coupling", mul(head, size))
+
+
+def _carried(effect: CandidateMaker, design: Design, own: int, other: int) -> Iterator[Candidate]:
+    """Yield what a measured flow carries in: as much as it is, times the difference."""
+    head = sub(variable(other), variable(own))
+    for flow in range(len(design.states), design.time):
+        if flow != other:
+            yield effect("coupling", mul(variable(flow), head), alone=True)
 
 
 def _difference(

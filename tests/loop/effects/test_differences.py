@@ -106,6 +106,24 @@ def test_a_flow_between_two_tanks_is_a_coupling_in_both_equations(flow, term):
         )
 
 
+@pytest.mark.slow
+def test_what_a_fan_carries_from_outside_is_one_coupling():
+    rng, t = np.random.default_rng(0), np.arange(0.0, 200.0, 0.1)
+    heat = rng.uniform(0.0, 6.0, 25).repeat(80)
+    inputs = np.column_stack([heat, 5.0 + 3.0 * smooth(t, 1, 0.03), 0.5 + 0.3 * smooth(t, 2, 0.1)])
+    room = {"T": "0.9*P - 0.2*(T - 15) + 0.12*w*(A - T)"}
+    temperature = pse.simulate(equations_of(room, ("P", "A", "w")), [18.0], t, inputs)
+    noise = 0.02 * rng.standard_normal(temperature.shape)
+    declared = pse.DeclaredModel({"T": "b*P - k*(T - 15)"}, inputs=["P", "A", "w"])
+    record = pse.prepare(t, temperature + noise, inputs, order=1)
+    report = pse.close_loop(declared, record, operators=(), random_state=0)
+    (effect,) = report.effects
+    a, inside, w = sympy.symbols("A T w", real=True)
+    assert effect.name == "coupling"
+    assert sympy.expand(effect.term - w * (a - inside)) == 0
+    assert effect.coefficients == pytest.approx([0.12], rel=0.03)
+
+
 def tyre(seed):
     """Speeds of a wheel, driven by jumps of a torque, and of the vehicle that its tyre pulls."""
     rng, n, dt = np.random.default_rng(seed), 4000, 0.02
@@ -132,5 +150,5 @@ def test_a_tyre_pulls_by_no_more_than_its_grip():
     assert abs(found["w"].coefficients[0]) == pytest.approx(18.0, rel=0.02)
     assert abs(found["v"].coefficients[0]) == pytest.approx(6.0, rel=0.02)
     for effect in report.effects:
-        assert effect.numbers["slip at the grip"] == pytest.approx(1.2, rel=0.03)
+        assert effect.numbers["difference where it levels off"] == pytest.approx(1.2, rel=0.03)
     assert max(report.after.simulation_error) < 0.05 * max(report.before.simulation_error)
