@@ -30,6 +30,7 @@ STATIC = {
     "dead zone",
     "saturation",
     "gravity",
+    "second harmonic",
     "constant offset",
     "coupling",
     "input nonlinearity",
