@@ -7,14 +7,20 @@ softens as it warms up, a tank grows lighter as it runs out.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
-from ...terms import Call, Sum, mul, variable
+import numpy as np
+
+from ...terms import Call, Sum, add, constant, div, mul, variable
 from ..given.design import Design
 from .angles import angles_of
-from .candidate import OFFSET, Candidate, CandidateMaker, bare
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .periodic import FORCING
 
-__all__ = ["drifts", "parts_of", "varying"]
+__all__ = ["SATURATING", "drifts", "parts_of", "saturating", "varying"]
+
+SATURATING = "saturating rate"
+HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, in those of the record
 
 
 def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
@@ -30,6 +36,34 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
             name = _in_time(part) if in_time else _name_of(both, design, effect.state)
             if other != part and name:
                 yield effect(name, mul(other, part), parents=(OFFSET, part), alone=True)
+
+
+def saturating(
+    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through declared products that rise by less and less with one of their variables.
+
+    Who eats is sated, a reaction is inhibited, the gain of a laser is compressed: a declared rate
+    over K + x, of a level x that stays above zero. Beside it the declared one may vanish.
+    """
+    if design.position_of(effect.state) is not None:
+        return
+    for part in parts_of(design, effect.state):
+        acting = sorted(part.variables - {design.time}) if len(part.variables) > 1 else []
+        for one in acting:
+            if 2.0 * middle[one] > scales[one]:
+                for share in HALVES:
+                    half = Shape(
+                        (share * float(scales[one]),),
+                        (partial(_over, part, one),),
+                        meanings=("half-saturation",),
+                    )
+                    yield effect(SATURATING, shape=half, alone=True)
+
+
+def _over(part: Sum, level: int, half: float) -> Sum:
+    """Return a rate over a constant and a level."""
+    return div(part, add(constant(half), variable(level)))
 
 
 def _in_time(part: Sum) -> str:

@@ -23,7 +23,7 @@ from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
 from .stops import asymmetric_limits, damped_contacts, stops
-from .varying import drifts, varying
+from .varying import SATURATING, drifts, saturating, varying
 
 __all__ = ["VOCABULARY", "of_equation"]
 
@@ -47,6 +47,7 @@ VOCABULARY = (
     "coupling",
     "input nonlinearity",
     "input gain",
+    SATURATING,
     "drift",
     "periodic forcing",
     "position-periodic ripple",
@@ -144,6 +145,7 @@ def _of_rate(
     yield from radial(effect, design, turning)
     yield from _at_joints(effect, design, scales)
     yield from varying(effect, design)
+    yield from saturating(effect, design, scales, middle)
     yield from drifts(effect, design, variable(design.time))
 
 

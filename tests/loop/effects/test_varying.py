@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from loop_systems import equations_of
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.effects.varying import SATURATING
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import sub, variable
 
@@ -63,6 +65,40 @@ def test_a_fan_that_cools_better_the_faster_it_turns(loss, found):
     declared = pse.DeclaredModel({"T": "b*u - h*T"}, inputs=["u", "w"])
     report = pse.close_loop(declared, records[:2], records[2], operators=(), random_state=0)
     assert [str(effect.term) for effect in report.effects] == found
+
+
+def test_a_product_saturates_with_what_stays_above_zero_in_it():
+    design = pse.DeclaredModel({"N": "r*N - g*(N - 1)*S", "S": "m*N*S - a*S"}).design()
+    low, high = np.array([0.5, -1.0, 0.0]), np.array([2.0, 3.0, 9.0])
+    ranges = Ranges.of(np.random.default_rng(0).uniform(low, high, (500, 3)))
+    found = [c for c in candidates(design, ranges) if c.name == SATURATING]
+    assert {(c.state, c.variables) for c in found} == {(s, frozenset({0, 1})) for s in (0, 1)}
+    places = [c.shape.values[0] for c in found if c.state == 1]
+    assert places == pytest.approx([0.6, 2.0, 6.0], rel=0.01)
+    assert found[0].at([3.0]).terms[0].name(("N", "S", "t")) == "-S/(3 + N) + N S/(3 + N)"
+
+
+def test_no_force_saturates_so():
+    design = pse.DeclaredModel({"q": "v", "v": "-k*q - c*q**2*v"}).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
+    assert not [c for c in candidates(design, ranges) if c.name == SATURATING]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compression", [0.2, 0.0])
+def test_a_gain_that_is_compressed_in_two_equations_has_one_number(compression):
+    t, rng = np.arange(0.0, 50.0, 0.02), np.random.default_rng(3)
+    pump = 2.6 + 0.6 * np.sin(0.4 * t) + 0.5 * np.sin(1.1 * t + 1.0) + 0.4 * np.sin(2.7 * t)
+    gain = f"(N - 1)*S/(1 + {compression}*S)"
+    laser = {"N": f"J - 0.8*N - {gain}", "S": f"2.5*{gain} - 1.2*S + 0.05*N"}
+    x = pse.simulate(equations_of(laser, ("J",)), [1.1, 1.0], t, pump)
+    y = x + 0.004 * x.std(axis=0) * rng.standard_normal(x.shape)
+    declared = {"N": "p*J - c*N - g*(N - 1)*S", "S": "m*(N - 1)*S - a*S + e*N"}
+    model = pse.DeclaredModel(declared, inputs=["J"])
+    report = pse.close_loop(model, pse.prepare(t, y, pump, order=1), operators=(), random_state=0)
+    assert [e.name for e in report.effects] == [SATURATING] * (2 if compression else 0)
+    for effect in report.effects:
+        assert effect.numbers["half-saturation"] == pytest.approx(5.0, rel=0.1)
 
 
 def test_surroundings_that_are_measured_but_act_nowhere_take_heat():
