@@ -11,9 +11,18 @@ from ...terms import Sum, variable
 from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, bare
-from .vocabulary import of_equation
+from .varying import SATURATING
+from .vocabulary import HARMONIC, of_equation
 
-__all__ = ["beside", "candidates", "fitted", "standing", "with_parents", "zeros_of"]
+__all__ = [
+    "beside",
+    "candidates",
+    "fitted",
+    "for_trajectories",
+    "standing",
+    "with_parents",
+    "zeros_of",
+]
 
 
 def candidates(design: Design, ranges: Ranges) -> list[Candidate]:
@@ -44,6 +53,15 @@ def candidates(design: Design, ranges: Ranges) -> list[Candidate]:
         if not all((state, bare(term)) in taken for term in candidate.terms)
         and not (candidate.variables & free and _is_idle(candidate, design, ranges))
     ]
+
+
+def for_trajectories(offered: Iterable[Candidate]) -> list[Candidate]:
+    """Return what may be told from the rest on short trajectories.
+
+    There two waves of an angle, or a rate with a constant below the line, are almost any curve, and
+    do as well as whatever is the cause.
+    """
+    return [one for one in offered if one.name not in (HARMONIC, SATURATING)]
 
 
 def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:

@@ -25,7 +25,9 @@ from .radial import radial
 from .stops import asymmetric_limits, damped_contacts, stops
 from .varying import SATURATING, drifts, saturating, varying
 
-__all__ = ["VOCABULARY", "of_equation"]
+__all__ = ["HARMONIC", "VOCABULARY", "of_equation"]
+
+HARMONIC = "second harmonic"
 
 VOCABULARY = (
     "Coulomb friction",
@@ -42,7 +44,7 @@ VOCABULARY = (
     "dead zone",
     "saturation",
     "gravity",
-    "second harmonic",
+    HARMONIC,
     "constant offset",
     "coupling",
     "input nonlinearity",
@@ -213,15 +215,16 @@ def _weights(
         yield effect("gravity", along, parents=(OFFSET,), whole=True)
         if bends(swing, unit):  # at small angles both together are any soft or hard spring
             yield effect("gravity", across, along, parents=(OFFSET,), whole=True)
+        if swing * unit > np.pi / 2.0:  # on less than a whole period it is any curve
             yield from _second_harmonics(effect, mul(constant(2.0), angle))
 
 
 def _second_harmonics(effect: CandidateMaker, twice: Sum) -> Iterator[Candidate]:
     """Go through what comes twice a turn: salient poles, a gradient of gravity, wind on a hull."""
     across, along = call(BUILTIN["sin"], twice), call(BUILTIN["cos"], twice)
-    yield effect("second harmonic", across)
-    yield effect("second harmonic", along, parents=(OFFSET,), whole=True)
-    yield effect("second harmonic", across, along, parents=(OFFSET,), whole=True)
+    yield effect(HARMONIC, across)
+    yield effect(HARMONIC, along, parents=(OFFSET,), whole=True)
+    yield effect(HARMONIC, across, along, parents=(OFFSET,), whole=True)
 
 
 def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:

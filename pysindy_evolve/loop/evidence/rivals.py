@@ -12,7 +12,7 @@ import numpy as np
 from ...terms import Call, Sum, add, as_sum, constant, mul, power
 from ..effects.candidate import EVOLVED, OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
-from ..effects.missing import candidates, standing, with_parents
+from ..effects.missing import candidates, for_trajectories, standing, with_parents
 from ..given.design import Design
 from ..given.segments import Segments
 from .drifting_rivals import leads_over, twin_chance
@@ -88,6 +88,8 @@ def rivals_of(
     """
     known = standing(design)
     proposed = candidates(design, part.ranges)
+    if part.by_trajectory:
+        proposed = for_trajectories(proposed)
     proposed += [*_rounded(candidate, part), *_grown_forms(candidate, grown)]
     complete = [_with_offset(c, known) for c in proposed]
     able = with_parents(complete, design)

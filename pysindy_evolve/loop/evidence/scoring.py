@@ -11,7 +11,7 @@ from scipy.optimize import minimize, minimize_scalar
 from ...equations import Equations
 from ...signals import Record
 from ..effects.candidate import Candidate
-from ..effects.missing import candidates, standing
+from ..effects.missing import candidates, for_trajectories, standing
 from ..effects.periodic import (
     N_LINES,
     is_same_ripple,
@@ -71,6 +71,8 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     records = part.records
     variables = np.concatenate([variables_of(record) for record in records])
     proposed = candidates(design, Ranges.of(variables))
+    if part.by_trajectory:
+        proposed = for_trajectories(proposed)
     left = [residual_on(equations, record) for record in records]
     first = int(np.argmax([len(record) for record in records]))
     longest, time = records[first], len(design.states) + len(design.inputs)

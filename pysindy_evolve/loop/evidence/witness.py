@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...signals import Record
-from ..effects.missing import candidates
+from ..effects.missing import candidates, for_trajectories
 from ..effects.stops import has_two_ends
 from ..fitting.trajectory import followable
 from ..given.design import Design
@@ -52,7 +52,8 @@ def _says_enough(design: Design, part: Segments) -> bool:
     What has two ends is hardly another column than what has one, or ends at the same distance.
     """
     variables = np.concatenate([variables_of(record) for record in part.records])
-    single = [c for c in candidates(design, Ranges.of(variables)) if not has_two_ends(c)]
+    usual = for_trajectories(candidates(design, Ranges.of(variables)))
+    single = [c for c in usual if not has_two_ends(c)]
     offered = [c.state for c in single for _ in c.terms]
     n_columns = len(design.columns) + max(offered.count(state) for state in design.open_states)
     n_numbers = len(part.places) * (2 * n_frequencies(part) - 1)
