@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .cautions import cautions
+from .slow_states import slow_rest
 from .units import percent
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ def remains(report: LoopReport) -> list[str]:
             "A general model, polynomials of all variables and the recent past of the inputs, "
             "predicts the residual better than it does in twins: something is there that depends "
             "on what was measured. A delay, a memory, a variable that was not measured, or columns "
-            "that were not smoothed alike may be it."
+            f"that were not smoothed alike may be it.{slow_rest(report)}"
         )
     said += cautions(report)
     if not report.finished:

@@ -25,12 +25,16 @@ def grow_terms(search: Search) -> None:
         _grow_by_trajectory(search)
         return
     n_searches = 1 if search.findings else _n_searches(search)
-    # Growing takes longer than all else, and finds nothing where a generic model finds nothing.
-    while search.has_room and may_have_structure(search.design, search.grower.seen):
+    while search.has_room and _may_lack_more(search):
         found = search.grower.find(search.design, n_searches)
         if not found:
             break
         search.findings = [*search.findings, *search.numbered(found)]
+
+
+def _may_lack_more(search: Search) -> bool:
+    # Growing takes longest, and beside what was found finds nothing where a generic model does not.
+    return not search.findings or may_have_structure(search.design, search.grower.seen)
 
 
 def _n_searches(search: Search) -> int:
