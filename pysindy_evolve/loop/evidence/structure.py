@@ -2,10 +2,9 @@
 
 A generic model, polynomials of all variables and the recent past of the inputs, or slow waves of
 time, predicts held-out segments; so does each term of the polynomials by itself, as a small effect
-is lost in what many of them fit. If it does so better than in twins, there is structure
-that no tried effect explains: perhaps a delay or a hidden state, which need more than the present
-values. The past of the states is left out, as filtered sensor noise alone makes x_dot a function of
-it.
+is lost in what many of them fit. If one does so better than in twins, there is structure that no
+tried effect explains: perhaps a delay or a hidden state, which need more than the present values.
+The past of the states is left out, as filtered sensor noise alone makes x_dot a function of it.
 """
 
 from __future__ import annotations

@@ -102,7 +102,7 @@ def rank(
 
 
 def ranked(
-    judge: Callable[[np.ndarray], np.ndarray],
+    judge: Judge,
     total: np.ndarray,
     n_fixed: int,
     candidates: Sequence[Candidate],

@@ -7,6 +7,7 @@ from loop_systems import equations_of
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.entries import entered, entries_of
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.pairing import groups_to_try
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, mul, power, variable
@@ -42,6 +43,15 @@ def test_what_an_effect_enters_with_is_known_whatever_it_depends_on():
     for entry, force in ((cart, friction), (joint, mul(q, friction))):
         assert entered(design, 3, mul(force, entry.factor)) == (entry, force)
     assert entered(design, 3, friction) is None
+
+
+def test_a_friction_of_the_cart_is_one_force_in_its_equation_and_in_that_of_the_joint():
+    ranges = Ranges.of(np.random.default_rng(0).normal(size=(50, 6)))
+    offered = candidates(CART.design(), ranges)
+    groups = groups_to_try(offered, range(len(offered)), set(), pairs=True)
+    forces = [[offered[i] for i in g] for g in groups if len(g) == 2 and offered[g[0]].force]
+    assert all(one.name == other.name and one.state != other.state for one, other in forces)
+    assert {"Coulomb friction"} <= {one.name for one, _ in forces}
 
 
 def test_a_constant_factor_is_no_entry():

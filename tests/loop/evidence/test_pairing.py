@@ -2,13 +2,8 @@
 
 from dataclasses import replace
 
-import numpy as np
-
-import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import EVOLVED, OFFSET, Candidate
-from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.pairing import groups_to_try, posing_as_offset
-from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import variable
 
 X, Y, Z = (variable(k) for k in range(3))
@@ -50,24 +45,6 @@ def test_one_force_in_two_equations_is_a_pair_though_each_is_scored_in_no_other(
     assert tried(*offered)[4:] == [(0, 1), (1, 3)]
     squares = [replace(one, parents=(Z,)) for one in offered]
     assert tried(*squares) == [(2,)]  # which brings what it needs itself
-
-
-def test_a_friction_of_a_cart_is_one_force_in_its_equation_and_in_that_of_what_hangs_on_it():
-    design = pse.DeclaredModel(
-        {
-            "p": "v",
-            "v": "(F - c*v)/(2 + sin(th)**2)",
-            "th": "w",
-            "w": "-g*sin(th) - cos(th)*(F - c*v)/(2 + sin(th)**2)",
-        },
-        inputs=["F"],
-    ).design()
-    offered = candidates(design, Ranges.of(np.random.default_rng(0).normal(size=(50, 6))))
-    new = range(len(offered))
-    pairs = [g for g in groups_to_try(offered, new, set(), pairs=True) if len(g) == 2]
-    names = [{offered[i].name for i in g} for g in pairs if offered[g[0]].force is not None]
-    assert {"Coulomb friction"} in names
-    assert all(len(name) == 1 for name in names)
 
 
 def test_an_offset_is_posed_as_only_where_there_is_none():
