@@ -25,6 +25,8 @@ followers          relaxation and flexible masses together: what follows a measu
 by frequency
 lines              frequencies at which the spectrum of a signal stands above the noise
 periodic           forcing and ripple at these frequencies
-pumps              terms of the model times a wave of such a frequency
+modulation         how often what a term is worth goes up and down
+pumps              terms of the model times a wave of the time
+rippled            terms of the model times a wave of the position
 =================  ======================================================================
 """

@@ -11,9 +11,9 @@ from scipy.ndimage import median_filter
 
 from ...checks import TINY
 
-__all__ = ["FEWEST_FREQUENCIES", "find_lines", "pumping"]
+__all__ = ["FEWEST_FREQUENCIES", "find_lines", "vertex"]
 
-FINENESS = 8  # of the grid of frequencies: the true one lies close to it
+FINENESS = 4  # of the grid of frequencies: the true one lies close to it
 LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
 ROUGHLY = 0.8  # of it, that half frequencies of the record show of any line; a Hann window has 0.85
 VALLEYS, COMB = 0.1, 15.0  # quantile about a place, and how far lines of many sines rise above it
@@ -22,9 +22,6 @@ MOST_TRIED = 16  # lines; what is left beside as many that inputs have is their 
 HALF = FINENESS // 2  # of these make half of what the record resolves
 AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
 SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
-ROUGHNESS = 2  # of the same where a frequency is tuned afterwards
-PUMPED = 0.1  # of the squares of a residual, that a wave times a term explains
-SINGULAR = 0.01  # determinant below which cosine and sine are one on the record
 FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know the noise about a line
 
 
@@ -73,7 +70,7 @@ def find_lines(
         peak = int(np.argmax(np.where(free, spectrum / floor, 0.0)))
         if not free[peak] or spectrum[peak] < LINE * floor[peak]:
             break
-        cycles = _vertex(spectrum, peak) / n_fine
+        cycles = vertex(spectrum, peak) / n_fine
         # A peak that begins to rise where the search does belongs to what is too slow for a line.
         its_own = cycles * n_fine > FINENESS * n_periods - 1 and not any(
             _has_line(*of_other, peak) for of_other in of_others()
@@ -85,48 +82,26 @@ def find_lines(
         signal = _without(signal, cycles)
 
 
-def pumping(
-    residual: np.ndarray, values: np.ndarray, n_periods: int, highest: float = np.inf
-) -> list[float]:
-    """Return the frequency at which a wave times a signal explains most of a residual.
+def vertex(spectrum: np.ndarray, peak: int) -> float:
+    """Return the place of a peak between grid points, from the parabola through three of them.
 
     Parameters
     ----------
-    residual, values : ndarray of shape (n,)
-        Uniformly sampled. A multiple of the values is fitted as well, to see only what varies.
-    n_periods : int
-        Periods in the residual, at least.
-    highest : float
-        Frequency up to which to look, cycles a sample.
+    spectrum : ndarray of shape (n,)
+        Amplitudes or shares, none negative.
+    peak : int
+        Grid point of the peak.
 
     Returns
     -------
-    list of float
-        One, cycles a sample; none where no wave explains a notable share.
-
-    References
-    ----------
-    Zechmeister and Kuerster 2009, DOI 10.1051/0004-6361:200811296: the periodogram of a residual
-    over the values, with their squares as weights.
+    float
+        In grid points.
     """
-    if not np.isfinite(residual * values).all():
-        return []
-    n_fine = ROUGHNESS * fft.next_fast_len(len(values), real=True)
-    places = np.arange(n_fine // 4 + 1)
-    moved = fft.rfft(residual * values, n_fine)
-    weight = fft.rfft(values**2, n_fine)
-    total = max(float(weight[0].real), TINY)
-    once, twice = weight[places] / total, weight[2 * places] / total
-    b = moved[places] - moved[0].real * once  # beside the multiple: cosine less i times sine
-    cosines = 0.5 * (1.0 + twice.real) - once.real**2
-    sines = 0.5 * (1.0 - twice.real) - once.imag**2
-    both = 0.5 * twice.imag - once.real * once.imag
-    det = np.maximum(cosines * sines - both**2, SINGULAR)
-    gain = b.real**2 * sines - 2.0 * b.real * b.imag * both + b.imag**2 * cosines
-    shares = gain / (det * total * max(float(np.sum(residual**2)), TINY))
-    free = (places > ROUGHNESS * n_periods) & (places < highest * n_fine)
-    peak = int(np.argmax(np.where(free, shares, 0.0)))
-    return [_vertex(shares, peak) / n_fine] if free[peak] and shares[peak] > PUMPED else []
+    if not 0 < peak < len(spectrum) - 1:
+        return float(peak)
+    left, top, right = np.log(np.maximum(spectrum[peak - 1 : peak + 2], TINY))
+    bend = left - 2.0 * top + right
+    return peak + (0.5 * float((left - right) / bend) if bend < 0.0 else 0.0)
 
 
 def _without(signal: np.ndarray, cycles: float) -> np.ndarray:
@@ -184,15 +159,6 @@ def _is_response(
     away, at = np.abs(apart) > SKIRT / AROUND, near == peak
     response = basis[at] @ np.linalg.lstsq(basis[away], line[away], rcond=None)[0]
     return bool(np.all(np.abs(line[at] - response) < 0.5 * np.abs(line[at])))
-
-
-def _vertex(spectrum: np.ndarray, peak: int) -> float:
-    """Return the place of a peak between grid points, from the parabola through three of them."""
-    if not 0 < peak < len(spectrum) - 1:
-        return float(peak)
-    left, top, right = np.log(np.maximum(spectrum[peak - 1 : peak + 2], TINY))
-    bend = left - 2.0 * top + right
-    return peak + (0.5 * float((left - right) / bend) if bend < 0.0 else 0.0)
 
 
 def _has_line(spectrum: np.ndarray, floor: np.ndarray, peak: int) -> bool:

@@ -16,7 +16,10 @@ from .lines import find_lines
 __all__ = [
     "FORCING",
     "N_LINES",
+    "PERIODS_IN_SPACE",
     "RIPPLE",
+    "SAMPLES_PER_BIN",
+    "WAVE_NUMBER",
     "frequency_of",
     "is_same_ripple",
     "lines_of",
@@ -24,11 +27,13 @@ __all__ = [
     "periodic_candidates",
     "ripple_candidates",
     "waves_of",
+    "waves_times",
 ]
 
 FORCING = "periodic forcing"
 RIPPLE = "position-periodic ripple"
 FREQUENCY = "angular frequency"
+WAVE_NUMBER = "wave number"
 N_LINES = 2  # that are looked at in an equation
 PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
 FEWEST_PERIODS = 4  # of a plain forcing, which acts whatever the state is
@@ -169,7 +174,7 @@ def ripple_candidates(
                 (2 * np.pi * cycles / width,),
                 waves_of(position),
                 0.5 / (n_bins * cycles),
-                ("wave number",),
+                (WAVE_NUMBER,),
             ),
         )
         for cycles in lines
@@ -187,6 +192,15 @@ def is_same_ripple(one: Candidate, other: Candidate) -> bool:
 def waves_of(column: int) -> tuple[Callable[[float], Sum], ...]:
     """Return what builds a sine and a cosine of a variable from a frequency, radians a unit."""
     return partial(_wave, "sin", column), partial(_wave, "cos", column)
+
+
+def waves_times(part: Sum, column: int) -> tuple[Callable[[float], Sum], ...]:
+    """Return the same for waves that an expression is multiplied by."""
+    return tuple(partial(_times, part, wave) for wave in waves_of(column))
+
+
+def _times(part: Sum, wave: Callable[[float], Sum], frequency: float) -> Sum:
+    return mul(part, wave(frequency))
 
 
 def _wave(function: str, column: int, frequency: float) -> Sum:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
-from ...terms import Call, Sum, mul
+from ...terms import Call, Sum
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape
-from .lines import pumping
-from .periodic import FORCING, PERIODS_IN_TIME, lines_of, of_line, waves_of
+from .modulation import pumping
+from .periodic import FORCING, PERIODS_IN_TIME, lines_of, of_line, waves_of, waves_times
 from .varying import parts_of
 
 __all__ = ["other_pumps", "partner_pumps", "pumped_candidates"]
@@ -134,9 +132,5 @@ def _pumped(state: int, design: Design, wave: Shape) -> list[Candidate]:
 
 def _pump(state: int, time: int, part: Sum, wave: Shape) -> Candidate:
     """Return a term times a wave, at the frequency of the wave."""
-    shape = replace(wave, builds=tuple(partial(_times, part, build) for build in waves_of(time)))
+    shape = replace(wave, builds=waves_times(part, time))
     return CandidateMaker(state)(FORCING, shape=shape, parents=(part,), alone=True)
-
-
-def _times(part: Sum, wave: Callable[[float], Sum], frequency: float) -> Sum:
-    return mul(part, wave(frequency))

@@ -19,6 +19,7 @@ from ..effects.periodic import (
     ripple_candidates,
 )
 from ..effects.pumps import partner_pumps, pumped_candidates
+from ..effects.rippled import rippled_candidates
 from ..effects.stops import begins_within, one_end_each
 from ..effects.varying import parts_of
 from ..effects.vocabulary import VOCABULARY
@@ -82,13 +83,18 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     for state in design.open_states:
         residual, dt = left[first][:, state], longest.dt
         proposed += periodic_candidates(state, time, residual, drivers, dt, cutoff)
+        position = design.position_of(state)
         sides = (one for one in parts_of(design, state) if time not in one.variables)
         for branch, side in enumerate(sides, N_LINES):
             values = side.evaluate(variables_of(longest))
             proposed += pumped_candidates(
                 state, time, residual, side, values, drivers, dt, cutoff, branch=branch
             )
-        position = design.position_of(state)
+            if position is not None:
+                q, noise = longest.x[:, position], _noise_of(longest, position)
+                proposed += rippled_candidates(
+                    state, position, residual, q, side, values, noise, branch=branch
+                )
         if position is not None:
             residuals = [own[:, state] for own in left]
             proposed += _ripples(state, position, residuals, records)
@@ -101,14 +107,19 @@ def _ripples(
     """Return the ripples that any record shows: one that went slowly may show it best."""
     found: list[Candidate] = []
     for residual, record in zip(residuals, records, strict=True):
-        made, q = record.preparation, record.x[:, position]
-        noise = 0.0 if made is None else float(made.noise[position // made.order])
+        q, noise = record.x[:, position], _noise_of(record, position)
         found += [
             ripple
             for ripple in ripple_candidates(state, position, residual, q, noise)
             if not any(is_same_ripple(ripple, other) for other in found)
         ]
     return found
+
+
+def _noise_of(record: Record, position: int) -> float:
+    """Return the standard deviation of the sensor of a position; zero if nobody knows."""
+    made = record.preparation
+    return 0.0 if made is None else float(made.noise[position // made.order])
 
 
 def score(

@@ -6,7 +6,7 @@ from loop_systems import equations_of, multisine
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
-from pysindy_evolve.loop.effects.lines import pumping
+from pysindy_evolve.loop.effects.modulation import pumping
 from pysindy_evolve.loop.effects.periodic import (
     FORCING,
     lines_of,

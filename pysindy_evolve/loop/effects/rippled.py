@@ -1,0 +1,73 @@
+"""Terms of the model that ripple with a position: times a sine and a cosine of it.
+
+The torque of a motor goes up and down from pole to pole, the more so the more current it draws; a
+guide rubs more where it is worn, and a gear where it is not round.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...terms import Sum
+from .candidate import Candidate, CandidateMaker, Shape
+from .modulation import rippling
+from .periodic import PERIODS_IN_SPACE, RIPPLE, SAMPLES_PER_BIN, WAVE_NUMBER, waves_times
+
+__all__ = ["rippled_candidates"]
+
+RUBBING = "position-dependent friction"
+
+
+def rippled_candidates(
+    state: int,
+    position: int,
+    residual: np.ndarray,
+    q: np.ndarray,
+    part: Sum,
+    values: np.ndarray,
+    noise: float = 0.0,
+    *,
+    branch: int = 0,
+) -> list[Candidate]:
+    """Return a term times sine and cosine of a position, at the wave number that explains most.
+
+    Parameters
+    ----------
+    state, position : int
+        Equation, and the variable that is the position to it.
+    residual, q : ndarray of shape (n_samples,)
+        What the model leaves, and the position.
+    part : Sum
+        The term, without its coefficient.
+    values : ndarray of shape (n_samples,)
+        Its values.
+    noise : float
+        Standard deviation of the noise of the sensor of the position.
+    branch : int
+        Tells the term from the others of its equation.
+
+    Returns
+    -------
+    list of Candidate
+        One or none: none for a term of the position alone, which is a spring of another shape.
+    """
+    n_bins = len(q) // SAMPLES_PER_BIN
+    if part.variables <= {position} or n_bins < 2 * PERIODS_IN_SPACE or np.ptp(q) == 0.0:
+        return []
+    finest = 1.0 / (2 * np.pi * noise) if noise > 0.0 else np.inf
+    name = RUBBING if part.variables == {state} else RIPPLE
+    return [
+        CandidateMaker(state)(
+            name,
+            shape=Shape(
+                (2 * np.pi * found,),
+                waves_times(part, position),
+                0.5 / (found * float(np.ptp(q))),
+                (WAVE_NUMBER,),
+                branch,
+            ),
+            parents=(part,),
+            alone=True,
+        )
+        for found in rippling(residual, values, q, n_bins, PERIODS_IN_SPACE, finest)
+    ]
