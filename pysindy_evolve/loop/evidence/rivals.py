@@ -13,6 +13,7 @@ from ...terms import Call, Sum, add, as_sum, constant, mul, power
 from ..effects.candidate import EVOLVED, OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
 from ..effects.missing import candidates, for_trajectories, standing, with_parents
+from ..effects.shaping import with_units
 from ..given.design import Design
 from ..given.segments import Segments
 from .drifting_rivals import leads_over, twin_chance
@@ -208,7 +209,10 @@ def _hardly_varies(candidate: Candidate, part: Segments) -> bool:
 
 
 def _grown_forms(candidate: Candidate, grown: Sequence[Candidate]) -> list[Candidate]:
-    """Return the other forms of a grown term that grew beside it, and have hardly more nodes."""
+    """Return the other forms of a grown term that grew beside it, and have hardly more nodes.
+
+    One with a number close to one, where the effect has none, is the same form.
+    """
     if candidate.name != EVOLVED:
         return []
     return [
@@ -216,7 +220,7 @@ def _grown_forms(candidate: Candidate, grown: Sequence[Candidate]) -> list[Candi
         for one in grown
         if (one.name, one.state) == (EVOLVED, candidate.state)
         and one.size <= candidate.size + MORE
-        and one.form != candidate.form
+        and candidate.form not in (one.form, (with_units(one) or one).form)
     ]
 
 

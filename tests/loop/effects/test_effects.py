@@ -23,6 +23,7 @@ STATIC = {
     "viscous damping",
     "quadratic drag",
     "nonlinear damping",
+    "eddy-current drag",
     "linear stiffness",
     "quadratic stiffness",
     "cubic stiffness",
