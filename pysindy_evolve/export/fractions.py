@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..terms import Atom, Product, Sum
+from ..terms import ONE, Atom, Call, Product, Sum
 
 __all__ = ["as_fractions"]
 
@@ -34,9 +34,32 @@ def as_fractions(side: Sum) -> Sum:
         rest = Product(tuple(factor for factor in term.factors if factor not in sums))
         above.setdefault(sums, []).append((coefficient, rest))
     parts: list[tuple[float, Product]] = []
-    for below, terms in above.items():
+    for sums, found in above.items():
+        below, scale = _about_one(sums)
+        terms = [(c / scale, term) for c, term in found]
         if below and len(terms) > 1:
             parts.append((1.0, Product(((Sum(tuple(terms)), 1), *below))))
         else:
             parts += [(c, Product((*term.factors, *below))) for c, term in terms]
     return Sum(tuple(parts))
+
+
+def _about_one(sums: tuple[tuple[Atom, int], ...]) -> tuple[tuple[tuple[Atom, int], ...], float]:
+    """Return one sum of waves about a constant as 1 + waves, and the constant; else as it is.
+
+    So an inertia that goes up and down with an angle is read.
+    """
+    if len(sums) != 1 or sums[0][1] != -1 or not isinstance(sums[0][0], Sum):
+        return sums, 1.0
+    constants = [c for c, term in sums[0][0].parts if term == ONE]
+    waves = [(c, term) for c, term in sums[0][0].parts if term != ONE]
+    if not constants or not all(_is_wave(term) for _, term in waves):
+        return sums, 1.0
+    scaled = Sum(((1.0, ONE), *((c / constants[0], term) for c, term in waves)))
+    return ((scaled, -1),), constants[0]
+
+
+def _is_wave(term: Product) -> bool:
+    (atom, power), *more = term.factors
+    is_call = isinstance(atom, Call) and atom.operator.name in ("sin", "cos")
+    return is_call and power == 1 and not more

@@ -11,6 +11,7 @@ shaping            the numbers inside an effect, such as a rate, prepared for tu
 partners           effects in several equations that share the same inner numbers
 forces
 entries            forces that enter through an inverse mass matrix
+inertia            inertias that go up and down with an angle, which a model lacks
 angles             forces between rotating bodies, periodic in the difference of angles
 radial             forces along or against a motion in a plane or in space
 stops              end stops, contacts, slack ropes

@@ -55,6 +55,7 @@ VOCABULARY = (
     "drift",
     "periodic forcing",
     "position-periodic ripple",
+    "position-dependent inertia",
     "input delay",
     "actuator lag",
     "hysteresis",

@@ -11,6 +11,7 @@ from scipy.optimize import minimize, minimize_scalar
 from ...equations import Equations
 from ...signals import Record
 from ..effects.candidate import Candidate
+from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, standing
 from ..effects.periodic import (
     N_LINES,
@@ -71,7 +72,8 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     """Return what may be missing: the vocabulary, and waves over time and position."""
     records = part.records
     variables = np.concatenate([variables_of(record) for record in records])
-    proposed = candidates(design, Ranges.of(variables))
+    ranges = Ranges.of(variables)
+    proposed = candidates(design, ranges)
     if part.by_trajectory:
         proposed = for_trajectories(proposed)
     left = [residual_on(equations, record) for record in records]
@@ -96,6 +98,8 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
                     state, position, residual, q, side, values, noise, branch=branch
                 )
         if position is not None:
+            if not part.by_trajectory:
+                proposed += inertias(state, position, equations.sums[state], ranges)
             residuals = [own[:, state] for own in left]
             proposed += _ripples(state, position, residuals, records)
     return [*proposed, *partner_pumps(design, len(longest) * longest.dt)]
@@ -144,7 +148,10 @@ def net(score: Score) -> float:
 def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
     """Return the columns that a candidate, and then its partners, add to a design."""
     n_states = len(design.states)
-    own = (in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms)
+    own = [in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms]
+    if isinstance(candidate, InertiaCandidate):
+        pairs = zip(own, candidate.waves, strict=True)
+        own = [replace(column, inertia=wave) for column, wave in pairs]
     return (*own, *(c for partner in candidate.partners for c in columns_of(partner, design)))
 
 

@@ -7,6 +7,7 @@ the model
 declared       the declared model, from text, sympy or a SINDy model
 sindy_models   a SINDy model as the declared one
 design         a model with free coefficients: known parts and linear columns
+inertia        inertias that go up and down with a position, which divide all forces
 kinematics     which states are positions, and which are velocities
 algebraic      models of a force itself, with no derivative
 checks

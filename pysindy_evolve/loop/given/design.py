@@ -14,7 +14,7 @@ A parameter that stands in several equations is one column with several parts.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ import numpy as np
 from ...equations import AlgebraicEquations, Equations
 from ...hidden_states.path_states import paths_in
 from ...terms import Cache, Call, Product, Sum
+from .inertia import InertiaWave, over_inertia
 from .kinematics import whole_state
 
 __all__ = ["Column", "Design", "in_state"]
@@ -37,10 +38,14 @@ class Column:
         Of the coefficient, or of the effect that it belongs to.
     parts : tuple of Sum, one for each state
         Expressions of the variables: states, inputs, time. Empty where it does not enter.
+    inertia : InertiaWave, optional
+        Of which its coefficient is the amplitude. Then its part is what that lacks of the model
+        that was fitted last, and the equations hold the wave itself.
     """
 
     name: str
     parts: tuple[Sum, ...]
+    inertia: InertiaWave | None = field(default=None, kw_only=True)
 
     def values_in(
         self, state: int, variables: np.ndarray, cache: Cache | None = None
@@ -180,11 +185,23 @@ class Design:
         rows: list[dict[Product, float]] = []
         for state in range(len(self.states)):
             row: dict[Product, float] = {term: c for c, term in self.fixed[state].parts}
+            waves = []
             for value, column in zip(coef, self.columns, strict=True):
+                if column.inertia is not None and column.parts[state].parts:
+                    waves.append((float(value), column.inertia))
+                    continue
                 for c, term in column.parts[state].parts:
                     row[term] = row.get(term, 0.0) + float(value) * c
-            rows.append(row)
+            rows.append(_over(row, waves) if waves else row)
         terms = tuple(dict.fromkeys(term for row in rows for term in row))
         matrix = np.array([[row.get(term, 0.0) for term in terms] for row in rows])
         kind = AlgebraicEquations if self.algebraic else Equations
         return kind(terms, matrix.reshape(len(rows), len(terms)), self.states, self.inputs)
+
+
+def _over(
+    row: dict[Product, float], waves: Sequence[tuple[float, InertiaWave]]
+) -> dict[Product, float]:
+    """Return the terms of an equation whose forces act on an inertia with waves."""
+    rate = over_inertia(Sum(tuple((c, term) for term, c in row.items())), waves)
+    return {term: c for c, term in rate.parts}

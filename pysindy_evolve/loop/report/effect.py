@@ -136,6 +136,9 @@ class Effect:
         Where it acts, if a declared force enters the equation by the same factor, which is no
         constant: such as "as if F were larger by this times sgn(v)", or "through the same factor
         as the damping of w".
+    written : tuple of Sum
+        What the coefficients are said to multiply, if the expressions hold the whole equation: the
+        waves of an inertia.
     """
 
     name: str
@@ -159,6 +162,7 @@ class Effect:
     number_intervals: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     entry: str = ""
     together: tuple[str, ...] = ()
+    written: tuple[Sum, ...] = ()
 
     @property
     def place(self) -> str:

@@ -13,6 +13,7 @@ from ...export.compact import as_written
 from ...export.symbolic import without_sign
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
+from ..effects.inertia import INERTIA
 from ..effects.periodic import FORCING, RIPPLE
 from .interval_text import interval, value_within
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["evidence", "named_together", "numbers_inside", "sentence", "with_sign"]
 __all__ += ["without_rivals"]
 
-WAVES = (FORCING, RIPPLE)  # each a sine and a cosine
+WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine
 
 
 def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
@@ -79,7 +80,7 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
 
 def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:
     """Return a term as it is written, its coefficient, and the ends of the interval."""
-    sign, term = without_sign(as_written(effect.expressions[k], symbols))
+    sign, term = without_sign(as_written((effect.written or effect.expressions)[k], symbols))
     low, high = sorted(sign * effect.confidence_intervals[k])
     return term, sign * float(effect.coefficients[k]), low, high
 

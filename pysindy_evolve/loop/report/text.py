@@ -89,7 +89,7 @@ def added_up(report: LoopReport) -> list[str]:
     brought = {
         (effect.state, product)
         for effect in report.effects
-        for expression in (() if effect.quantities else effect.expressions)
+        for expression in (() if effect.quantities or effect.written else effect.expressions)
         for _, product in as_hinges(expression).parts
     }
     shown = {(state, product) for state, side in sides.items() for _, product in side.parts}

@@ -17,6 +17,7 @@ from ...signals import Record
 from ...terms import Sum, mul
 from ..effects.candidate import OFFSET
 from ..effects.entries import entered
+from ..effects.inertia import INERTIA
 from ..evidence.findings import (
     Finding,
     LimitFinding,
@@ -165,6 +166,7 @@ def _effect(
     """Return an effect with its evidence; its coefficients are those of the final model."""
     others = [memory for memory in memories if memory not in memories_in([finding])]
     state, terms = finding.candidate.state, finding.candidate.terms
+    written = tuple(column.inertia.wave for column in finding.columns if column.inertia)
     poorer = design.dropping(finding.columns)
     without, with_it = (
         derivative_fit_errors(d, *([remembered(r, m) for r in rs] for rs in (train, test)))[state]
@@ -174,7 +176,7 @@ def _effect(
     return Effect(
         name=finding.candidate.name,
         state=design.states[state],
-        term=_total(terms, design.symbols),
+        term=_total(written or terms, design.symbols),
         coefficients=unknown,
         confidence_intervals=np.column_stack([unknown, unknown]),
         explained=float(1.0 - (with_it / max(without, TINY)) ** 2),
@@ -187,12 +189,15 @@ def _effect(
         twin_scores=finding.twin_scores,
         score=finding.score,
         entry=_entry(poorer, finding),
+        written=written,
     )
 
 
 def _entry(design: Design, finding: Finding) -> str:
     """Say where an effect acts, if it enters its equation as a declared force does."""
     terms, state = finding.candidate.terms, finding.candidate.state
+    if finding.candidate.name == INERTIA:
+        return "in the inertia, of which the mean counts as one"
     place = entered(design, state, terms[0]) if len(terms) == 1 and finding.columns else None
     if place is None:
         return ""

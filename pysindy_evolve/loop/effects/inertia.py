@@ -1,0 +1,80 @@
+"""Inertia that changes with the position, as the effect that a model of a constant one lacks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from ...terms import Sum
+from ..given.inertia import InertiaWave
+from ..given.ranges import Ranges
+from .angles import swing_of
+from .candidate import Candidate, Shape
+from .periodic import WAVE_NUMBER
+
+__all__ = ["INERTIA", "InertiaCandidate", "inertia_candidate", "inertias"]
+
+INERTIA = "position-dependent inertia"
+FUNCTIONS = ("cos", "sin")
+NEAR = 0.2  # of the logarithm of a wave number
+
+
+@dataclass(frozen=True)
+class InertiaCandidate(Candidate):
+    """Two waves of an inertia, whose coefficients are their amplitudes.
+
+    Its terms hold what the model says of the acceleration, as it was fitted last.
+    """
+
+    position: int = field(kw_only=True)
+
+    @property
+    def size(self) -> int:
+        """Number of nodes that have a price: the forces are known."""
+        return self.n_columns
+
+    @property
+    def waves(self) -> tuple[InertiaWave, ...]:
+        """What each of its columns adds to the inertia."""
+        number = self.shape.values[0] if self.shape is not None else 0.0
+        return tuple(InertiaWave(self.position, self.state, number, one) for one in FUNCTIONS)
+
+
+def inertias(state: int, position: int, rate: Sum, ranges: Ranges) -> list[InertiaCandidate]:
+    """Return the inertias of what turns by more than a quarter each way: once, or twice a turn."""
+    if 2.0 * swing_of(position, ranges.largest, ranges.middle) < np.pi:
+        return []
+    return [inertia_candidate(state, position, rate, float(n), NEAR, branch=n) for n in (1, 2)]
+
+
+def inertia_candidate(
+    state: int, position: int, rate: Sum, number: float, reach: float, branch: int = 0
+) -> InertiaCandidate:
+    """Return what an inertia lacks that goes up and down with a position.
+
+    Parameters
+    ----------
+    state, position : int
+        Velocity, in whose equation it stands, and its position.
+    rate : Sum
+        What the model says of the acceleration.
+    number : float
+        Wave number, radians per unit of the position.
+    reach : float
+        How far its logarithm may be tuned to both sides.
+    branch : int
+        Tells it from others of its equation.
+
+    Returns
+    -------
+    InertiaCandidate
+    """
+    builds = tuple(partial(_lacking, one, position, state, rate) for one in FUNCTIONS)
+    shape = Shape((number,), builds, reach, (WAVE_NUMBER,), branch)
+    return InertiaCandidate(INERTIA, state, shape.terms, shape=shape, alone=True, position=position)
+
+
+def _lacking(function: str, position: int, velocity: int, rate: Sum, number: float) -> Sum:
+    return InertiaWave(position, velocity, number, function).lacking(rate)
