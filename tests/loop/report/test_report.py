@@ -548,7 +548,7 @@ def lines_of(name, coefficients, intervals):
     values = {"coefficients": np.array(coefficients), "quantities": (), "entry": ""}
     rest = {"numbers": {}, "number_intervals": np.empty((0, 2)), "by_runs": False, "explained": 0.5}
     rest |= {"p_value": 0.01, "twin_scores": np.zeros(9), "rivals": (), "contested": True}
-    rest |= {"together": (), "expressions": (variable(0), power(variable(0), 2))}
+    rest |= {"together": (), "written": (), "expressions": (variable(0), power(variable(0), 2))}
     symbols = [sympy.Symbol("q", real=True)]
     return evidence(SimpleNamespace(name=name, **known, **values, **rest), symbols)
 
