@@ -96,7 +96,10 @@ def _stribeck(v: Sum, speed: float) -> Sum:
 
 
 def _eddy(v: Sum, speed: float) -> Sum:
-    """Return what a magnet brakes with: most at one speed, and less beyond (Wouterse 1991)."""
+    """Return what a magnet brakes with: most at one speed, and less beyond it.
+
+    Wouterse, IEE Proc. B 138 (1991), DOI 10.1049/ip-b.1991.0019.
+    """
     return div(v, add(constant(1.0), mul(constant(1.0 / speed**2), power(v, 2))))
 
 

@@ -82,14 +82,19 @@ def _model(errors: Errors) -> str:
 
 
 def added_up(report: LoopReport) -> list[str]:
-    """Say it where an effect does not stand in the equations as it is printed by itself."""
+    """Say it where an effect does not stand in the equations as it is printed by itself.
+
+    Over an inertia with waves nothing does, which that effect says.
+    """
+    if any(effect.written for effect in report.effects):
+        return []
     before, after = report.before.model, report.after.model
     declared = {(before.states[k], before.terms[j]) for k, j in np.argwhere(before.coef != 0.0)}
     sides = dict(zip(after.states, map(as_hinges, after.sums), strict=True))
     brought = {
         (effect.state, product)
         for effect in report.effects
-        for expression in (() if effect.quantities or effect.written else effect.expressions)
+        for expression in (() if effect.quantities else effect.expressions)
         for _, product in as_hinges(expression).parts
     }
     shown = {(state, product) for state, side in sides.items() for _, product in side.parts}
