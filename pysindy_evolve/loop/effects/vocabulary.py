@@ -136,6 +136,7 @@ def _of_rate(
     yield from _frictions(effect, v, float(scales[state]))
     if position is not None:
         q = variable(position)
+        yield from _eddies(effect, v, float(scales[state]))
         yield from _springs(effect, q, float(scales[position]))
         yield from stops(effect, q, float(scales[position]), float(middle[position]))
         yield from damped_contacts(effect, design, q, v)
@@ -200,6 +201,10 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
         yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
     yield effect("quadratic drag", mul(v, _abs(v)))
     yield effect("nonlinear damping", power(v, 3))
+
+
+def _eddies(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
+    """Go through what eddy currents brake a velocity by; of a level it would be a reciprocal."""
     for share in EDDY_SPEEDS:
         shape = Shape((share * speed,), (partial(_eddy, v),), meanings=("critical speed",))
         yield effect(EDDY, shape=shape)
