@@ -14,7 +14,6 @@ refinement          whether an effect is better than a simpler one, or only fits
 how it is measured
 witness             chooses between the spectrum of the derivative and the trajectory
 spectral            residuals of the derivative by frequency, weighted by the noise
-residual_noise      the noise at each frequency, from what all columns leave free
 shares              how much an effect matters, in the derivative and in the simulation
 chance and noise
 nulls               p-value: how often twins give a score as high as the measured one

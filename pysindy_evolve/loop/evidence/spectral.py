@@ -14,18 +14,19 @@ import numpy as np
 from scipy import fft
 from scipy.signal.windows import tukey
 
+from ...checks import TINY
 from ...terms import Cache
 from ..fitting.linear import solve
 from ..fitting.residual import force_on
 from ..given.design import Column, Design
 from ..given.rows import LARGEST
 from ..given.segments import Segments
-from .residual_noise import free_numbers, noise_power
 
 __all__ = ["n_frequencies", "spectral_grams", "spectral_rows", "spectral_weights"]
 
 TAPER = 0.5  # share of a segment over which the taper falls to zero
 N_WEIGHINGS = 3  # of the frequencies by what the fit of the one before leaves
+LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding
 
 
 def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
@@ -119,15 +120,9 @@ def _weights(rows: np.ndarray) -> np.ndarray:
         gram = _gram(rows, weight)
         contrast = np.append(solve(gram[:-1, :-1], gram[:-1, -1]), -1.0)
         left = np.tensordot(rows, contrast, axes=(1, 0))
-        power = np.stack([_noise(*parts) for parts in zip(rows, weight, left, strict=True)])
-        weight = 1.0 / np.sqrt(np.maximum(power, rounding))
+        power = np.mean(np.abs(left) ** 2, axis=1)
+        weight = 1.0 / np.sqrt(np.maximum(_smooth(power), rounding))
     return weight
-
-
-def _noise(rows: np.ndarray, weight: np.ndarray, left: np.ndarray) -> np.ndarray:
-    """Return the power of the noise in one equation, from what its columns leave."""
-    own = rows[:-1][np.any(rows[:-1], axis=(1, 2))]
-    return noise_power(left, free_numbers(own * weight))
 
 
 def _gram(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -135,3 +130,14 @@ def _gram(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
     weighed = np.moveaxis(rows * weight[:, None, None], 1, 0)
     parts = np.ascontiguousarray(weighed).reshape(rows.shape[1], -1).view(float)
     return np.asarray(parts @ parts.T)
+
+
+def _smooth(power: np.ndarray) -> np.ndarray:
+    """Average a power spectrum over neighboring frequencies, an eighth of an octave and more."""
+    n = power.shape[-1]
+    index = np.arange(n)
+    reach = 1 + index // 8
+    sums = np.concatenate([np.zeros((len(power), 1)), np.cumsum(power, axis=-1)], axis=-1)
+    low, high = np.maximum(index - reach, 0), np.minimum(index + reach + 1, n)
+    flat = (sums[:, high] - sums[:, low]) / (high - low)
+    return np.maximum(flat, np.max(flat, axis=-1, keepdims=True) * LEAST_POWER + TINY)
