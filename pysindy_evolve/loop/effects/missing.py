@@ -12,7 +12,7 @@ from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, bare
 from .varying import SATURATING
-from .vocabulary import EDDY, HARMONIC, of_equation
+from .vocabulary import HARMONIC, of_equation
 
 __all__ = [
     "beside",
@@ -58,10 +58,10 @@ def candidates(design: Design, ranges: Ranges) -> list[Candidate]:
 def for_trajectories(offered: Iterable[Candidate]) -> list[Candidate]:
     """Return what may be told from the rest on short trajectories.
 
-    There two waves of an angle, or a rate or a drag with a constant below the line, are almost any
-    curve, and do as well as whatever is the cause.
+    There two waves of an angle, or a rate with a constant below the line, are almost any curve, and
+    do as well as whatever is the cause.
     """
-    return [one for one in offered if one.name not in (EDDY, HARMONIC, SATURATING)]
+    return [one for one in offered if one.name not in (HARMONIC, SATURATING)]
 
 
 def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:

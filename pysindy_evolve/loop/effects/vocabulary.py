@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from ...operators import BUILTIN
-from ...terms import Sum, add, call, constant, div, mul, power, sub, variable
+from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .angles import angles_of, bends, between_angles, swing_of, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
@@ -25,9 +25,8 @@ from .radial import radial
 from .stops import asymmetric_limits, damped_contacts, stops
 from .varying import SATURATING, drifts, saturating, varying
 
-__all__ = ["EDDY", "HARMONIC", "VOCABULARY", "of_equation"]
+__all__ = ["HARMONIC", "VOCABULARY", "of_equation"]
 
-EDDY = "eddy-current drag"
 HARMONIC = "second harmonic"
 
 VOCABULARY = (
@@ -38,7 +37,6 @@ VOCABULARY = (
     "viscous damping",
     "quadratic drag",
     "nonlinear damping",
-    EDDY,
     "linear stiffness",
     "quadratic stiffness",
     "cubic stiffness",
@@ -65,7 +63,6 @@ VOCABULARY = (
 
 # Stribeck speeds and widths of dead zones and saturations, as shares of the size of the signal.
 STRIBECK_SPEEDS = (0.03, 0.1, 0.3)
-EDDY_SPEEDS = (0.15, 0.5)
 DEAD_ZONES = (0.03, 0.08, 0.2, 0.5)
 SATURATIONS = (0.08, 0.2, 0.35, 0.5, 0.7, 0.9)
 
@@ -93,14 +90,6 @@ def _stribeck(v: Sum, speed: float) -> Sum:
     """Return the sign of v with a bell around zero: friction that falls with the speed."""
     bell = call(BUILTIN["exp"], mul(constant(-1.0 / speed**2), power(v, 2)))
     return mul(_sgn(v), bell)
-
-
-def _eddy(v: Sum, speed: float) -> Sum:
-    """Return what a magnet brakes with: most at one speed, and less beyond it.
-
-    Wouterse, IEE Proc. B 138 (1991), DOI 10.1049/ip-b.1991.0019.
-    """
-    return div(v, add(constant(1.0), mul(constant(1.0 / speed**2), power(v, 2))))
 
 
 def of_equation(
@@ -136,7 +125,6 @@ def _of_rate(
     yield from _frictions(effect, v, float(scales[state]))
     if position is not None:
         q = variable(position)
-        yield from _eddies(effect, v, float(scales[state]))
         yield from _springs(effect, q, float(scales[position]))
         yield from stops(effect, q, float(scales[position]), float(middle[position]))
         yield from damped_contacts(effect, design, q, v)
@@ -201,13 +189,6 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
         yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
     yield effect("quadratic drag", mul(v, _abs(v)))
     yield effect("nonlinear damping", power(v, 3))
-
-
-def _eddies(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
-    """Go through what eddy currents brake a velocity by; of a level it would be a reciprocal."""
-    for share in EDDY_SPEEDS:
-        shape = Shape((share * speed,), (partial(_eddy, v),), meanings=("critical speed",))
-        yield effect(EDDY, shape=shape)
 
 
 def _springs(effect: CandidateMaker, q: Sum, reach: float) -> Iterator[Candidate]:

@@ -23,7 +23,6 @@ STATIC = {
     "viscous damping",
     "quadratic drag",
     "nonlinear damping",
-    "eddy-current drag",
     "linear stiffness",
     "quadratic stiffness",
     "cubic stiffness",
