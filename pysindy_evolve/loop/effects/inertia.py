@@ -42,8 +42,16 @@ class InertiaCandidate(Candidate):
         return tuple(InertiaWave(self.position, self.state, number, one) for one in FUNCTIONS)
 
 
-def inertias(state: int, position: int, rate: Sum, ranges: Ranges) -> list[InertiaCandidate]:
-    """Return the inertias of what turns by more than a quarter each way: once, or twice a turn."""
+def inertias(
+    state: int, position: int, rate: Sum, ranges: Ranges, inputs: range
+) -> list[InertiaCandidate]:
+    """Return the inertias of what turns by more than a quarter each way: once, or twice a turn.
+
+    Only a force that was measured tells an inertia from other forces of the position: without an
+    input in the equation there are none.
+    """
+    if not rate.variables & set(inputs):
+        return []
     if 2.0 * swing_of(position, ranges.largest, ranges.middle) < np.pi:
         return []
     return [inertia_candidate(state, position, rate, float(n), NEAR, branch=n) for n in (1, 2)]

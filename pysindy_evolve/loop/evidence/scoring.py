@@ -99,7 +99,8 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
                 )
         if position is not None:
             if not part.by_trajectory:
-                proposed += inertias(state, position, equations.sums[state], ranges)
+                inputs = range(len(design.states), time)
+                proposed += inertias(state, position, equations.sums[state], ranges, inputs)
             residuals = [own[:, state] for own in left]
             proposed += _ripples(state, position, residuals, records)
     return [*proposed, *partner_pumps(design, len(longest) * longest.dt)]

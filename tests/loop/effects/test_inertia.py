@@ -64,10 +64,11 @@ def test_an_inertia_is_read_about_its_mean():
 @pytest.mark.parametrize(("swing", "numbers"), [(1.5, []), (1.7, [1.0, 2.0])])
 def test_inertias_are_on_offer_from_a_quarter_turn_each_way(swing, numbers):
     ranges = Ranges.about_zero(np.full(4, swing))
-    found = inertias(1, 0, variable(2), ranges)
+    found = inertias(1, 0, variable(2), ranges, range(2, 3))
     assert [one.shape.values[0] for one in found] == numbers
     assert all(one.size == 2 and one.name == INERTIA for one in found)
     assert all(one.at([2.1]).waves[0].number == 2.1 for one in found)
+    assert inertias(1, 0, variable(1), ranges, range(2, 3)) == []  # no measured force acts
 
 
 @pytest.mark.slow
