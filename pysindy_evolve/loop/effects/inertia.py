@@ -50,9 +50,8 @@ def inertias(
     Only a force that was measured tells an inertia from other forces of the position: without an
     input in the equation there are none.
     """
-    if not rate.variables & set(inputs):
-        return []
-    if 2.0 * swing_of(position, ranges.largest, ranges.middle) < np.pi:
+    turns = 2.0 * swing_of(position, ranges.largest, ranges.middle) >= np.pi
+    if not (turns and rate.variables & set(inputs)):
         return []
     return [inertia_candidate(state, position, rate, float(n), NEAR, branch=n) for n in (1, 2)]
 
