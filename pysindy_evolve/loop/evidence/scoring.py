@@ -62,10 +62,14 @@ LEAD = 0.1
 
 def quick_fit(design: Design, part: Segments) -> Equations:
     """Fit a design on segments by its derivative, or by the trajectory if that is the witness."""
+    return design.equations(_coefficients(design, part))
+
+
+def _coefficients(design: Design, part: Segments) -> np.ndarray:
+    """Return a coefficient for each column of a design."""
     if part.by_trajectory:
-        return design.equations(Trajectories(part.records, design, design.columns).fit()[0])
-    grams = derivative_grams(part, design, design.columns)
-    return design.equations(solve_gram(grams.sum(axis=0)))
+        return Trajectories(part.records, design, design.columns).fit()[0]
+    return solve_gram(derivative_grams(part, design, design.columns).sum(axis=0))
 
 
 def propose(design: Design, equations: Equations, part: Segments) -> list[Candidate]:
@@ -209,10 +213,9 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
 
 
 def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
-    """Tell whether the coefficient of the one term of a candidate is negative beside a design."""
-    equations = quick_fit(design.adding(columns_of(candidate, design)), part)
-    ((_, term),) = candidate.terms[0].parts
-    return bool(equations.coef[candidate.state, equations.terms.index(term)] < 0.0)
+    """Tell whether the coefficient of the one column of a candidate is negative beside a design."""
+    *_, coefficient = _coefficients(design.adding(columns_of(candidate, design)), part)
+    return bool(coefficient < 0.0)
 
 
 def plainest(scores: Sequence[Score]) -> Score:

@@ -7,9 +7,11 @@ from loop_systems import equations_of, measured
 import pysindy_evolve as pse
 from pysindy_evolve.export.fractions import as_fractions
 from pysindy_evolve.loop.effects.inertia import INERTIA, inertia_candidate, inertias
-from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.evidence.scoring import columns_of, takes_energy
 from pysindy_evolve.loop.given.inertia import InertiaWave, over_inertia
 from pysindy_evolve.loop.given.ranges import Ranges
+from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.terms import variable
 
 CRANK = pse.DeclaredModel({"q": "w", "w": "b*F - c*w"}, inputs=["F"])
@@ -69,6 +71,18 @@ def test_inertias_are_on_offer_from_a_quarter_turn_each_way(swing, numbers):
     assert all(one.size == 2 and one.name == INERTIA for one in found)
     assert all(one.at([2.1]).waves[0].number == 2.1 for one in found)
     assert inertias(1, 0, variable(1), ranges, range(2, 3)) == []  # no measured force acts
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_the_sign_of_a_term_is_told_beside_an_inertia(sign):
+    forces = f"5*F - 0.8*w - 2*q + {sign * 0.5}*sgn(w) + {CENTRIFUGAL}"
+    record = measured({"q": "w", "w": f"({forces}){OVER}"}, noise=1e-4, size=3.0)
+    design = pse.DeclaredModel({"q": "w", "w": "b*F - c*w - k*q"}, inputs=["F"]).design()
+    inertia = inertia_candidate(1, 0, variable(2), 2.0, 0.2)
+    design = design.adding(columns_of(inertia, design))
+    part = segments([record], design.velocities)
+    friction = next(c for c in candidates(design, part.ranges) if c.name == "Coulomb friction")
+    assert takes_energy(friction, design, part) is (sign < 0.0)
 
 
 @pytest.mark.slow
