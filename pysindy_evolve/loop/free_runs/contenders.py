@@ -14,6 +14,7 @@ from ..effects.pumps import other_pumps
 from ..evidence.scoring import columns_of, score, sharpened
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, converged
+from ..given.design import Design
 from ..given.rows import have_values
 from ..given.segments import Segments
 from .drift import Drift, drift_of
@@ -78,7 +79,8 @@ class Pool:
             for form in other_forms(candidate, model.design, self.part)
         ]
         forms = [one for one in forms if have_values(one.terms, acted)]
-        rivals = [c for c in dict.fromkeys([*closest, *shown, *forms]) if c != own.candidate]
+        able = _as_named([*closest, *shown, *forms], model.design, self.part)
+        rivals = [c for c in dict.fromkeys(able) if c != own.candidate]
         begun = [begun_with(model, [rival], drift) for rival in rivals]
         # The effect itself was fitted in other units of the errors.
         first, *others = converged([own.trial, *begun])
@@ -102,6 +104,12 @@ def _closest(
     for candidate in (s.group[0] for s in scores):
         best.setdefault(candidate.form if candidate.shape is None else candidate.name, candidate)
     return list(best.values())[:N_RIVALS]
+
+
+def _as_named(some: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
+    """Return candidates, each as the effect of the vocabulary that it is, if it is one."""
+    named = {(one.state, one.terms): one for one in candidates(design, part.ranges)}
+    return [named.get((one.state, one.terms), one) for one in some]
 
 
 def steady_drift(

@@ -11,7 +11,8 @@ from pysindy_evolve.loop.effects.shaping import with_units
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.free_runs.comparison import held_against
-from pysindy_evolve.loop.free_runs.contenders import Pool
+from pysindy_evolve.loop.free_runs.contenders import Pool, steady_drift
+from pysindy_evolve.loop.free_runs.shape_tuning import Contender
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
@@ -68,6 +69,18 @@ def test_a_dead_zone_between_two_places_of_the_grid_is_tuned_before_it_meets_a_g
     winner = held(slack, Candidate("evolved term", 1, (step,)), noise=1e-3)
     assert winner.name == "dead zone"
     assert winner.shape.values == pytest.approx([0.07], rel=0.03)
+
+
+def test_a_grown_term_without_one_of_its_factors_is_what_the_vocabulary_calls_it():
+    speed = call(BUILTIN["abs"], V)
+    grown = Candidate("evolved term", 1, (mul(mul(V, speed), call(BUILTIN["log"], speed)),))
+    record = DRAG.record()
+    model = Model(design_of(DRAG.model, [record]))
+    pool = Pool((), (), segments([record], (1,)), 0.05)
+    drift = steady_drift(model, [grown], [record])
+    tuned = pool.contenders(model, Contender(grown, drift.trial), drift)
+    shorter = [one.candidate.name for one in tuned if one.candidate.terms == (mul(V, speed),)]
+    assert shorter == ["quadratic drag"]
 
 
 def test_what_the_noise_does_not_tell_apart_stays_as_it_was():
