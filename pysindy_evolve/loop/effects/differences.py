@@ -57,6 +57,8 @@ def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Cand
 
 def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:
     """Yield what pulls by a difference, at most by its grip; `reach` is the largest difference."""
+    if reach == 0.0:  # one is a copy of the other
+        return
     for share in GRIPS:
         build, meanings = partial(rounded_sign, slip), ("difference where it levels off",)
         yield effect(name, shape=Shape((share * reach,), (build,), meanings=meanings))

@@ -138,8 +138,8 @@ def _together(slopes: np.ndarray, inner: np.ndarray, signs: np.ndarray) -> np.nd
     missed = signs[:, :, None] * slopes - np.einsum("sij,dj->dsi", shares, total)
     missed = np.einsum("sij,dsj->dsi", np.linalg.pinv((1.0 + 1e-6) * one - shares), missed)
     scatter = np.einsum("dsi,dsj->dij", missed, missed)
-    size = np.einsum("dii->d", scatter)[:, None, None]
-    turned = np.linalg.solve(scatter + (1e-9 * size + TINY) * one, total[:, :, None])
+    least = 1e-9 * np.sum(slopes**2) + TINY  # of the scatter, where columns explain all exactly
+    turned = np.linalg.solve(scatter + least * one, total[:, :, None])
     return np.asarray(np.sum(total * turned[..., 0], axis=1))
 
 
