@@ -20,6 +20,7 @@ from ..given.segments import Segments
 from .drift import Drift, drift_of
 from .leading_terms import stand_ins
 from .other_forms import other_forms
+from .poles import with_poles
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
@@ -85,7 +86,17 @@ class Pool:
         # The effect itself was fitted in other units of the errors.
         first, *others = converged([own.trial, *begun])
         fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, others)]
-        return tuned_by_runs(fitted, model, drift)
+        tuned = tuned_by_runs(fitted, model, drift)
+        return [*tuned, *self._with_poles(tuned, model, drift)]
+
+    def _with_poles(
+        self, tuned: Sequence[Contender], model: Model, drift: Drift
+    ) -> list[Contender]:
+        """Return the powers of a distance that the best contender stands for, tuned as well."""
+        best = min(tuned, key=lambda one: one.error)
+        poles = [] if best.tied else with_poles(best.candidate, model.design, self.part)
+        trials = converged([begun_with(model, [one], drift) for one in poles])
+        return tuned_by_runs(list(map(Contender, poles, trials)), model, drift) if poles else []
 
 
 def _closest(

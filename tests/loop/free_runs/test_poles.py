@@ -1,0 +1,65 @@
+"""What pulls the more, the closer it is, is the power of a distance and no exponential."""
+
+import numpy as np
+import pytest
+from loop_systems import measured, oscillator
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
+from pysindy_evolve.loop.free_runs.poles import with_poles
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import call, constant, mul, variable
+
+RISES = call(BUILTIN["exp"], mul(constant(0.6), variable(0)))
+
+
+def forms_of(*terms, name="evolved term", declared="-k*q - c*v + b*F"):
+    machine = oscillator("magnet", "", declared)
+    record = machine.record()
+    design = design_of(machine.model, [record])
+    part = segments([record], design.velocities)
+    return with_poles(Candidate(name, 1, terms), design, part), record.x[:, 0]
+
+
+@pytest.mark.parametrize("terms", [(RISES,), (RISES, OFFSET)])
+def test_an_exponential_stands_for_powers_of_a_distance_that_lie_beyond_the_record(terms):
+    forms, q = forms_of(*terms)
+    assert [len(form.terms) for form in forms] == [1, 2, 1, 2]
+    for form in forms:
+        assert -form.terms[0].constants[0] > q.max()
+
+
+def test_where_an_offset_stands_none_is_added():
+    forms, _ = forms_of(RISES, declared="-k*q - c*v + b*F + o")
+    assert [len(form.terms) for form in forms] == [1, 1]
+
+
+def test_what_is_no_exponential_has_no_pole():
+    assert forms_of(call(BUILTIN["tanh"], variable(0)))[0] == []
+    assert forms_of(RISES, name="cubic stiffness")[0] == []
+
+
+def test_a_pole_is_close_to_its_exponential_but_for_an_offset_and_a_line():
+    forms, q = forms_of(RISES)
+    rows = np.zeros((len(q), 4))
+    rows[:, 0] = q
+    wanted = RISES.evaluate(rows)
+    for form in forms:
+        basis = np.column_stack([np.ones_like(q), q, form.terms[0].evaluate(rows)])
+        left = wanted - basis @ np.linalg.lstsq(basis, wanted, rcond=None)[0]
+        assert np.std(left) < 0.02 * np.std(wanted)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [5, 6])
+def test_the_pull_of_a_magnet_is_found_with_its_place(seed):
+    model = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+    truth = {"q": "v", "v": "-9*q - 0.6*v + F + 2/(2 - q)**2"}
+    record = measured(truth, noise=5e-4, size=3.0, seed=seed)
+    report = pse.close_loop(model, record, random_state=0)
+    (effect,) = report.effects
+    (place,) = effect.numbers.values()
+    assert place == pytest.approx(2.0, rel=0.02)
+    assert report.after.parameters == pytest.approx({"k": 9.0, "c": 0.6, "b": 1.0}, rel=0.02)
