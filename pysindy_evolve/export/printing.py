@@ -64,6 +64,8 @@ def format_expression(expression: Any, digits: int | None = 4) -> str:
     >>> q, v = sympy.symbols("q v", real=True)
     >>> format_expression(-7631.2 * q**2 * sympy.sign(v) + sympy.Abs(v) / 3)
     '-7631 q^2 sgn(v) + |v|/3'
+    >>> format_expression((q - 2) ** -2)
+    '1/(q - 2)^2'
     """
     return TextPrinter(digits).doprint(expression)
 
@@ -131,6 +133,8 @@ class TextPrinter(StrPrinter):
         return str(super()._print_Mul(expression)).replace("*", " ")
 
     def _print_Pow(self, expression: Any, rational: bool = False) -> str:
+        if expression.exp.is_Integer and expression.exp < -1:
+            return f"1/{self._print(1 / expression)}"
         return str(super()._print_Pow(expression, rational)).replace("**", "^")
 
 

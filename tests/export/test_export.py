@@ -305,7 +305,15 @@ def test_the_sign_of_an_odd_function_stands_before_its_coefficient(show):
     assert "(-" not in show(turned)
 
 
-@pytest.mark.parametrize(("side", "shown"), [("2*q - 24/v", "2 q - 24/v"), ("1/v", "1/v")])
+@pytest.mark.parametrize(
+    ("side", "shown"),
+    [
+        ("2*q - 24/v", "2 q - 24/v"),
+        ("1/v", "1/v"),
+        ("3/(q - 2)^2", "3/(q - 2)^2"),
+        ("1/q^2", "1/q^2"),
+    ],
+)
 def test_a_coefficient_stands_above_the_line_of_a_reciprocal(side, shown):
     printed = export.format_equations(equations_of([side], ("q", "v")))
     assert printed.endswith(f" = {shown}")
