@@ -101,5 +101,8 @@ def _single(
     ]
     if not able:
         return None
-    best = beside(min(able, key=lambda one: one.error).candidate, without.design)
+    least = min(one.error for one in able)
+    as_good = [one for one in able if one.error <= np.exp(MARGIN) * least]
+    plainest = min(as_good, key=lambda one: (one.candidate.size, one.error))
+    best = beside(plainest.candidate, without.design)
     return replace(first, candidate=best, columns=columns_of(best, without.design))
