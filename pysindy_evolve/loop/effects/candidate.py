@@ -87,8 +87,8 @@ class Candidate:
         Effects of other equations that are tuned with it, and that it stands for. They have
         coefficients of their own, see partners.py.
     force : tuple, optional
-        Of an effect that enters as a declared force does: the place, and what acts there. The same
-        force at the same place stands in several equations, see entries.py.
+        Of an effect that enters as a declared force or rate does: the place, and what acts there.
+        The same one at the same place stands in several equations, see entries.py.
     spared : int
         Nodes that cost nothing: a declared term that a grown one holds whole is known, and reads as
         one node.

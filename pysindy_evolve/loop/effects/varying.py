@@ -7,6 +7,7 @@ softens as it warms up, a tank grows lighter as it runs out.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -44,7 +45,8 @@ def saturating(
     """Go through declared products that rise by less and less with one of their variables.
 
     Who eats is sated, a reaction is inhibited, the gain of a laser is compressed: a declared rate
-    over K + x, of a level x that stays above zero. Beside it the declared one may vanish.
+    over K + x, of a level x that stays above zero. Beside it the declared one may vanish. What eats
+    grows by what is eaten, so the same rate may stand in two equations.
     """
     if design.position_of(effect.state) is not None:
         return
@@ -58,7 +60,8 @@ def saturating(
                         (partial(_over, part, one),),
                         meanings=("half-saturation",),
                     )
-                    yield effect(SATURATING, shape=half, alone=True)
+                    there = effect(SATURATING, shape=half, alone=True)
+                    yield replace(there, force=(one, there.terms))
 
 
 def _over(part: Sum, level: int, half: float) -> Sum:

@@ -101,6 +101,23 @@ def test_a_gain_that_is_compressed_in_two_equations_has_one_number(compression):
         assert effect.numbers["half-saturation"] == pytest.approx(5.0, rel=0.1)
 
 
+@pytest.mark.slow
+def test_who_grows_by_what_it_eats_is_sated_in_both_equations():
+    """A chemostat after Monod: each half alone is lost in what the other leaves."""
+    t, rng = np.arange(0.0, 150.0, 0.05), np.random.default_rng(0)
+    dilution = np.repeat(rng.uniform(0.1, 0.45, 25), 120)
+    uptake = "0.9*S*X/(0.8 + S)"
+    chemostat = {"X": f"{uptake} - D*X", "S": f"D*(5 - S) - 2*{uptake}"}
+    x = pse.simulate(equations_of(chemostat, ("D",)), [1.0, 2.0], t, dilution)
+    y = x + 0.01 * x.std(axis=0) * rng.standard_normal(x.shape)
+    declared = {"X": "m*S*X - D*X", "S": "D*(5 - S) - r*S*X"}
+    model = pse.DeclaredModel(declared, inputs=["D"])
+    report = pse.close_loop(model, pse.prepare(t, y, dilution, order=1), random_state=0)
+    assert [effect.name for effect in report.effects] == [SATURATING, SATURATING]
+    for effect in report.effects:
+        assert effect.numbers["half-saturation"] == pytest.approx(0.8, rel=0.05)
+
+
 def test_surroundings_that_are_measured_but_act_nowhere_take_heat():
     design = pse.DeclaredModel({"T": "c*u"}, inputs=("u", "Ta")).design()
     offered = candidates(design, Ranges.about_zero(np.full(4, 3.0)))
