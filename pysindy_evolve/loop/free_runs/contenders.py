@@ -87,16 +87,24 @@ class Pool:
         first, *others = converged([own.trial, *begun])
         fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, others)]
         tuned = tuned_by_runs(fitted, model, drift)
-        return [*tuned, *self._with_poles(tuned, model, drift)]
+        return [*tuned, *self._forms_of_best(tuned, model, drift)]
 
-    def _with_poles(
+    def _forms_of_best(
         self, tuned: Sequence[Contender], model: Model, drift: Drift
     ) -> list[Contender]:
-        """Return the powers of a distance that the best contender stands for, tuned as well."""
+        """Return what the best contender stands for, with its numbers as they are now, tuned."""
         best = min(tuned, key=lambda one: one.error)
-        poles = [] if best.tied else with_poles(best.candidate, model.design, self.part)
-        trials = converged([begun_with(model, [one], drift) for one in poles])
-        return tuned_by_runs(list(map(Contender, poles, trials)), model, drift) if poles else []
+        if best.tied:
+            return []
+        design, known = model.design, {one.candidate.terms for one in tuned}
+        forms = [
+            *other_forms(best.candidate, design, self.part),
+            *with_poles(best.candidate, design, self.part),
+        ]
+        acted = model.acted(drift.records)
+        new = [one for one in forms if one.terms not in known and have_values(one.terms, acted)]
+        trials = converged([begun_with(model, [one], drift) for one in new])
+        return tuned_by_runs(list(map(Contender, new, trials)), model, drift) if new else []
 
 
 def _closest(

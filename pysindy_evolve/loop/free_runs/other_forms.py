@@ -1,4 +1,4 @@
-"""Other forms of a grown term: without a factor, straight where it bends, and beside an offset.
+"""Other forms of a grown term: without a factor, as it is near zero, and beside an offset.
 
 A search may end at T^4 / (800 + sqrt(T)), of which only the upper part is meant: the lower one is
 where a function hardly bends. And a diode passes exp(k v) - 1: without the one, no number k makes
@@ -22,11 +22,12 @@ from ..given.segments import Segments
 
 __all__ = ["other_forms"]
 
-BENT = ("sin", "tanh", "softsign")  # straight lines near zero
+# What functions are near zero: straight lines, and the square that a cosine leaves of a constant.
+NEAR_ZERO = {"sin": 1, "tanh": 1, "softsign": 1, "cos": 2}
 
 
 def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
-    """Return a grown term without each of its factors, with each straight, and beside an offset.
+    """Return a grown term without each of its factors, as each is near zero, and beside an offset.
 
     Of an end stop, the contact of curved bodies.
 
@@ -64,11 +65,12 @@ def _shorter(product: Product) -> Iterator[Sum]:
 
 
 def _straight(product: Product) -> Iterator[Sum]:
-    """Go through the product with each function that bends from zero replaced by its argument."""
+    """Go through the product with each function replaced by the power that it is near zero."""
     for place, (atom, exponent) in enumerate(product.factors):
-        if isinstance(atom, Call) and atom.operator.name in BENT:
+        if isinstance(atom, Call) and atom.operator.name in NEAR_ZERO:
             left = Product(product.factors[:place] + product.factors[place + 1 :])
-            straight = mul(Sum(((1.0, left),)), power(atom.args[0], exponent))
+            near = exponent * NEAR_ZERO[atom.operator.name]
+            straight = mul(Sum(((1.0, left),)), power(atom.args[0], near))
             if len(straight.parts) == 1:
                 yield bare(straight)
 

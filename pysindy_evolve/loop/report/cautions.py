@@ -130,12 +130,15 @@ def _held(report: LoopReport) -> list[str]:
 
 
 def _turned(report: LoopReport) -> list[str]:
-    """Name the declared parameters that effects give another sign, or leave next to nothing of."""
+    """Name the declared parameters that effects give another sign, or leave next to nothing of.
+
+    What was next to nothing, as a damping in which a missing force is lost, had no sign to reverse.
+    """
     before, after = report.before.parameters, report.after.parameters
     turned = [
         f"{name} from {format_number(before[name])} to {format_number(value)}"
         for name, value in after.items()
-        if before[name] * value < 0.0 and abs(value) > TURNED * abs(before[name])
+        if before[name] * value < 0.0 and TURNED < abs(value / before[name]) < 1.0 / TURNED
     ]
     gone = [
         f"{name} from {format_number(before[name])} to {format_number(value)}"

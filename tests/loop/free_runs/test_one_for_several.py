@@ -101,6 +101,8 @@ def test_a_grown_term_is_tried_without_a_factor_straight_and_beside_an_offset():
     assert (power(Q, 2),) in forms
     assert (mul(power(Q, 2), V),) in forms
     assert not any(OFFSET in terms for terms in forms)  # zero at rest by itself
+    wave = mul(Q, call(BUILTIN["cos"], mul(constant(0.01), F)))
+    assert (mul(Q, power(F, 2)),) in [one.terms for one in other_forms(evolved(wave), design, part)]
     diode = call(BUILTIN["exp"], mul(constant(6.0), Q))
     assert (diode, OFFSET) in [one.terms for one in other_forms(evolved(diode), design, part)]
     assert other_forms(Candidate("cubic stiffness", 1, (power(Q, 3),)), design, part) == []
