@@ -16,6 +16,7 @@ from ..free_runs.sensor_limits import clipped_sensors
 from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs
 from ..free_runs.two_for_one import two_for_one
 from ..free_runs.unnamed import find_unnamed
+from ..memories.chains import untraded
 from ..revision.errors_in_inputs import without_errors_in_inputs
 from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
 from ..revision.noise_in_runs import without_noise_in_runs
@@ -51,7 +52,7 @@ def find_in_runs(search: Search) -> None:
         if not new:  # it was how the input was recorded
             find_in_runs(search)
             return
-        search.findings = [*known, *new]
+        search.findings = untraded([*known, *new])
         if pasts:
             search.plain = [*map(preceded, search.plain, pasts)]
             search.whole = search.whole.begun([*map(preceded, search.wide, pasts)])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from test_memory import close, record_with
 
+import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.loop.memories import reach
 from pysindy_evolve.loop.memories.chains import Chain, Traded, traded, untraded
@@ -63,3 +64,32 @@ def test_a_delay_and_a_lag_of_one_input_are_both_found(values):
 def test_one_memory_stays_alone(memory):
     report = close(record_with(memory))
     assert [effect.name for effect in report.effects] == [memory.kind]
+
+
+def heated(seed):
+    """Measure a temperature that follows a heater with levels 17 s late, each 5 s: t, T, P."""
+    rng = np.random.default_rng(seed)
+    ends = np.cumsum(150.0 * rng.uniform(0.6, 1.4, 5000))
+    levels = rng.uniform(0.0, 100.0, 5000)
+    t, fine = np.arange(0.0, 8000.0, 5.0), np.arange(0.0, 8000.0, 0.1)
+    power = levels[np.searchsorted(ends, t, side="right")]
+    late = np.repeat(power, 50)[np.maximum(np.arange(len(fine)) - 170, 0)]
+    rest, temperature = 20.0 + 0.02 / 0.012 * late, [70.0]
+    for level in rest[:-1]:
+        temperature.append(level + (temperature[-1] - level) * np.exp(-0.012 * 0.1))
+    noise = 0.5 * np.random.default_rng(seed).standard_normal(len(t))
+    return t, np.array(temperature)[::50] + noise, power
+
+
+@pytest.mark.slow
+def test_a_lag_that_runs_show_beside_a_delay_takes_its_part_of_it():
+    """The delay was reported whole beside the lag, and the equation was not what the runs were."""
+    t, temperature, power = heated(0)
+    train, test = (
+        pse.prepare(t[part], temperature[part], power[part], order=1)
+        for part in (slice(1120), slice(1120, None))
+    )
+    model = pse.DeclaredModel({"T": "a*P - h*(T - 20)"}, inputs=["P"])
+    report = pse.close_loop(model, train, test=test, random_state=0)
+    assert not any(isinstance(memory, Traded) for memory in report.equations.memories)
+    assert sum(effect.coefficients[0] for effect in report.effects) == pytest.approx(17.0, rel=0.02)
