@@ -1,13 +1,12 @@
 """The powers of a distance that an exponential stands for: what pulls the more, the closer it is.
 
-A magnet pulls by 1 / (d - q)^2 and a condenser's plate too. Between the places of a record this is
-nearly an exponential beside an offset and a line, which are easier to find.
+A magnet pulls by 1 / (d - q)^2, and so does a charged plate. Over the range of a record this is
+nearly an exponential beside an offset and a line, which is easier to find.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -48,7 +47,7 @@ def with_poles(candidate: Candidate, design: Design, part: Segments) -> list[Can
     has_offset = (candidate.state, OFFSET) in standing(design)
     offsets: list[tuple[Sum, ...]] = [()] if has_offset else [(), (OFFSET,)]
     return [
-        replace(candidate, terms=(term, *offset))
+        Candidate(EVOLVED, candidate.state, (term, *offset))
         for term in dict.fromkeys(forms)
         for offset in offsets
     ]
@@ -60,8 +59,9 @@ def _poles(product: Product, rows: np.ndarray) -> Iterator[Sum]:
         if isinstance(atom, Call) and atom.operator.name == "exp" and exponent == 1:
             left = Product(product.factors[:place] + product.factors[place + 1 :])
             (inside,) = atom.args
-            for n in POWERS:
-                distance = sub(constant(_nearest_pole(inside.evaluate(rows), n)), inside)
+            acted = inside.evaluate(rows)
+            for n in POWERS if np.isfinite(acted).all() else ():
+                distance = sub(constant(_nearest_pole(acted, n)), inside)
                 yield mul(Sum(((1.0, left),)), power(distance, -n))
 
 
