@@ -17,13 +17,13 @@ from ..effects.missing import standing
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["with_poles"]
+__all__ = ["as_distances"]
 
 POWERS = (1, 2)  # of the distance: Coulomb's law in a plane and in space
 DISTANCES = (-3.0, 4.0)  # logarithms: how far from a pole, in units of what an exponential rises in
 
 
-def with_poles(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
+def as_distances(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
     """Return a grown exponential as powers of a distance, each by itself and beside an offset.
 
     Parameters

@@ -7,7 +7,7 @@ from loop_systems import measured, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
-from pysindy_evolve.loop.free_runs.poles import with_poles
+from pysindy_evolve.loop.free_runs.distances import as_distances
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.operators import BUILTIN
@@ -21,7 +21,7 @@ def forms_of(*terms, name="evolved term", declared="-k*q - c*v + b*F"):
     record = machine.record()
     design = design_of(machine.model, [record])
     part = segments([record], design.velocities)
-    return with_poles(Candidate(name, 1, terms), design, part), record.x[:, 0]
+    return as_distances(Candidate(name, 1, terms), design, part), record.x[:, 0]
 
 
 @pytest.mark.parametrize("terms", [(RISES,), (RISES, OFFSET)])
