@@ -12,7 +12,7 @@ import numpy as np
 from ...hidden_states.memory import LAG, Memory, remembered
 from ...terms import variable
 from ..effects.candidate import Candidate, rewritten
-from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in
+from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in, with_findings
 from ..evidence.offers import offer_for
 from ..evidence.rejected import Rejected
 from ..evidence.rivals import Rival
@@ -26,7 +26,7 @@ from .effect_or_memory import memory_instead, outdoes_memories
 from .probes import MemoryCandidate, Probes, grid_of, users_of
 from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
 
-__all__ = ["find_with_memories", "resettled"]
+__all__ = ["find_with_memories", "of_kinds_again", "resettled"]
 
 
 def find_with_memories(
@@ -71,9 +71,9 @@ def find_with_memories(
     if plain and not offer.remembers and not any(isinstance(f, MemoryFinding) for f in plain):
         late = memory_instead(plain, design, part, memories)
         plain = plain if late is None else [_recalled(plain[0], late, design)]
-    level = rules.significance
+    level, beside = rules.significance, with_findings(design, plain)
     found = (
-        _settled(f, design, part, level, rng, present) if isinstance(f, MemoryFinding) else f
+        _settled(f, beside, part, level, rng, present) if isinstance(f, MemoryFinding) else f
         for f in plain
     )
     return Look(tuple(found), look.rejected and _narrowed_failure(look.rejected, probes))
@@ -160,6 +160,45 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
         kept[place : place + 1] = (
             [replace(finding, memory=tuned)] if exchange.gain >= MARGIN else []
         )
+    return kept
+
+
+def of_kinds_again(
+    findings: Sequence[Finding],
+    design: Design,
+    part: Segments,
+    level: float,
+    rng: np.random.Generator,
+) -> list[Finding]:
+    """Ask again of what kind each memory is, beside what was found after it.
+
+    A drag that is missing in a closed loop can make a lag look like a delay.
+
+    Parameters
+    ----------
+    findings, design, part
+        As in `resettled`.
+    level : float
+        A kind with a smaller p-value is refuted.
+    rng : numpy.random.Generator
+        Draws the signs.
+
+    Returns
+    -------
+    list of Finding
+        What free runs showed, and a delay and a lag of one input, stay as they are; what stays of
+        its kind keeps its numbers.
+    """
+    kept = list(findings)
+    for place, finding in enumerate(findings):
+        if not isinstance(finding, MemoryFinding) or finding.by_runs or not finding.contested:
+            continue
+        others = memories_in(excluding(kept, finding))
+        if all(other.column != finding.memory.column for other in others):
+            there = part.of([remembered(record, others) for record in part.records])
+            again = _settled(finding, design, there, level, rng, others)
+            is_same = again.memory.kind == finding.memory.kind
+            kept[place] = replace(finding, rivals=again.rivals) if is_same else again
     return kept
 
 

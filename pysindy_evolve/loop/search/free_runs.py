@@ -7,6 +7,7 @@ import numpy as np
 from ...hidden_states.memory import preceded
 from ..effects.candidate import EVOLVED
 from ..evidence.findings import memories_in
+from ..evidence.offers import awaited
 from ..free_runs.comparison import held_against
 from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of
@@ -17,6 +18,7 @@ from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs
 from ..free_runs.two_for_one import two_for_one
 from ..free_runs.unnamed import find_unnamed
 from ..memories.chains import untraded
+from ..memories.find import of_kinds_again
 from ..revision.errors_in_inputs import without_errors_in_inputs
 from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
 from ..revision.noise_in_runs import without_noise_in_runs
@@ -57,6 +59,7 @@ def find_in_runs(search: Search) -> None:
             search.plain = [*map(preceded, search.plain, pasts)]
             search.whole = search.whole.begun([*map(preceded, search.wide, pasts)])
         search.look_through(search.findings)
+        _ask_kinds_again(search, child)
 
 
 def hold_against_runs(search: Search) -> None:
@@ -74,6 +77,15 @@ def hold_against_runs(search: Search) -> None:
     _find_clipped_sensors(search)
 
 
+def _ask_kinds_again(search: Search, rng: np.random.Generator) -> None:
+    """Ask of what kind the memories are that were found before what runs showed."""
+    before, part = memories_in(search.findings), awaited(search.design, search.whole)
+    level = search.rules.significance
+    search.findings = of_kinds_again(search.findings, search.design, part, level, rng)
+    if memories_in(search.findings) != before:
+        search.look_through(search.findings)
+
+
 def _find_unnamed(search: Search) -> None:
     child = search.rng.spawn(1)[0]
     if search.remembers_states:
@@ -87,7 +99,10 @@ def _find_unnamed(search: Search) -> None:
         search.rules,
         child,
     )
-    search.rejected, search.findings = look.rejected or search.rejected, list(look.found)
+    search.rejected, known = look.rejected or search.rejected, search.findings
+    search.findings = list(look.found)
+    if len(search.findings) > len(known):
+        _ask_kinds_again(search, child)
 
 
 def _drop_superfluous(search: Search) -> None:
