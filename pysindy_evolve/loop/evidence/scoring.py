@@ -213,9 +213,9 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
 
 
 def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
-    """Tell whether the coefficient of the one column of a candidate is negative beside a design."""
-    *_, coefficient = _coefficients(design.adding(columns_of(candidate, design)), part)
-    return bool(coefficient < 0.0)
+    """Tell whether the coefficient of a candidate's own column is negative beside a design."""
+    coef = _coefficients(design.adding(columns_of(candidate, design)), part)
+    return bool(coef[len(design.columns)] < 0.0)  # partners come after it
 
 
 def plainest(scores: Sequence[Score]) -> Score:

@@ -53,25 +53,28 @@ def test_a_pole_is_close_to_its_exponential_but_for_an_offset_and_a_line():
         assert np.std(left) < 0.02 * np.std(wanted)
 
 
-@pytest.mark.slow
-def test_the_pull_of_a_magnet_is_found_with_its_place():
-    truth = {"q": "v", "v": "-9*q - 0.6*v + F + 2/(2 - q)**2"}
-    record = measured(truth, noise=5e-4, size=3.0, seed=5)
-    model = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
+def found(declared, truth, size):
+    """Return the one effect that a machine lacks, and what the declared parameters are with it."""
+    record = measured({"q": "v", "v": truth}, noise=5e-4, size=size, seed=5)
+    model = pse.DeclaredModel({"q": "v", "v": declared}, inputs=["F"])
     report = pse.close_loop(model, record, random_state=0)
     (effect,) = report.effects
+    return effect, report.after.parameters
+
+
+@pytest.mark.slow
+def test_the_pull_of_a_magnet_is_found_with_its_place():
+    declared, truth = "-k*q - c*v + b*F", "-9*q - 0.6*v + F + 2/(2 - q)**2"
+    effect, parameters = found(declared, truth, size=3.0)
     (place,) = effect.numbers.values()
     assert place == pytest.approx(2.0, rel=0.02)
-    assert report.after.parameters == pytest.approx({"k": 9.0, "c": 0.6, "b": 1.0}, rel=0.02)
+    assert parameters == pytest.approx({"k": 9.0, "c": 0.6, "b": 1.0}, rel=0.02)
 
 
 @pytest.mark.slow
 def test_the_pull_of_an_electromagnet_is_found_where_a_square_of_the_current_is_declared():
-    truth = {"q": "v", "v": "-20*q - 0.6*v + 0.5*F**2/(1 - q)**2"}
-    record = measured(truth, noise=5e-4, size=1.0, seed=5)
-    model = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + a*F^2"}, inputs=["F"])
-    report = pse.close_loop(model, record, random_state=0)
-    (effect,) = report.effects
+    declared, truth = "-k*q - c*v + a*F^2", "-20*q - 0.6*v + 0.5*F**2/(1 - q)**2"
+    effect, _ = found(declared, truth, size=1.0)
     q, force = sympy.symbols("q F", real=True)
     assert effect.term == force**2 / (q - 1) ** 2
     assert effect.coefficients == pytest.approx([0.5], rel=0.03)
