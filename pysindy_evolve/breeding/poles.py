@@ -30,7 +30,8 @@ def has_pole(
 ) -> bool:
     """Tell whether a term divides by what crosses zero, or comes close.
 
-    Its few values near the pole would say whatever the noise there says.
+    Its few values near the pole would say whatever the noise there says. A sum of squares never
+    crosses it, so that 1 / (c^2 + v^2) is smooth: the length that it is the square of counts.
 
     Parameters
     ----------
@@ -47,11 +48,19 @@ def has_pole(
     """
     with np.errstate(all="ignore"):  # what has no value is not away from zero either
         return any(
-            (exponent < 0 and not may_divide(atom.evaluate(rows)))
+            (exponent < 0 and not may_divide(_length(atom, rows)))
             or _holds_pole(atom, rows, may_divide)
             for _, term in expression.parts
             for atom, exponent in term.factors
         )
+
+
+def _length(atom: Atom, rows: np.ndarray) -> np.ndarray:
+    """Return the values of what is below the line; of a sum of squares, its root."""
+    values = atom.evaluate(rows)
+    parts = atom.parts if isinstance(atom, Sum) else ()
+    squares = [c > 0.0 and all(n % 2 == 0 for _, n in term.factors) for c, term in parts]
+    return np.sqrt(values) if parts and all(squares) else values
 
 
 def _holds_pole(atom: Atom, rows: np.ndarray, may_divide: Callable[[np.ndarray], bool]) -> bool:

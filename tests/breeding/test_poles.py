@@ -24,6 +24,9 @@ ROWS = np.column_stack([np.linspace(0.5, 1.5, 200), np.linspace(-2.0, 2.01, 200)
         (mul(GAP, power(add(SPEED, constant(3.0)), -1)), False),
         (mul(GAP, power(add(SPEED, constant(1.0)), -1)), True),
         (call(BUILTIN["tanh"], SPEED), False),
+        (mul(SPEED, power(add(power(SPEED, 2), constant(0.1)), -1)), False),
+        (mul(SPEED, power(add(power(SPEED, 2), constant(1e-3)), -1)), True),
+        (mul(SPEED, power(sub(power(SPEED, 2), constant(0.1)), -1)), True),
     ],
 )
 def test_a_term_that_divides_by_what_crosses_zero_has_a_pole(term, expected):
