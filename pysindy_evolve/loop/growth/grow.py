@@ -97,20 +97,18 @@ def grow(
     found: list[list[Candidate]] = Parallel(n_jobs=n_jobs)(searches)
     own = [candidate for one in found for candidate in one]
     named_ones = {(candidate.state, candidate.terms) for candidate in (*known, *own)}
-    elsewhere = _found_elsewhere(declared, design)
+    elsewhere = dict.fromkeys(_from_elsewhere(design))
     return own + [one for one in elsewhere if (one.state, one.terms) not in named_ones]
 
 
-def _found_elsewhere(declared: Design, design: Design) -> Iterator[Candidate]:
-    """Go through what was found in one equation, for the others.
+def _from_elsewhere(design: Design) -> Iterator[Candidate]:
+    """Go through what is declared or was found in one equation, for the others.
 
     What leaves a store enters another. It was read before, so it costs no more than a node.
     """
     for column in design.columns:
-        if column in declared.columns:
-            continue
         for part, state in product(column.parts, design.open_states):
-            if part.parts and not column.parts[state].parts:
+            if part.variables and not column.parts[state].parts:
                 one = Candidate(EVOLVED, state, (bare(part),))
                 yield replace(one, spared=one.size - 1)
 
