@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 
@@ -138,6 +139,7 @@ def _of_rate(
             yield from _between(effect, design, state, other, apart)
             if {own, other} <= turning:
                 yield from between_angles(effect, variable(own), variable(other))
+    yield from _products_of_others(effect, design, {state, position})
     for column in range(n_states, design.time):
         states = [v] if position is None else [v, variable(position)]
         u, reach = variable(column), float(scales[column])
@@ -259,6 +261,16 @@ def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candi
     yield effect("coupling", w)
     yield effect("coupling", mul(own, w), parents=(OFFSET,))
     yield effect("coupling", power(w, 2), parents=(OFFSET,))
+
+
+def _products_of_others(
+    effect: CandidateMaker, design: Design, own: set[int | None]
+) -> Iterator[Candidate]:
+    """Go through what two other states make together: a reaction, a gyroscopic moment."""
+    others = set(range(len(design.states))) - own
+    rates = [s for s in sorted(others) if design.derivative_of(s) is None]
+    for one, other in combinations(rates, 2):
+        yield effect("coupling", mul(variable(one), variable(other)), parents=(OFFSET,))
 
 
 def _between(

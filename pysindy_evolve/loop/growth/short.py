@@ -104,7 +104,7 @@ def _proposed(
 ) -> list[Candidate]:
     """Return the small terms that are not in the vocabulary; each is scored by itself."""
     rows = np.concatenate([variables_of(record) for record in part.records])
-    terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: term.size)
+    terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: (term.size, term.constants))
     terms = terms[: MOST // len(design.open_states)]
     ranges = Ranges.of(rows)
     known, present = candidates(design, ranges), fitted(design)
