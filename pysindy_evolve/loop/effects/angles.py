@@ -9,7 +9,7 @@ import numpy as np
 
 from ...operators import BUILTIN
 from ...substitution import substituted
-from ...terms import ONE, Call, Product, Sum, call, constant, mul, sub
+from ...terms import ONE, Call, Product, Sum, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
 
@@ -18,9 +18,11 @@ __all__ = [
     "angles_of",
     "bends",
     "between_angles",
+    "centripetal",
     "is_wave_of",
     "swing_of",
     "units_of",
+    "waves_angles",
     "without_turns",
 ]
 
@@ -34,6 +36,12 @@ def angles_of(design: Design) -> frozenset[int]:
     """Return the variables that are angles: they stand in a sine or cosine of the model."""
     sides = [*design.fixed, *(part for column in design.columns for part in column.parts)]
     return frozenset().union(*map(_in_waves, sides))
+
+
+def waves_angles(expression: Sum, design: Design) -> bool:
+    """Tell whether all sines and cosines of an expression are those of angles of a model."""
+    waved = _in_waves(expression)
+    return bool(waved) and waved <= angles_of(design)
 
 
 def units_of(
@@ -110,3 +118,15 @@ def between_angles(effect: CandidateMaker, own: Sum, other: Sum) -> Iterator[Can
     yield effect("coupling", call(BUILTIN["sin"], apart))
     yield effect("coupling", call(BUILTIN["cos"], apart), parents=(OFFSET,), whole=True)
     yield effect("coupling", call(BUILTIN["sin"], mul(constant(2.0), apart)))
+
+
+def centripetal(
+    effect: CandidateMaker, design: Design, turning: frozenset[int]
+) -> Iterator[Candidate]:
+    """Go through what a mass on an arm that turns does to what carries the arm."""
+    for angle in sorted(turning):
+        rate = design.derivative_of(angle) if angle < len(design.states) else None
+        if rate is not None and rate != effect.state:
+            square = power(variable(rate), 2)
+            yield effect("coupling", mul(square, call(BUILTIN["sin"], variable(angle))))
+            yield effect("coupling", mul(square, call(BUILTIN["cos"], variable(angle))))

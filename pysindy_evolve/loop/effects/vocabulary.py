@@ -17,7 +17,7 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .angles import angles_of, bends, between_angles, swing_of, units_of
+from .angles import angles_of, bends, between_angles, centripetal, swing_of, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
 from .differences import acting_differences, differences, gripping, losses
 from .entries import entries_of
@@ -131,6 +131,7 @@ def _of_rate(
         yield from damped_contacts(effect, design, q, v)
         yield from _weights(effect, design, position, scales, middle)
         yield from _with_position(effect, q, v)
+        yield from centripetal(effect, design, turning)
     own = state if position is None else position
     for other in range(n_states):
         if other not in (state, position):
@@ -148,7 +149,7 @@ def _of_rate(
             yield from losses(effect, design, column)
     yield from _relative(effect, design, state, apart)
     yield from radial(effect, design, turning)
-    yield from _at_joints(effect, design, scales)
+    yield from _at_joints(effect, design, scales, turning)
     yield from varying(effect, design)
     yield from saturating(effect, design, scales, middle)
     yield from drifts(effect, design, variable(design.time))
@@ -239,10 +240,12 @@ def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate
     yield effect("coupling", mul(q, v), parents=(OFFSET,))
 
 
-def _at_joints(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
+def _at_joints(
+    effect: CandidateMaker, design: Design, scales: np.ndarray, turning: frozenset[int]
+) -> Iterator[Candidate]:
     """Go through the forces that enter where a declared force does, by other than a constant."""
     for entry in entries_of(design, effect.state):
-        forces = [effect("constant offset", OFFSET)]
+        forces = [effect("constant offset", OFFSET), *centripetal(effect, design, turning)]
         for v in entry.velocities:
             forces += _frictions(effect, variable(v), float(scales[v]))
             q = design.position_of(v)

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...terms import Sum, add, constant, mul, sub
-from ..effects.candidate import Candidate, Shape
+from ..effects.angles import waves_angles
+from ..effects.candidate import EVOLVED, Candidate, Shape
 from ..effects.shaping import shape_of
 from ..evidence.scoring import columns_of
 from ..fitting.trial import Trial, converged
@@ -79,7 +80,7 @@ def tuned_by_runs(contenders: Sequence[Contender], model: Model, drift: Drift) -
 
 def _moved(one: Contender, model: Model, drift: Drift) -> Contender | None:
     """Return an effect with its numbers a step further, not run yet; None if it has none."""
-    shape, trial = shape_of(one.candidate, model.design.constants), one.trial
+    shape, trial = _shape_of(one.candidate, model.design), one.trial
     change = None if shape is None else _with_slopes(one, shape, model).change()
     if shape is None or change is None:
         return None
@@ -90,6 +91,14 @@ def _moved(one: Contender, model: Model, drift: Drift) -> Contender | None:
     coef = trial.coef + change[0][:n_own]
     begun = whole.trial(coef, drift.trial.scale, drift.part)
     return Contender(candidate, replace(begun, starts=trial.starts + change[1]))
+
+
+def _shape_of(candidate: Candidate, design: Design) -> Shape | None:
+    """Return the numbers of an effect; an angle of the model in a named one has none before it."""
+    is_named = candidate.name != EVOLVED and candidate.shape is None
+    if is_named and all(waves_angles(term, design) for term in candidate.terms if term.variables):
+        return None
+    return shape_of(candidate, design.constants)
 
 
 def _at(candidate: Candidate, shape: Shape, steps: np.ndarray) -> Candidate:

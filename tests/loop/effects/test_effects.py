@@ -247,3 +247,27 @@ def test_a_difference_is_one_of_like_states():
     found = [c for c in proposed(design_of(sides)) if c.name == "coupling" and not c.alone]
     differences = {(c.state, c.terms[0].variables) for c in found if len(c.terms[0].parts) == 2}
     assert not differences  # neither a position nor a velocity is a current
+
+
+def _coupled(design, state, variables=("x", "y", "z", "F", "t")):
+    found = (c for c in proposed(design) if c.name == "coupling" and c.state == state)
+    return {c.terms[0].name(variables) for c in found}
+
+
+def test_two_other_states_act_together_but_no_positions():
+    gyro = design_of({"x": "-a*x", "y": "-b*y", "z": "-c*z + F"})
+    assert "y z" in _coupled(gyro, 0)
+    assert "x y" in _coupled(gyro, 2)
+    masses = design_of({**TWO_MASSES, "c": "vc", "vc": "-n*c"})
+    names = ("a", "va", "b", "vb", "c", "vc", "F", "t")
+    assert "vb vc" in _coupled(masses, 1, names)
+    assert not {"b c", "b vc"} & _coupled(masses, 1, names)
+
+
+def test_an_arm_that_turns_pulls_at_what_carries_it():
+    names = ("p", "v", "q", "w", "F", "t")
+    cart = {"p": "v", "v": "(F - c*v)/(2 + sin(q)**2)", "q": "w", "w": "-k*sin(q)"}
+    assert {"w^2 sin(q)", "w^2 sin(q)/(2 + sin(q)^2)"} <= _coupled(design_of(cart), 1, names)
+    assert not [name for name in _coupled(design_of(cart), 3, names) if "w^2" in name]
+    spring = {**cart, "v": "F - c*v", "w": "-k*q"}
+    assert "w^2 sin(q)" not in _coupled(design_of(spring), 1, names)

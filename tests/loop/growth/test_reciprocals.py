@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 
 import pysindy_evolve as pse
 
@@ -87,3 +88,42 @@ def test_the_length_of_an_inclined_spring_grows_below_the_line():
     assert (effect.name, effect.state) == ("evolved term", "v")
     assert effect.numbers == {"inner constant": pytest.approx(100.0, rel=0.02)}
     assert effect.coefficients == pytest.approx([3000.0], rel=0.01)
+
+
+def parts_of(record):
+    """Cut a record in two: to fit, to judge."""
+    n = int(0.7 * len(record))
+    return record[:n], record[n:]
+
+
+@pytest.mark.slow
+def test_an_eddy_current_brake_grows():
+    """Its drag rises with the speed and falls again: c v / (1 + (v / 0.6)^2)."""
+    rng, t = np.random.default_rng(0), 0.01 * np.arange(6000)
+    waves = zip(rng.uniform(0.1, 1.2, 6), rng.uniform(0.0, 2.0 * np.pi, 6), strict=True)
+    force = sum(3.0 * np.sin(2.0 * np.pi * f * t + phase) for f, phase in waves)
+    rig = {"q": "v", "v": "F - 9*q - 0.3*v - 3*v/(1 + v**2/0.36)"}
+    model = pse.DeclaredModel(rig, inputs=["F"]).design().equations([])
+    q = pse.simulate(model, [0.5, 0.0], t, force, tolerance=1e-9)[:, :1]
+    record = pse.prepare(t, q + 2e-3 * q.std() * rng.standard_normal(q.shape), force)
+    declared = pse.DeclaredModel({"q": "v", "v": "b*F - k*q - c*v"}, inputs=["F"])
+    report = pse.close_loop(declared, *parts_of(record), random_state=0)
+    (effect,) = report.effects
+    (v,) = effect.term.free_symbols
+    assert sympy.simplify(v / effect.term) - v**2 == pytest.approx(0.36, rel=0.05)
+    assert effect.coefficients == pytest.approx([-1.08], rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_reaction_that_is_declared_in_one_equation_is_known_in_the_other():
+    """Chlorine dioxide, iodine and malonic acid oscillate; one loses what the other gains."""
+    t = 0.01 * np.arange(4000)
+    rates = {"x": "8.9 - x - 4*x*y/(1 + x**2)", "y": "1.4*x - 1.4*x*y/(1 + x**2)"}
+    x = pse.simulate(pse.DeclaredModel(rates).design().equations([]), [0.2, 0.35], t)
+    noise = 5e-3 * x.std(axis=0) * np.random.default_rng(0).standard_normal(x.shape)
+    record = pse.prepare(t, x + noise, order=1)
+    declared = pse.DeclaredModel({"x": "a - b*x", "y": "c*x - d*x*y/(1 + x**2)"})
+    report = pse.close_loop(declared, *parts_of(record), random_state=0)
+    (effect,) = report.effects
+    assert (effect.state, str(effect.term)) == ("x", "x*y/(x**2 + 1)")
+    assert effect.coefficients == pytest.approx([-4.0], rel=0.01)
