@@ -17,10 +17,10 @@ from ..fitting.trial import Trial, converged
 from ..given.design import Design
 from ..given.rows import have_values
 from ..given.segments import Segments
-from .distances import as_distances
 from .drift import Drift, drift_of
 from .leading_terms import stand_ins
 from .other_forms import other_forms
+from .quotients import as_quotients
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
@@ -99,7 +99,7 @@ class Pool:
         design, known = model.design, {one.candidate.terms for one in tuned}
         forms = [
             *other_forms(best.candidate, design, self.part),
-            *as_distances(best.candidate, design, self.part),
+            *as_quotients(best.candidate, design, self.part),
         ]
         acted = model.acted(drift.records)
         new = [one for one in forms if one.terms not in known and have_values(one.terms, acted)]

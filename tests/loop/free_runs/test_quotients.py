@@ -1,4 +1,4 @@
-"""What pulls the more, the closer it is, is the power of a distance and no exponential."""
+"""What is a quotient over a distance, or over squares, is not taken for a curved function."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from loop_systems import measured, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
-from pysindy_evolve.loop.free_runs.distances import as_distances
+from pysindy_evolve.loop.free_runs.quotients import as_quotients
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.operators import BUILTIN
@@ -21,7 +21,7 @@ def forms_of(*terms, name="evolved term", declared="-k*q - c*v + b*F"):
     record = machine.record()
     design = design_of(machine.model, [record])
     part = segments([record], design.velocities)
-    return as_distances(Candidate(name, 1, terms), design, part), record.x[:, 0]
+    return as_quotients(Candidate(name, 1, terms), design, part), record.x[:, 0]
 
 
 @pytest.mark.parametrize("terms", [(RISES,), (RISES, OFFSET)])
@@ -37,9 +37,22 @@ def test_where_an_offset_stands_none_is_added():
     assert [len(form.terms) for form in forms] == [1, 1]
 
 
-def test_what_is_no_exponential_has_no_pole():
-    assert forms_of(call(BUILTIN["tanh"], variable(0)))[0] == []
+def test_what_is_not_curved_and_grown_is_no_quotient():
+    assert forms_of(mul(variable(0), variable(1)))[0] == []
     assert forms_of(RISES, name="cubic stiffness")[0] == []
+
+
+def test_what_saturates_stands_for_what_falls_again():
+    forms, _ = forms_of(call(BUILTIN["tanh"], mul(constant(2.0), variable(1))))
+    rows = np.array([[0.0, v, 0.0, 0.0] for v in (-3.0, -0.2, 0.4, 2.0)])
+    (alone, _) = (form.terms for form in forms)
+    below = rows[:, 1] / alone[0].evaluate(rows) - rows[:, 1] ** 2
+    assert np.allclose(below, below[0])
+    assert below[0] > 0.0
+
+
+def test_what_comes_not_close_is_left_out():
+    assert forms_of(call(BUILTIN["sin"], mul(constant(9.0), variable(0))))[0] == []
 
 
 def test_a_pole_is_close_to_its_exponential_but_for_an_offset_and_a_line():
@@ -78,3 +91,19 @@ def test_the_pull_of_an_electromagnet_is_found_where_a_square_of_the_current_is_
     q, force = sympy.symbols("q F", real=True)
     assert effect.term == force**2 / (q - 1) ** 2
     assert effect.coefficients == pytest.approx([0.5], rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_gain_that_falls_with_the_square_of_a_state_is_found_beside_an_offset():
+    """A regulated gene, whose product keeps it from being read."""
+    rng, t = np.random.default_rng(0), 0.05 * np.arange(4000)
+    waves = zip(rng.uniform(0.02, 0.4, 10), rng.uniform(0.0, 6.28, 10), strict=True)
+    u = 3.0 + 0.3 * sum(np.sin(2.0 * np.pi * f * t + phase) for f, phase in waves)
+    model = pse.DeclaredModel({"x": "2*u/(1 + x**2/4) - 0.5*x - 0.6"}, inputs=["u"])
+    x = pse.simulate(model.design().equations([]), [2.0], t, u, tolerance=1e-9)
+    record = pse.prepare(t, x + 5e-3 * x.std() * rng.standard_normal(x.shape), u, order=1)
+    declared = pse.DeclaredModel({"x": "b*u - a*x"}, inputs=["u"])
+    report = pse.close_loop(declared, record, random_state=0)
+    (effect,) = report.effects
+    assert effect.coefficients == pytest.approx([8.0, -0.6], rel=0.05)
+    assert list(effect.numbers.values()) == pytest.approx([4.0], rel=0.05)

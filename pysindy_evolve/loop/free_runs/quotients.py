@@ -1,0 +1,131 @@
+"""The quotients that a curved function stands for: over a distance, or over a sum of squares.
+
+A magnet pulls by 1 / (d - q)^2, and so does a charged plate; what passes by at a distance d has
+1 / (d^2 + q^2), as has a rate that falls with what there is of its product, and the drag of an
+eddy-current brake is v / (c^2 + v^2). Over the range of a record these are nearly an exponential or
+a hyperbolic tangent beside what the model has, which are easier to find.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ...breeding.genetics import SCALED
+from ...checks import TINY
+from ...terms import Call, Product, Sum, add, constant, mul, power, sub, variable
+from ..effects.candidate import EVOLVED, OFFSET, Candidate, bare
+from ..effects.missing import standing
+from ..given.design import Design
+from ..given.segments import Segments
+
+__all__ = ["as_quotients"]
+
+POWERS = (1, 2)  # of the distance: Coulomb's law in a plane and in space
+# Logarithms of how far away: in units of what an exponential rises in, or of the largest value.
+DISTANCES = (-3.0, 4.0)
+CLOSE = 0.1  # of a term beside the others, that what stands for it may miss
+
+Family = Callable[[float], Sum]
+
+
+def as_quotients(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
+    """Return a grown term with a quotient in the place of each curved function.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Any; of what is no grown product with a curved function in it there are none.
+    design : Design
+        The model without it; an offset that stands there is not offered again.
+    part : Segments
+        Pieces of the training records: poles lie beyond them.
+
+    Returns
+    -------
+    list of Candidate
+        Each with the number with which it comes closest, beside what the equation has; each by
+        itself and beside an offset.
+    """
+    terms = [term for term in candidate.terms if term != OFFSET]
+    if candidate.name != EVOLVED or len(terms) != 1 or len(terms[0].parts) != 1:
+        return []
+    ((_, product),) = terms[0].parts
+    place = _Place.of(product, candidate.state, design, part.rows)
+    closest = map(place.closest, _families(product, part.rows))
+    forms = dict.fromkeys(bare(term) for term in closest if term is not None)
+    has_offset = (candidate.state, OFFSET) in standing(design)
+    offsets: list[tuple[Sum, ...]] = [()] if has_offset else [(), (OFFSET,)]
+    return [
+        Candidate(EVOLVED, candidate.state, (term, *offset)) for term in forms for offset in offsets
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Where a term stands: its values, and those of what the equation has besides, scaled."""
+
+    wanted: np.ndarray
+    beside: np.ndarray
+    rows: np.ndarray
+
+    @classmethod
+    def of(cls, product: Product, state: int, design: Design, rows: np.ndarray) -> _Place:
+        """Look at a term beside a design and an offset."""
+        equation = [OFFSET, *(column.parts[state] for column in design.columns)]
+        columns = [side.evaluate(rows) for side in equation if side.parts]
+        return cls(product.evaluate(rows), np.column_stack(columns), rows)
+
+    def closest(self, family: Family) -> Sum | None:
+        """Return the one of a family that comes closest to the term; None if none comes close."""
+        best = minimize_scalar(lambda x: self._missed(family(float(np.exp(x)))), bounds=DISTANCES)
+        return family(float(np.exp(best.x))) if best.fun <= CLOSE else None
+
+    def _missed(self, term: Sum) -> float:
+        """Return the part of the term beside the others that another one misses, RMS."""
+        left = self._left(np.column_stack([self.beside, term.evaluate(self.rows)]))
+        return left / max(self.own, TINY)
+
+    @cached_property
+    def own(self) -> float:
+        """Size of the term beside the others."""
+        return self._left(self.beside)
+
+    def _left(self, columns: np.ndarray) -> float:
+        basis = columns / np.maximum(np.abs(columns).max(axis=0), TINY)
+        fitted = basis @ np.linalg.lstsq(basis, self.wanted, rcond=None)[0]
+        return float(np.linalg.norm(self.wanted - fitted))
+
+
+def _families(product: Product, rows: np.ndarray) -> Iterator[Family]:
+    """Go through the product with each curved function of one variable replaced by quotients."""
+    for place, (atom, exponent) in enumerate(product.factors):
+        if not isinstance(atom, Call) or atom.operator.name not in SCALED or exponent != 1:
+            continue
+        left = Sum(((1.0, Product(product.factors[:place] + product.factors[place + 1 :])),))
+        (inside,) = atom.args
+        if not np.isfinite(inside.evaluate(rows)).all():
+            continue
+        if atom.operator.name == "exp":
+            highest = float(inside.evaluate(rows).max())
+            yield from (partial(_over_distance, left, inside, highest, n) for n in POWERS)
+        if len(inside.variables) == 1:
+            (index,) = inside.variables
+            largest = float(np.abs(rows[:, index]).max())
+            for above in (OFFSET, variable(index)):
+                yield partial(_over_squares, mul(left, above), index, largest)
+
+
+def _over_distance(left: Sum, inside: Sum, highest: float, n: int, distance: float) -> Sum:
+    """Return a term over a power of the distance to a pole beyond the highest value inside."""
+    return mul(left, power(sub(constant(highest + distance), inside), -n))
+
+
+def _over_squares(left: Sum, index: int, largest: float, length: float) -> Sum:
+    """Return a term over the squares of a variable and of a length, in its largest values."""
+    below = add(power(variable(index), 2), constant((length * largest) ** 2))
+    return mul(left, power(below, -1))
