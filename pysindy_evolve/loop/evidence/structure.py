@@ -24,7 +24,10 @@ from ..fitting.linear import log_ratio
 from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
 from ..given.segments import Segments
+from ..twins.chance import p_value_of
+from ..twins.colored import ColoredTwins
 from ..twins.twins import TwinMaker
+from ..twins.values import twin_values
 from .noise_floor import EXCESS, NoiseFloor
 from .nulls import chance_of, freed_of_noise
 from .scoring import quick_fit
@@ -100,7 +103,12 @@ def structure_chance(
     if freed is not None and not _exceeds_noise(freed, design, part, rng.spawn(1)[0]):
         return 1.0
     statistic = partial(generic_gain, design, models)
-    return chance_of(observed, statistic, design, equations, part, rules, rng)[0]
+    chance = chance_of(observed, statistic, design, equations, part, rules, rng)[0]
+    maker = ColoredTwins.of(equations, part.records) if chance <= rules.level else None
+    if maker is None:
+        return chance
+    colored = twin_values(maker, part, statistic, observed, rules, rng.spawn(1)[0])
+    return max(chance, p_value_of(observed, colored))
 
 
 def may_have_structure(design: Design, part: Segments) -> bool:

@@ -11,6 +11,7 @@ from tqdm.auto import tqdm
 from ...threads import one_thread
 from ..given.rules import Rules
 from ..given.segments import Segments
+from .colored import ColoredTwins
 from .drifting import DriftingTwins
 from .twins import TwinMaker
 
@@ -19,7 +20,7 @@ __all__ = ["twin_values"]
 BATCH = 4  # twins between two looks at whether the rest can be spared
 CLEAR = 2.0  # times the best of all twins so far: more of them would not change the verdict
 
-Maker = TwinMaker | DriftingTwins
+Maker = TwinMaker | DriftingTwins | ColoredTwins
 Statistic = Callable[[Segments], float]
 
 

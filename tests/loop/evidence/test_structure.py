@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from loop_systems import levitated
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
 import pysindy_evolve as pse
 from pysindy_evolve.signals.noise import input_noise
@@ -74,6 +75,23 @@ def test_a_grown_term_explains_it():
 def test_an_input_that_answers_the_noise_of_the_sensor_is_no_structure(seed):
     declared = pse.DeclaredModel({"z": "v", "v": "g - C*i**2/z**2"}, inputs=["i"])
     report = pse.close_loop(declared, levitated(seed), operators=(), random_state=0)
+    assert report.verdict == "complete", str(report)
+
+
+@pytest.mark.slow
+def test_colored_noise_of_the_sensors_of_three_states_is_no_structure():
+    """A heater warms one body, and that the next ones; noise is remembered over five samples."""
+    rng, t = np.random.default_rng(1), 2.0 * np.arange(8000)
+    power = np.interp(t, 200.0 * np.arange(81), rng.uniform(0.0, 50.0, 81))
+    rates = {"A": "0.02*P - 0.05*(A - B)", "B": "0.03*(A - B) - 0.02*(B - C)"}
+    model = pse.DeclaredModel({**rates, "C": "0.02*(B - C) - 0.01*(C - 20)"}, inputs=["P"])
+    x = pse.simulate(model.design().equations([]), [20.0] * 3, t, power)
+    white = rng.standard_normal(x.shape)
+    colored = lfilter([0.6], [1.0, -0.8], white, axis=0)
+    record = pse.prepare(t, x + 1.5e-3 * x.std(axis=0) * colored, power, order=1)
+    equations = {"A": "a*P - b*(A - B)", "B": "c*(A - B) - d*(B - C)", "C": "e*(B - C) - h*(C - 20)"}
+    declared = pse.DeclaredModel(equations, inputs=["P"])
+    report = pse.close_loop(declared, record, random_state=0)
     assert report.verdict == "complete", str(report)
 
 
