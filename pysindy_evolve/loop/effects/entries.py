@@ -13,7 +13,9 @@ from ...terms import Product, Sum, Variable, div, mul, variable
 from ..given.design import Design
 from .candidate import bare
 
-__all__ = ["Entry", "entered", "entries_of"]
+__all__ = ["AS_INPUT", "Entry", "entered", "entries_of"]
+
+AS_INPUT = "as if"  # so begins what is said of a coefficient that adds to an input
 
 
 @dataclass(frozen=True)

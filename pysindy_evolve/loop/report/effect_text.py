@@ -13,12 +13,13 @@ from ...export.compact import as_written
 from ...export.symbolic import without_sign
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
+from ..effects.entries import AS_INPUT
 from ..effects.inertia import INERTIA
 from ..effects.periodic import FORCING, RIPPLE
 from .interval_text import interval, value_within
 
 if TYPE_CHECKING:
-    from .effect import Alternative, Effect
+    from .effect import AS_INPUT, Alternative, Effect
 
 __all__ = ["evidence", "named_together", "numbers_inside", "sentence", "with_sign"]
 __all__ += ["without_rivals"]
@@ -79,8 +80,12 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
 
 
 def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:
-    """Return a term as it is written, its coefficient, and the ends of the interval."""
-    sign, term = without_sign(as_written((effect.written or effect.expressions)[k], symbols))
+    """Return a term as it is written, its coefficient, and the ends of the interval.
+
+    Where the coefficient is a force, as of a motor, it keeps the sign of that.
+    """
+    written = as_written((effect.written or effect.expressions)[k], symbols)
+    sign, term = (1, written) if effect.entry.startswith(AS_INPUT) else without_sign(written)
     low, high = sorted(sign * effect.confidence_intervals[k])
     return term, sign * float(effect.coefficients[k]), low, high
 

@@ -16,7 +16,7 @@ from ...hidden_states.memory import Memory, remembered
 from ...signals import Record
 from ...terms import Sum, mul
 from ..effects.candidate import OFFSET
-from ..effects.entries import entered
+from ..effects.entries import AS_INPUT, entered
 from ..effects.inertia import INERTIA
 from ..evidence.findings import (
     Finding,
@@ -207,7 +207,7 @@ def _entry(design: Design, finding: Finding) -> str:
         return f"through the same factor as the damping of {name}"
     if mul(entry.factor, force) != terms[0] or not entry.is_known:
         return f"through the same factor as {name}"
-    number = f"as if {name} were larger by this number"
+    number = f"{AS_INPUT} {name} were larger by this number"
     if force == OFFSET:
         return number
     return f"{number} times {format_expression(force.to_sympy(design.symbols))}"

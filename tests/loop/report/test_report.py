@@ -17,7 +17,7 @@ from pysindy_evolve.hidden_states.relaxing import relaxing
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.given.design import in_state
-from pysindy_evolve.loop.report.effect_text import evidence
+from pysindy_evolve.loop.report.effect_text import evidence, with_sign
 from pysindy_evolve.loop.report.interval_text import interval, value_within
 from pysindy_evolve.loop.report.start_noise import moved_by_starts
 from pysindy_evolve.loop.report.text import as_text
@@ -261,6 +261,19 @@ def test_the_sign_of_a_term_goes_to_its_coefficient(report, tmp_path):
         replace(report, effects=[one]).to_html(tmp_path / name)
     plain, other = ((tmp_path / name).read_text("utf-8") for name in ("plain", "turned"))
     assert plain == other
+
+
+def test_a_force_that_adds_to_an_input_keeps_its_sign(report):
+    """A moment of friction, which is negative, over what is negative."""
+    (*_, effect) = report.effects
+    turned = replace(
+        effect,
+        expressions=tuple(mul(constant(-1.0), one) for one in effect.expressions),
+        entry="as if T were larger by this number",
+    )
+    term, value, _, _ = with_sign(turned, 0, report.equations.inner_symbols)
+    assert value == effect.coefficients[0]
+    assert str(term).startswith("-")
 
 
 def test_residual_of_a_delayed_input_is_taken_at_the_earlier_time(report):
