@@ -104,11 +104,11 @@ def structure_chance(
         return 1.0
     statistic = partial(generic_gain, design, models)
     chance = chance_of(observed, statistic, design, equations, part, rules, rng)[0]
-    maker = ColoredTwins.of(equations, part.records) if chance <= rules.level else None
-    if maker is None:
+    colored = ColoredTwins.of(equations, part.records) if chance <= rules.level else None
+    if colored is None:
         return chance
-    colored = twin_values(maker, part, statistic, observed, rules, rng.spawn(1)[0])
-    return max(chance, p_value_of(observed, colored))
+    others = twin_values(colored, part, statistic, observed, rules, rng.spawn(1)[0])
+    return max(chance, p_value_of(observed, others))
 
 
 def may_have_structure(design: Design, part: Segments) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...signals import Record
-from ..effects.candidate import Candidate
+from ..effects.candidate import EVOLVED, Candidate
 from ..effects.missing import candidates
 from ..effects.pumps import other_pumps
 from ..evidence.scoring import columns_of, score, sharpened
@@ -53,7 +53,7 @@ class Pool:
     matter: float
 
     def contenders(
-        self, model: Model, own: Contender, drift: Drift, group: Candidate | None = None
+        self, model: Model, own: Contender, drift: Drift, group: Sequence[Candidate] = ()
     ) -> list[Contender]:
         """Return an effect and the few that come closest to it, all tuned by their runs.
 
@@ -65,22 +65,24 @@ class Pool:
             The effect, which comes first.
         drift : Drift
             The model with the effect, or with a group of effects, its last columns.
-        group : Candidate, optional
-            All terms of a group of effects that the effect is one of, and that one may replace.
+        group : sequence of Candidate, optional
+            Effects of which this is the first, and which one may replace: one of them, too.
         """
-        least = self.matter if group is None else -np.inf
+        least = -np.inf if group else self.matter
         acted = model.acted(drift.records)
         able = [one for one in self.grown if have_values(one.terms, acted)]
-        shown = stand_ins(drift, group or own.candidate, self.small, least)
+        terms = tuple(term for one in group or [own.candidate] for term in one.terms)
+        shown = stand_ins(drift, replace(own.candidate, terms=terms), self.small, least)
         shown = [one for one in shown if have_values(one.terms, acted)]
         closest = _closest(model, own.candidate, able, self.part)
+        members = [replace(one, name=EVOLVED, parents=()) for one in group[1:]]
         forms = [
             form
-            for candidate in (own.candidate, *closest)
+            for candidate in (own.candidate, *closest, *members)
             for form in other_forms(candidate, model.design, self.part)
         ]
         forms = [one for one in forms if have_values(one.terms, acted)]
-        able = _as_named([*closest, *shown, *forms], model.design, self.part)
+        able = _as_named([*closest, *shown, *forms, *members], model.design, self.part)
         rivals = [c for c in dict.fromkeys(able) if c != own.candidate]
         begun = [begun_with(model, [rival], drift) for rival in rivals]
         # The effect itself was fitted in other units of the errors.

@@ -91,12 +91,11 @@ def _single(
     if drift is None:
         return None
     (trial,) = converged([drift.trial])
-    whole = replace(first.candidate, terms=tuple(t for effect in effects for t in effect.terms))
     own = Contender(first.candidate, begun_with(without, [first.candidate], drift))
     most, size = np.exp(MARGIN) * trial.error, sum(effect.size for effect in effects)
     able = [
         one
-        for one in pool.contenders(without, own, drift, whole)
+        for one in pool.contenders(without, own, drift, effects)
         if one.error * np.exp(PRICE * max(one.candidate.size - size, 0)) <= most
     ]
     if not able:

@@ -19,7 +19,7 @@ from ..effects.periodic import FORCING, RIPPLE
 from .interval_text import interval, value_within
 
 if TYPE_CHECKING:
-    from .effect import AS_INPUT, Alternative, Effect
+    from .effect import Alternative, Effect
 
 __all__ = ["evidence", "named_together", "numbers_inside", "sentence", "with_sign"]
 __all__ += ["without_rivals"]

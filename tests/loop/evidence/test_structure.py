@@ -89,8 +89,8 @@ def test_colored_noise_of_the_sensors_of_three_states_is_no_structure():
     white = rng.standard_normal(x.shape)
     colored = lfilter([0.6], [1.0, -0.8], white, axis=0)
     record = pse.prepare(t, x + 1.5e-3 * x.std(axis=0) * colored, power, order=1)
-    equations = {"A": "a*P - b*(A - B)", "B": "c*(A - B) - d*(B - C)", "C": "e*(B - C) - h*(C - 20)"}
-    declared = pse.DeclaredModel(equations, inputs=["P"])
+    equations = {"A": "a*P - b*(A - B)", "B": "c*(A - B) - d*(B - C)"}
+    declared = pse.DeclaredModel({**equations, "C": "e*(B - C) - h*(C - 20)"}, inputs=["P"])
     report = pse.close_loop(declared, record, random_state=0)
     assert report.verdict == "complete", str(report)
 
