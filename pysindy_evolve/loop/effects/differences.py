@@ -4,25 +4,27 @@ Heat between two walls, current between two nodes, the loss of a tank to the roo
 has a coefficient for one part of the difference already, the other one alone says as much.
 
 Between what stores, of the first order, also flows that are not in proportion: a turbulent one
-through a valve goes with the root of the difference, a draft with its square; and what a measured
-flow carries, as the air of a fan does, with both. And where a pull by a difference is declared, as
-that of a tyre that slips, it may be no more than a grip.
+through a valve goes with the root of the difference, a draft with its square, radiation with the
+fourth powers; and what a measured flow carries, as the air of a fan does, with both. And where a
+pull by a difference is declared, as that of a tyre that slips, it may be no more than a grip.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from ...operators import BUILTIN
-from ...terms import Sum, call, mul, sub, variable
+from ...terms import Sum, call, mul, power, sub, variable
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape, bare
 from .hysteresis import rounded_sign
+from .varying import parts_of
 
-__all__ = ["acting_differences", "differences", "gripping", "losses"]
+__all__ = ["acting_differences", "differences", "gripping", "leveling", "losses", "radiated"]
 
 GRIPS = (0.03, 0.1, 0.3, 1.0)  # differences at which a grip gives way, in the largest of the record
 
@@ -53,6 +55,35 @@ def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Cand
         yield from _difference(effect, design, effect.state, column)
         yield from _flows(effect, effect.state, column)
         yield from _carried(effect, design, effect.state, column)
+
+
+def radiated(
+    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through what radiates where heat is declared to flow: fourth powers of temperatures.
+
+    They are above zero all the time, as those in kelvin are.
+    """
+    own, sides = effect.state, design.sides_of(effect.state)
+    above = [v for v in range(design.time) if 2.0 * middle[v] > scales[v]]
+    for other in above if own in above else []:
+        if other != own and any(_holds_difference(side, own, other) for side in sides):
+            yield effect("coupling", sub(power(variable(other), 4), power(variable(own), 4)))
+
+
+def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
+    """Go through declared sums, such as the slip of a tyre, that pull no more than they grip.
+
+    The same slip may stand in two equations: of what a tyre pushes aside, and of what it turns.
+    """
+    for slip in parts_of(design, effect.state):
+        linear = [(c, term.variables) for c, term in slip.parts if term.size == 1]
+        weights = [(c, v) for c, variables in linear for v in variables]
+        is_difference = len(weights) == 2 and weights[0][0] == -weights[1][0]
+        if 1 < len(weights) == len(slip.parts) and not is_difference:
+            reach = sum(abs(c) * float(scales[v]) for c, v in weights)
+            grips = gripping(effect, "coupling", slip, reach)
+            yield from (replace(one, force=(min(slip.variables), one.terms)) for one in grips)
 
 
 def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:

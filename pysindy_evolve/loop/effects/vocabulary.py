@@ -19,7 +19,14 @@ from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .angles import angles_of, bends, between_angles, centripetal, swing_of, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
-from .differences import acting_differences, differences, gripping, losses
+from .differences import (
+    acting_differences,
+    differences,
+    gripping,
+    leveling,
+    losses,
+    radiated,
+)
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
@@ -141,6 +148,8 @@ def _of_rate(
             if {own, other} <= turning:
                 yield from between_angles(effect, variable(own), variable(other))
     yield from _products_of_others(effect, design, {state, position})
+    if position is None:
+        yield from radiated(effect, design, scales, middle)
     for column in range(n_states, design.time):
         states = [v] if position is None else [v, variable(position)]
         u, reach = variable(column), float(scales[column])
@@ -148,6 +157,7 @@ def _of_rate(
         if position is None:
             yield from losses(effect, design, column)
     yield from _relative(effect, design, state, apart)
+    yield from leveling(effect, design, scales)
     yield from radial(effect, design, turning)
     yield from _at_joints(effect, design, scales, turning)
     yield from varying(effect, design)

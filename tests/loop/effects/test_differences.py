@@ -8,6 +8,8 @@ from scipy.signal import butter, filtfilt
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.differences import acting_differences
+from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.given.ranges import Ranges
 
 
 def smooth(t, seed, cutoff):
@@ -152,3 +154,54 @@ def test_a_tyre_pulls_by_no_more_than_its_grip():
     for effect in report.effects:
         assert effect.numbers["difference where it levels off"] == pytest.approx(1.2, rel=0.03)
     assert max(report.after.simulation_error) < 0.05 * max(report.before.simulation_error)
+
+
+def offered(equations, inputs, ranges):
+    """Return what the couplings of the first equation are called, with these ranges."""
+    design = pse.DeclaredModel(equations, inputs=inputs).design()
+    found = candidates(design, Ranges.of(np.array(ranges, dtype=float).T))
+    return [str(c.terms[0].name((*design.names, "t"))) for c in found if c.state == 0]
+
+
+@pytest.mark.parametrize(
+    ("side", "warm", "expected"),
+    [("P - h*(T - Ta)", 250.0, True), ("P - h*(T - Ta)", -9.0, False), ("P - h*T", 250.0, False)],
+)
+def test_what_is_warm_radiates_where_heat_is_declared_to_flow(side, warm, expected):
+    ranges = [(warm, 600.0), (0.0, 50.0), (280.0, 300.0), (0.0, 9.0)]
+    found = offered({"T": side}, ["P", "Ta"], ranges)
+    assert ("-T^4 + Ta^4" in found) == expected
+
+
+@pytest.mark.parametrize(
+    ("side", "expected"), [("a*(d - (v + 2*r)/20)", 4), ("a*(d - v)", 4), ("a*d - b*v", 0)]
+)
+def test_a_declared_sum_may_pull_no_more_than_it_grips(side, expected):
+    ranges = [(-1.0, 1.0), (-1.0, 1.0), (-0.1, 0.1), (0.0, 9.0)]
+    found = offered({"v": side, "r": "e*v - f*r"}, ["d"], ranges)
+    assert len([name for name in found if "tanh" in name and "d" in name]) == expected
+
+
+@pytest.mark.slow
+def test_a_front_tyre_that_slips_is_one_force_in_two_equations():
+    """A car whose front tyre grips no more than so much, pushed aside and turned by it."""
+    t = 0.01 * np.arange(8000)
+    steer = multisine(0.15, seed=3, band=(0.1, 1.2))(t)
+    slip = "(d - (v + 1.2*r)/20)"
+    rates = {
+        "v": f"5*tanh(12*{slip}) - 70*(v - 1.4*r)/20 - 20*r",
+        "r": f"4*tanh(12*{slip}) + 65*(v - 1.4*r)/20",
+    }
+    x = pse.simulate(equations_of(rates, ("d",)), [0.0, 0.0], t, steer)
+    noise = 5e-3 * x.std(axis=0) * np.random.default_rng(0).standard_normal(x.shape)
+    record = pse.prepare(t, x + noise, steer, order=1)
+    declared = {
+        "v": f"a*{slip} - b*(v - 1.4*r)/20 - 20*r",
+        "r": f"e*{slip} + h*(v - 1.4*r)/20",
+    }
+    report = pse.close_loop(pse.DeclaredModel(declared, inputs=["d"]), record, random_state=0)
+    found = sorted(report.effects, key=lambda one: one.state, reverse=True)
+    assert [(one.name, one.state) for one in found] == [("coupling", "v"), ("coupling", "r")]
+    for one, grip in zip(found, (5.0, 4.0), strict=True):
+        assert abs(one.coefficients[0]) == pytest.approx(grip, rel=0.03)
+        assert list(one.numbers.values()) == pytest.approx([1.0 / 12.0], rel=0.03)
