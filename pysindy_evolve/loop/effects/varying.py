@@ -1,7 +1,8 @@
 """What a declared term is worth may change: with what was measured, or with the time.
 
 A fan cools better the faster it turns, prey is caught less the more of it there is, a spring
-softens as it warms up, a tank grows lighter as it runs out.
+softens as it warms up, a tank grows lighter as it runs out, a valve lets through the less the
+higher the pressure behind it is.
 """
 
 from __future__ import annotations
@@ -12,16 +13,18 @@ from functools import partial
 
 import numpy as np
 
-from ...terms import Call, Sum, add, constant, div, mul, variable
+from ...operators import BUILTIN
+from ...terms import Call, Sum, add, call, constant, div, mul, sub, variable
 from ..given.design import Design
 from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .periodic import FORCING
 
-__all__ = ["SATURATING", "drifts", "parts_of", "saturating", "varying"]
+__all__ = ["SATURATING", "drifts", "parts_of", "saturating", "throttled", "varying"]
 
 SATURATING = "saturating rate"
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, in those of the record
+SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, in the largest of the record
 
 
 def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
@@ -62,6 +65,48 @@ def saturating(
                     )
                     there = effect(SATURATING, shape=half, alone=True)
                     yield replace(there, force=(one, there.terms))
+
+
+def throttled(
+    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
+) -> Iterator[Candidate]:
+    """Go through declared inputs as openings of a valve: flow goes with the root of what drives it.
+
+    That is the supply less the pressure of the load, which helps where the valve is turned over;
+    or, as a chamber has one above zero, the supply less that, and that itself on its way out.
+    """
+    state, inputs = effect.state, range(len(design.states), design.time)
+    if design.position_of(state) is not None:
+        return
+    is_chamber = 2.0 * middle[state] > scales[state]
+    build = _of_chamber if is_chamber else _of_load
+    acting = parts_of(design, state)
+    for opening in (u for u in map(variable, inputs) if u in acting):
+        for share in SUPPLIES:
+            supply = Shape(
+                (share * float(scales[state]),),
+                (partial(build, opening, variable(state)),),
+                meanings=("supply pressure",),
+            )
+            yield effect("input gain", shape=supply, alone=True)
+
+
+def _of_load(opening: Sum, pressure: Sum, supply: float) -> Sum:
+    """Return an opening times the root of the supply less the pressure that it works against."""
+    against = mul(call(BUILTIN["sgn"], opening), pressure)
+    return mul(opening, _root(sub(constant(supply), against)))
+
+
+def _of_chamber(opening: Sum, pressure: Sum, supply: float) -> Sum:
+    """Return an opening times the root of what drives flow into a chamber, or out of it."""
+    half = constant(0.5 * supply)
+    inward = mul(call(BUILTIN["sgn"], opening), sub(half, pressure))
+    return mul(opening, _root(add(half, inward)))
+
+
+def _root(drop: Sum) -> Sum:
+    """Return the root of a magnitude: noise takes a pressure past that of the supply."""
+    return call(BUILTIN["sqrt"], call(BUILTIN["abs"], drop))
 
 
 def _over(part: Sum, level: int, half: float) -> Sum:

@@ -31,7 +31,7 @@ from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
 from .stops import asymmetric_limits, damped_contacts, stops
-from .varying import SATURATING, drifts, saturating, varying
+from .varying import SATURATING, drifts, saturating, throttled, varying
 
 __all__ = ["HARMONIC", "VOCABULARY", "of_equation"]
 
@@ -162,6 +162,7 @@ def _of_rate(
     yield from _at_joints(effect, design, scales, turning)
     yield from varying(effect, design)
     yield from saturating(effect, design, scales, middle)
+    yield from throttled(effect, design, scales, middle)
     yield from drifts(effect, design, variable(design.time))
 
 
