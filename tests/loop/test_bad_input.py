@@ -426,3 +426,15 @@ def test_a_column_given_twice_is_refused_as_such():
     two = pse.DeclaredModel({"q": "v", "v": "-k*q", "p": "w", "w": "-l*p"})
     with pytest.raises(ValueError, match=r"column of its own for each state; got .* q and p"):
         pse.close_loop(two, record)
+
+
+def test_a_record_that_is_fitted_and_judged_on_is_warned_of():
+    record = spring_record()
+    with pytest.warns(UserWarning, match="100 samples of a test record are in a training record"):
+        pse.close_loop(SPRING, record[:300], test=record[200:], max_effects=0, random_state=0)
+
+
+def test_other_records_at_the_same_times_are_not(recwarn):
+    record = spring_record()
+    pse.close_loop(SPRING, record[:200], test=record[200:], max_effects=0, random_state=0)
+    assert not recwarn.list

@@ -15,7 +15,7 @@ from .declared import DeclaredModel, design_of, doubted
 from .design import Design
 from .held import held_inputs
 from .input_errors import as_held
-from .record_checks import check_records
+from .record_checks import check_records, doubt_held_out
 from .records import split_records
 from .resampled import at_one_step, undecimated, widened
 from .smoothing import with_own_slopes
@@ -83,6 +83,7 @@ def checked(
     is_cut = not test and (isinstance(train, Record) or len(train) == 1)
     whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
     check_records(design, [*fit_on, *judge_on], whole)
+    doubt_held_out(fit_on, judge_on)
     if design.algebraic:
         # A force that nothing integrates follows a held input at once.
         held, like = held_inputs(fit_on), undecimated(*at_one_step(fit_on, judge_on))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from itertools import combinations, permutations
+from itertools import combinations, permutations, product
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from .records import HELD_OUT
 from .rows import LARGEST, variables_of
 from .through import with_functions
 
-__all__ = ["check_records"]
+__all__ = ["check_records", "doubt_held_out"]
 
 MIN_SAMPLES = 32
 LATE = 100.0  # times as long as all records, after which nobody counts from zero
@@ -77,6 +77,26 @@ def _doubt_clock(records: Sequence[Record]) -> None:
             "its frequency. Subtract the first time of the first record from all of them.",
             stacklevel=4,
         )
+
+
+def doubt_held_out(train: Sequence[Record], test: Sequence[Record]) -> None:
+    """Warn where samples to judge on are samples that the model is fitted to.
+
+    Parameters
+    ----------
+    train, test : sequence of Record
+        To fit on, and to judge on.
+    """
+    for one, other in product(train, test):
+        _, here, there = np.intersect1d(one.t, other.t, return_indices=True)
+        if len(here) > 1 and np.array_equal(one.x[here], other.x[there]):
+            warnings.warn(
+                f"close_loop(train=..., test=...): {len(here)} samples of a test record are in a "
+                "training record too, so errors on it are no held-out errors. Pass another record, "
+                "or leave `test` out: the end of the training record is held out then.",
+                stacklevel=4,
+            )
+            return
 
 
 def _check_counts(design: Design, record: Record) -> None:
