@@ -258,6 +258,7 @@ def noise_record(seed, *, driven):
     return pse.Record(t=0.01 * np.arange(32), x=x, x_dot=x, u=x[:, 1:] if driven else None)
 
 
+@pytest.mark.filterwarnings("ignore:.*samples of a test record")
 def test_an_input_may_be_a_copy_of_a_state():
     model = pse.DeclaredModel({"q": "0", "v": "0"}, inputs=["F"])
     record = noise_record(0, driven=True)
@@ -265,6 +266,7 @@ def test_an_input_may_be_a_copy_of_a_state():
     assert report.verdict == "traced"
 
 
+@pytest.mark.filterwarnings("ignore:.*samples of a test record")
 def test_a_state_may_be_its_own_rate():
     model = pse.DeclaredModel({"q": "0", "v": "-k*q"})
     record = noise_record(5, driven=False)

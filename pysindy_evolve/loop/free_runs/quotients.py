@@ -28,7 +28,7 @@ __all__ = ["as_quotients"]
 POWERS = (1, 2)  # of the distance: Coulomb's law in a plane and in space
 # Logarithms of how far away: in units of what an exponential rises in, or of the largest value.
 DISTANCES = (-3.0, 4.0)
-CLOSE = 0.1  # of a term beside the others, that what stands for it may miss
+CLOSE = 0.3  # of a term beside the others, that what stands for it may miss
 
 Family = Callable[[float], Sum]
 

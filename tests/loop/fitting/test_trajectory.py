@@ -180,6 +180,7 @@ def test_drag_is_named_on_a_film_of_a_light_ball():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*samples of a test record")
 def test_an_alternative_has_the_coefficient_that_it_would_take():
     record = filmed(WHIFFLE, seed=5, noise=0.25)
     report = pse.close_loop(FALL, record, record, operators=(), n_twins=99, random_state=0)

@@ -513,6 +513,7 @@ def test_a_line_whose_phase_differs_between_records_is_told_and_not_named(terms)
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*samples of a test record")
 def test_no_line_is_told_of_a_record_too_short_to_know_its_noise():
     truth = pse.DeclaredModel({"S": "-0.4*S*I", "I": "0.4*S*I - 0.1*I"}).design().equations([])
     t, records = np.linspace(0.0, 120.0, 600), []
