@@ -20,6 +20,7 @@ __all__ = [
     "between_angles",
     "centripetal",
     "is_wave_of",
+    "outward",
     "swing_of",
     "units_of",
     "waves_angles",
@@ -130,3 +131,12 @@ def centripetal(
             square = power(variable(rate), 2)
             yield effect("coupling", mul(square, call(BUILTIN["sin"], variable(angle))))
             yield effect("coupling", mul(square, call(BUILTIN["cos"], variable(angle))))
+
+
+def outward(position: int, turning: frozenset[int]) -> Sum:
+    """Return what the square of a speed of rotation acts with on a position, or on an angle.
+
+    A mass on a turntable is driven out by w^2 r, one in a hoop that turns by w^2 sin(q) cos(q).
+    """
+    q = variable(position)
+    return mul(call(BUILTIN["sin"], q), call(BUILTIN["cos"], q)) if position in turning else q

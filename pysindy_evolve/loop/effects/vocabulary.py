@@ -17,7 +17,7 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .angles import angles_of, bends, between_angles, centripetal, swing_of, units_of
+from .angles import angles_of, bends, between_angles, centripetal, outward, swing_of, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
 from .differences import (
     acting_differences,
@@ -156,6 +156,8 @@ def _of_rate(
         yield from _inputs(effect, u, states, reach, float(middle[column]))
         if position is None:
             yield from losses(effect, design, column)
+        else:
+            yield effect("input gain", mul(power(u, 2), outward(position, turning)))
     yield from _relative(effect, design, state, apart)
     yield from leveling(effect, design, scales)
     yield from radial(effect, design, turning)

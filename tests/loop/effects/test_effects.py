@@ -271,3 +271,13 @@ def test_an_arm_that_turns_pulls_at_what_carries_it():
     assert not [name for name in _coupled(design_of(cart), 3, names) if "w^2" in name]
     spring = {**cart, "v": "F - c*v", "w": "-k*q"}
     assert "w^2 sin(q)" not in _coupled(design_of(spring), 1, names)
+
+
+@pytest.mark.parametrize(
+    ("spring", "expected"), [("k*q", "q F^2"), ("k*sin(q)", "sin(q) cos(q) F^2")]
+)
+def test_an_input_may_be_a_rotation_that_drives_outward(spring, expected):
+    names = ("q", "v", "F", "t")
+    offered = proposed(design_of({"q": "v", "v": f"-{spring} - c*v"}))
+    found = {c.terms[0].name(names) for c in offered if c.name == "input gain" and c.state == 1}
+    assert [name for name in found if "F^2" in name] == [expected]
