@@ -156,7 +156,7 @@ def _of_rate(
         yield from _inputs(effect, u, states, reach, float(middle[column]))
         if position is None:
             yield from losses(effect, design, column)
-        else:
+        elif not any(column in side.variables for side in design.sides_of(state)):
             yield effect("input gain", mul(power(u, 2), outward(position, turning)))
     yield from _relative(effect, design, state, apart)
     yield from leveling(effect, design, scales)
