@@ -76,7 +76,7 @@ def throttled(
     or, as a chamber has one above zero, the supply less that, and that itself on its way out.
     """
     state, inputs = effect.state, range(len(design.states), design.time)
-    if design.position_of(state) is not None:
+    if design.position_of(state) is not None or scales[state] == 0.0:
         return
     is_chamber = 2.0 * middle[state] > scales[state]
     build = _of_chamber if is_chamber else _of_load

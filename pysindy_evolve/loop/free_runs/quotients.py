@@ -28,6 +28,7 @@ __all__ = ["as_quotients"]
 POWERS = (1, 2)  # of the distance: Coulomb's law in a plane and in space
 # Logarithms of how far away: in units of what an exponential rises in, or of the largest value.
 DISTANCES = (-3.0, 4.0)
+ENOUGH = 2000  # rows to see how close one term comes to another
 CLOSE = 0.3  # of a term beside the others, that what stands for it may miss
 
 Family = Callable[[float], Sum]
@@ -56,7 +57,7 @@ def as_quotients(candidate: Candidate, design: Design, part: Segments) -> list[C
         return []
     ((_, product),) = terms[0].parts
     place = _Place.of(product, candidate.state, design, part.rows)
-    closest = map(place.closest, _families(product, part.rows))
+    closest = map(place.closest, _families(product, part.rows) if place.is_known else ())
     forms = dict.fromkeys(bare(term) for term in closest if term is not None)
     has_offset = (candidate.state, OFFSET) in standing(design)
     offsets: list[tuple[Sum, ...]] = [()] if has_offset else [(), (OFFSET,)]
@@ -75,10 +76,16 @@ class _Place:
 
     @classmethod
     def of(cls, product: Product, state: int, design: Design, rows: np.ndarray) -> _Place:
-        """Look at a term beside a design and an offset."""
+        """Look at a term beside a design and an offset, on some of the rows."""
+        rows = rows[:: max(1, len(rows) // ENOUGH)]
         equation = [OFFSET, *(column.parts[state] for column in design.columns)]
         columns = [side.evaluate(rows) for side in equation if side.parts]
         return cls(product.evaluate(rows), np.column_stack(columns), rows)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the term, and all beside it, has a value everywhere."""
+        return bool(np.isfinite(self.wanted).all() and np.isfinite(self.beside).all())
 
     def closest(self, family: Family) -> Sum | None:
         """Return the one of a family that comes closest to the term; None if none comes close."""
@@ -87,8 +94,10 @@ class _Place:
 
     def _missed(self, term: Sum) -> float:
         """Return the part of the term beside the others that another one misses, RMS."""
-        left = self._left(np.column_stack([self.beside, term.evaluate(self.rows)]))
-        return left / max(self.own, TINY)
+        values = term.evaluate(self.rows)
+        if not np.isfinite(values).all():
+            return np.inf
+        return self._left(np.column_stack([self.beside, values])) / max(self.own, TINY)
 
     @cached_property
     def own(self) -> float:
@@ -116,7 +125,7 @@ def _families(product: Product, rows: np.ndarray) -> Iterator[Family]:
         if len(inside.variables) == 1:
             (index,) = inside.variables
             largest = float(np.abs(rows[:, index]).max())
-            for above in (OFFSET, variable(index)):
+            for above in (OFFSET, variable(index)) if largest > 0.0 else ():
                 yield partial(_over_squares, mul(left, above), index, largest)
 
 

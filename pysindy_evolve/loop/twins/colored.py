@@ -8,7 +8,7 @@ none does.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ...equations import Equations
 from ...signals import Preparation, Record
 from .paths import Path, follow
 from .signs import Shuffle
+from .twins import like
 
 __all__ = ["ColoredTwins"]
 
@@ -64,6 +65,6 @@ class ColoredTwins:
         """Return one twin of each record."""
         parts = zip(self.records, self.runs, self.made, self.noises, strict=True)
         return [
-            replace(made.apply(made.t, run.y + noise.draw(rng)), u=record.u, through=record.through)
+            like(record, made.apply(made.t, run.y + noise.draw(rng)))
             for record, run, made, noise in parts
         ]

@@ -23,7 +23,7 @@ from ..given.sensor import as_observed
 from .paths import Path, follow
 from .signs import Shuffle
 
-__all__ = ["TwinMaker"]
+__all__ = ["TwinMaker", "like"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,10 +80,7 @@ class TwinMaker:
     ) -> Record:
         twin, explained = record, np.zeros_like(residual)
         if path is not None and record.preparation is not None:
-            twin = replace(
-                _measured(record.preparation, path, rng), u=record.u, through=record.through
-            )
-            twin = twin if record.seen is not None else replace(twin, seen=None)
+            twin = like(record, _measured(record.preparation, path, rng))
         elif record.motion is not None:
             forces = self.equations.evaluate(record.x, record.u, record.t)
             twin = replace(record, u=_noisier(record, record.motion, rng), x_dot=forces)
@@ -124,6 +121,12 @@ class TwinMaker:
         if error is None or twin.u is None:
             return np.zeros_like(rates)
         return as_observed(twin, self.equations.evaluate(twin.x, twin.u + error, twin.t) - rates)
+
+
+def like(record: Record, twin: Record) -> Record:
+    """Return a twin with the inputs of a record, seen as that is."""
+    seen = None if record.seen is None else twin.seen
+    return replace(twin, u=record.u, through=record.through, seen=seen)
 
 
 def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
