@@ -11,7 +11,7 @@ from ...terms import Sum, variable
 from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, bare
-from .varying import SATURATING
+from .varying import SATURATING, VALVE
 from .vocabulary import HARMONIC, of_equation
 
 __all__ = [
@@ -58,10 +58,10 @@ def candidates(design: Design, ranges: Ranges) -> list[Candidate]:
 def for_trajectories(offered: Iterable[Candidate]) -> list[Candidate]:
     """Return what may be told from the rest on short trajectories.
 
-    There two waves of an angle, or a rate with a constant below the line, are almost any curve, and
-    do as well as whatever is the cause.
+    There two waves of an angle, a rate with a constant below the line, or a flow with one under a
+    root, are almost any curve, and do as well as whatever is the cause.
     """
-    return [one for one in offered if one.name not in (HARMONIC, SATURATING)]
+    return [one for one in offered if one.name not in (HARMONIC, SATURATING, VALVE)]
 
 
 def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:

@@ -20,9 +20,10 @@ from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .periodic import FORCING
 
-__all__ = ["SATURATING", "drifts", "parts_of", "saturating", "throttled", "varying"]
+__all__ = ["SATURATING", "VALVE", "drifts", "parts_of", "saturating", "throttled", "varying"]
 
 SATURATING = "saturating rate"
+VALVE = "valve flow"
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, in those of the record
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, in the largest of the record
 
@@ -88,7 +89,7 @@ def throttled(
                 (partial(build, opening, variable(state)),),
                 meanings=("supply pressure",),
             )
-            yield effect("input gain", shape=supply, alone=True)
+            yield effect(VALVE, shape=supply, alone=True)
 
 
 def _of_load(opening: Sum, pressure: Sum, supply: float) -> Sum:

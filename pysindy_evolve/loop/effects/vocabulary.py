@@ -31,7 +31,7 @@ from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
 from .radial import radial
 from .stops import asymmetric_limits, damped_contacts, stops
-from .varying import SATURATING, drifts, saturating, throttled, varying
+from .varying import SATURATING, VALVE, drifts, saturating, throttled, varying
 
 __all__ = ["HARMONIC", "VOCABULARY", "of_equation"]
 
@@ -58,6 +58,7 @@ VOCABULARY = (
     "input nonlinearity",
     "input gain",
     SATURATING,
+    VALVE,
     "drift",
     "periodic forcing",
     "position-periodic ripple",

@@ -11,7 +11,7 @@ from ...signals import Record
 from ..effects.candidate import EVOLVED, Candidate
 from ..effects.missing import candidates
 from ..effects.pumps import other_pumps
-from ..evidence.scoring import columns_of, score, sharpened
+from ..evidence.scoring import MARGIN, columns_of, score, sharpened
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, converged
 from ..given.design import Design
@@ -24,7 +24,7 @@ from .quotients import as_quotients
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
-__all__ = ["Pool", "begun_with", "steady_drift"]
+__all__ = ["Pool", "begun_with", "plainest", "steady_drift"]
 
 N_RIVALS = 5  # that come closest in the spectral view
 STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
@@ -95,7 +95,7 @@ class Pool:
         self, tuned: Sequence[Contender], model: Model, drift: Drift
     ) -> list[Contender]:
         """Return what the best contender stands for, with its numbers as they are now, tuned."""
-        best = min(tuned, key=lambda one: one.error)
+        best = plainest(tuned)
         if best.tied:
             return []
         design, known = model.design, {one.candidate.terms for one in tuned}
@@ -107,6 +107,13 @@ class Pool:
         new = [one for one in forms if one.terms not in known and have_values(one.terms, acted)]
         trials = converged([begun_with(model, [one], drift) for one in new])
         return tuned_by_runs(list(map(Contender, new, trials)), model, drift) if new else []
+
+
+def plainest(contenders: Sequence[Contender]) -> Contender:
+    """Return the plainest of the contenders that come closest to the record."""
+    least = min(one.error for one in contenders)
+    as_good = [one for one in contenders if one.error <= np.exp(MARGIN) * least] or contenders
+    return min(as_good, key=lambda one: (one.candidate.size, one.error))
 
 
 def _closest(

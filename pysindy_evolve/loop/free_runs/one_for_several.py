@@ -19,7 +19,7 @@ from ..effects.missing import beside
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE, columns_of
 from ..fitting.trial import converged
-from .contenders import Pool, begun_with, steady_drift
+from .contenders import Pool, begun_with, plainest, steady_drift
 from .shape_tuning import Contender
 from .variants import Model
 
@@ -100,8 +100,5 @@ def _single(
     ]
     if not able:
         return None
-    least = min(one.error for one in able)
-    as_good = [one for one in able if one.error <= np.exp(MARGIN) * least]
-    plainest = min(as_good, key=lambda one: (one.candidate.size, one.error))
-    best = beside(plainest.candidate, without.design)
+    best = beside(plainest(able).candidate, without.design)
     return replace(first, candidate=best, columns=columns_of(best, without.design))

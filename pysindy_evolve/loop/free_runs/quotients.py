@@ -1,9 +1,9 @@
-"""The quotients that a curved function stands for: over a distance, or over a sum of squares.
+"""The quotients and powers that a curved function stands for.
 
 A magnet pulls by 1 / (d - q)^2, and so does a charged plate; what passes by at a distance d has
 1 / (d^2 + q^2), as has a rate that falls with what there is of its product, and the drag of an
-eddy-current brake is v / (c^2 + v^2). Over the range of a record these are nearly an exponential or
-a hyperbolic tangent beside what the model has, which are easier to find.
+eddy-current brake is v / (c^2 + v^2); what is hot radiates by T^4. Over the range of a record each
+is nearly an exponential or a hyperbolic tangent beside what the model has, which is easier to find.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from ..given.segments import Segments
 __all__ = ["as_quotients"]
 
 POWERS = (1, 2)  # of the distance: Coulomb's law in a plane and in space
+STEEP = (3, 4, 5)  # powers that a curved function may be: that of what radiates
 # Logarithms of how far away: in units of what an exponential rises in, or of the largest value.
 DISTANCES = (-3.0, 4.0)
 ENOUGH = 2000  # rows to see how close one term comes to another
@@ -35,7 +36,7 @@ Family = Callable[[float], Sum]
 
 
 def as_quotients(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
-    """Return a grown term with a quotient in the place of each curved function.
+    """Return a grown term with a quotient or a power in the place of each curved function.
 
     Parameters
     ----------
@@ -127,6 +128,12 @@ def _families(product: Product, rows: np.ndarray) -> Iterator[Family]:
             largest = float(np.abs(rows[:, index]).max())
             for above in (OFFSET, variable(index)) if largest > 0.0 else ():
                 yield partial(_over_squares, mul(left, above), index, largest)
+            yield from (partial(_power, left, index, n) for n in STEEP)
+
+
+def _power(left: Sum, index: int, n: int, _: float) -> Sum:
+    """Return a term times a power of a variable, in which there is no number."""
+    return mul(left, power(variable(index), n))
 
 
 def _over_distance(left: Sum, inside: Sum, highest: float, n: int, distance: float) -> Sum:

@@ -190,7 +190,7 @@ def test_a_valve_lets_through_what_the_pressure_over_it_drives(flow, supply):
     declared = pse.DeclaredModel({"p": f"b*u - c*(p - {rest})"}, inputs=["u"])
     report = pse.close_loop(declared, record, random_state=0)
     (effect,) = report.effects
-    assert effect.name == "input gain"
+    assert effect.name == "valve flow"
     assert effect.numbers == pytest.approx({"supply pressure": supply}, rel=0.03)
     assert effect.coefficients == pytest.approx([3.0], rel=0.03)
 
