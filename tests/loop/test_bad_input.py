@@ -352,6 +352,7 @@ def test_declared_model_takes_anything(sides, inputs):
     ends_well(lambda: pse.DeclaredModel(equations, inputs=inputs).design())
 
 
+@pytest.mark.filterwarnings("ignore:.*samples of a test record")
 @pytest.mark.slow
 @settings(max_examples=75, **FUZZ)
 @given(

@@ -40,6 +40,7 @@ def test_drag_and_cubic_damping_at_low_speed_need_a_higher_speed(slow, cubic):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*samples of a test record")
 def test_a_record_of_the_proposed_motion_tells_them_apart(slow, cubic):
     # The position is measured by the same sensor, so its noise stays what it was.
     far = cubic.motion.amplitude
