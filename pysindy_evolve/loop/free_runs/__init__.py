@@ -15,7 +15,7 @@ two_for_one      replaces one effect by two
 contenders       which effects and terms may replace another one
 leading_terms    terms that bring runs closest to the record, to first order
 other_forms      simpler forms of a grown term
-quotients        quotients that a curved function stands for
+quotients        quotients and powers that a curved function stands for
 tuning
 memory_tuning    numbers of memories, such as a time constant
 shape_tuning     numbers inside an effect, such as the width of a dead zone
