@@ -14,7 +14,21 @@ from functools import partial
 import numpy as np
 
 from ...operators import BUILTIN
-from ...terms import Call, Sum, add, call, constant, div, mul, sub, variable
+from ...terms import (
+    Atom,
+    Call,
+    Sum,
+    add,
+    as_product,
+    as_sum,
+    call,
+    constant,
+    div,
+    mul,
+    power,
+    sub,
+    variable,
+)
 from ..given.design import Design
 from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
@@ -50,18 +64,19 @@ def saturating(
 
     Who eats is sated, a reaction is inhibited, the gain of a laser is compressed: a declared rate
     over K + x, of a level x that stays above zero. Beside it the declared one may vanish. What eats
-    grows by what is eaten, so the same rate may stand in two equations.
+    grows by what is eaten, so the same rate may stand in two equations. One that saturates already
+    may do so with a further level: who eats is sated, and keeps others from it.
     """
     if design.position_of(effect.state) is not None:
         return
     for part in parts_of(design, effect.state):
         acting = sorted(part.variables - {design.time}) if len(part.variables) > 1 else []
-        for one in acting:
-            if 2.0 * middle[one] > scales[one]:
+        for one in (one for one in acting if 2.0 * middle[one] > scales[one]):
+            for build in (_over, _crowded) if _saturates(part, one) else (_over,):
                 for share in HALVES:
                     half = Shape(
                         (share * float(scales[one]),),
-                        (partial(_over, part, one),),
+                        (partial(build, part, one),),
                         meanings=("half-saturation",),
                     )
                     there = effect(SATURATING, shape=half, alone=True)
@@ -113,6 +128,33 @@ def _root(drop: Sum) -> Sum:
 def _over(part: Sum, level: int, half: float) -> Sum:
     """Return a rate over a constant and a level."""
     return div(part, add(constant(half), variable(level)))
+
+
+def _saturates(part: Sum, level: int) -> bool:
+    """Tell whether a rate has a constant and other levels than this one below the line."""
+    return any(_below(factor, level) is not None for factor in as_product(part).factors)
+
+
+def _below(factor: tuple[Atom, int], level: int) -> Sum | None:
+    """Return what a factor divides by, over its constant, unless this level is in it."""
+    atom, exponent = factor
+    if not isinstance(atom, Sum) or exponent != -1 or level in atom.variables:
+        return None
+    still = sum(number for number, term in atom.parts if not term.variables)
+    return div(atom, constant(still)) if still else None
+
+
+def _crowded(part: Sum, level: int, half: float) -> Sum:
+    """Return a rate with one level more below the line, which does there what the constant does."""
+    crowded = constant(1.0)
+    for atom, exponent in as_product(part).factors:
+        below = _below((atom, exponent), level)
+        if below is None:
+            factor = power(as_sum(atom), exponent)
+        else:
+            factor = power(add(mul(constant(half), below), variable(level)), -1)
+        crowded = mul(crowded, factor)
+    return crowded
 
 
 def _in_time(part: Sum) -> str:

@@ -2,13 +2,14 @@
 
 A magnet pulls by 1 / (d - q)^2, and so does a charged plate; what passes by at a distance d has
 1 / (d^2 + q^2), as has a rate that falls with what there is of its product, and the drag of an
-eddy-current brake is v / (c^2 + v^2); what is hot radiates by T^4. Over the range of a record each
-is nearly an exponential or a hyperbolic tangent beside what the model has, which is easier to find.
+eddy-current brake is v / (c^2 + v^2); a gene is repressed as 1 / (c^4 + p^4); what is hot radiates
+by T^4. Over the range of a record each is nearly an exponential or a hyperbolic tangent beside what
+the model has, which is easier to find.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -17,7 +18,18 @@ from scipy.optimize import minimize_scalar
 
 from ...breeding.genetics import SCALED
 from ...checks import TINY
-from ...terms import Call, Product, Sum, add, constant, mul, power, sub, variable
+from ...terms import (
+    Atom,
+    Call,
+    Product,
+    Sum,
+    add,
+    constant,
+    mul,
+    power,
+    sub,
+    variable,
+)
 from ..effects.candidate import EVOLVED, OFFSET, Candidate, bare
 from ..effects.missing import standing
 from ..given.design import Design
@@ -26,9 +38,10 @@ from ..given.segments import Segments
 __all__ = ["as_quotients"]
 
 POWERS = (1, 2)  # of the distance: Coulomb's law in a plane and in space
-STEEP = (3, 4, 5)  # powers that a curved function may be: that of what radiates
+EXPONENTS = (1, 2, 3, 4, 5)  # of powers that a curved function may be
+EVEN = ((0, 2), (1, 2), (0, 4))  # powers of a variable above the line, and below it beside a length
 # Logarithms of how far away: in units of what an exponential rises in, or of the largest value.
-DISTANCES = (-3.0, 4.0)
+GRID = np.linspace(-3.0, 4.0, 15)
 ENOUGH = 2000  # rows to see how close one term comes to another
 CLOSE = 0.3  # of a term beside the others, that what stands for it may miss
 
@@ -90,7 +103,10 @@ class _Place:
 
     def closest(self, family: Family) -> Sum | None:
         """Return the one of a family that comes closest to the term; None if none comes close."""
-        best = minimize_scalar(lambda x: self._missed(family(float(np.exp(x)))), bounds=DISTANCES)
+        missed = [self._missed(family(x)) for x in np.exp(GRID)]
+        # Far away all are alike, so a search over the whole range may end in nothing there.
+        around = GRID[np.argmin(missed)] + np.array([-1.0, 1.0]) * (GRID[1] - GRID[0])
+        best = minimize_scalar(lambda x: self._missed(family(np.exp(x))), bounds=around)
         return family(float(np.exp(best.x))) if best.fun <= CLOSE else None
 
     def _missed(self, term: Sum) -> float:
@@ -112,23 +128,42 @@ class _Place:
 
 
 def _families(product: Product, rows: np.ndarray) -> Iterator[Family]:
-    """Go through the product with each curved function of one variable replaced by quotients."""
-    for place, (atom, exponent) in enumerate(product.factors):
-        if not isinstance(atom, Call) or atom.operator.name not in SCALED or exponent != 1:
-            continue
-        left = Sum(((1.0, Product(product.factors[:place] + product.factors[place + 1 :])),))
+    """Go through the product with each curved function replaced by quotients.
+
+    One of a single variable is replaced with and without all else that depends on that alone.
+    """
+    for atom in _curved(product):
         (inside,) = atom.args
         if not np.isfinite(inside.evaluate(rows)).all():
             continue
+        beside = _without(product, {atom})
         if atom.operator.name == "exp":
             highest = float(inside.evaluate(rows).max())
-            yield from (partial(_over_distance, left, inside, highest, n) for n in POWERS)
-        if len(inside.variables) == 1:
-            (index,) = inside.variables
-            largest = float(np.abs(rows[:, index]).max())
-            for above in (OFFSET, variable(index)) if largest > 0.0 else ():
-                yield partial(_over_squares, mul(left, above), index, largest)
-            yield from (partial(_power, left, index, n) for n in STEEP)
+            yield from (partial(_over_distance, beside, inside, highest, n) for n in POWERS)
+        if len(atom.variables) == 1:
+            (index,) = atom.variables
+            alike = {one for one, _ in product.factors if one.variables == atom.variables}
+            for left in dict.fromkeys((beside, _without(product, alike))):
+                yield from _of_one_variable(left, index, float(np.abs(rows[:, index]).max()))
+
+
+def _curved(product: Product) -> list[Call]:
+    """Return the curved functions in a product."""
+    calls = [atom for atom, exponent in product.factors if isinstance(atom, Call) and exponent == 1]
+    return [one for one in calls if one.operator.name in SCALED]
+
+
+def _without(product: Product, gone: Collection[Atom]) -> Sum:
+    """Return a product without some of its atoms."""
+    left = tuple(factor for factor in product.factors if factor[0] not in gone)
+    return Sum(((1.0, Product(left)),))
+
+
+def _of_one_variable(left: Sum, index: int, largest: float) -> Iterator[Family]:
+    """Go through quotients of a variable, and its powers, times what else there is."""
+    for above, n in EVEN if largest > 0.0 else ():
+        yield partial(_over_even, mul(left, power(variable(index), above)), index, largest, n)
+    yield from (partial(_power, left, index, n) for n in EXPONENTS)
 
 
 def _power(left: Sum, index: int, n: int, _: float) -> Sum:
@@ -141,7 +176,7 @@ def _over_distance(left: Sum, inside: Sum, highest: float, n: int, distance: flo
     return mul(left, power(sub(constant(highest + distance), inside), -n))
 
 
-def _over_squares(left: Sum, index: int, largest: float, length: float) -> Sum:
-    """Return a term over the squares of a variable and of a length, in its largest values."""
-    below = add(power(variable(index), 2), constant((length * largest) ** 2))
+def _over_even(left: Sum, index: int, largest: float, n: int, length: float) -> Sum:
+    """Return a term over even powers of a variable and of a length, in its largest values."""
+    below = add(power(variable(index), n), constant((length * largest) ** n))
     return mul(left, power(below, -1))

@@ -11,7 +11,7 @@ Fan and Lv, J. R. Stat. Soc. B 70 (2008), DOI 10.1111/j.1467-9868.2008.00674.x: 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -72,7 +72,8 @@ def varied(
 
     A model that somebody wrote down is mostly right: what it lacks is often that a force, such as
     the thrust T cos(theta) near the ground, depends on one thing more. What pulls across a gap, or
-    is inhibited by what there is too much of, has that below the line.
+    is inhibited by what there is too much of, has that below the line; it may also be missing
+    altogether, by itself or times a variable, as what y predators catch of prey that hides.
 
     Parameters
     ----------
@@ -94,15 +95,10 @@ def varied(
     wholes = [Sum(((1.0, term),)) for term in able]
     straight, _ = _of_one_variable(operators, x)
     squares = [power(f, 2) for f in straight if _is_power(f)]  # of a sign or a root: nothing new
-    known = {operator.name: operator for operator in operators}
-    distant = list(_below_the_line(x)) if "div" in known else []
-    if {"div", "sqrt"} <= known.keys():
-        distant += [power(call(known["sqrt"], length), -1) for _, length in _squares_away(x)]
-    if "log" in known:
-        distant += [call(known["log"], away) for away in _distances(x)]
-    factors = (*straight, *squares, *distant)
-    products = [mul(whole, factor) for whole in wholes for factor in factors]
-    products += distant
+    distant = list(_distant({operator.name: operator for operator in operators}, x))
+    alone = (constant(1.0), *(variable(i) for i in range(x.shape[1])))
+    products = [mul(whole, factor) for whole in wholes for factor in (*straight, *squares)]
+    products += [mul(whole, factor) for whole in (*wholes, *alone) for factor in distant]
     found = dict.fromkeys(term for product in products for _, term in product.parts)
     return [term for term in found if term.variables and term not in declared]
 
@@ -183,6 +179,16 @@ def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iter
         yield power(x, -1)
     if {"abs", "sqrt"} <= known.keys():
         yield call(known["sqrt"], call(known["abs"], x))
+
+
+def _distant(known: Mapping[str, Operator], x: np.ndarray) -> Iterator[Sum]:
+    """Go through functions of how far away a place out of range is, or one beside the line."""
+    if "div" in known:
+        yield from _below_the_line(x)
+    if {"div", "sqrt"} <= known.keys():
+        yield from (power(call(known["sqrt"], length), -1) for _, length in _squares_away(x))
+    if "log" in known:
+        yield from (call(known["log"], away) for away in _distances(x))
 
 
 def _below_the_line(x: np.ndarray) -> Iterator[Sum]:

@@ -78,6 +78,16 @@ def test_a_product_saturates_with_what_stays_above_zero_in_it():
     assert found[0].at([3.0]).terms[0].name(("N", "S", "t")) == "-S/(3 + N) + N S/(3 + N)"
 
 
+def test_what_saturates_already_may_do_so_with_a_further_level():
+    """Predators keep each other from their prey (Beddington and DeAngelis)."""
+    sides = {"N": "r*N - g*N*P/(2 + 4*N)", "P": "e*N*P - m*P"}
+    design = pse.DeclaredModel(sides).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
+    rates = {c.at([3.0]).terms[0] for c in candidates(design, ranges) if c.name == SATURATING}
+    crowded = "N P/(3 + 6 N + P)"
+    assert crowded in {term.name(("N", "P", "t")) for term in rates}
+
+
 def test_no_force_saturates_so():
     design = pse.DeclaredModel({"q": "v", "v": "-k*q - c*q**2*v"}).design()
     ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))

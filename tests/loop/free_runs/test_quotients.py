@@ -1,5 +1,7 @@
 """What is a quotient over a distance, or over squares, is not taken for a curved function."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import sympy
@@ -7,11 +9,11 @@ from loop_systems import measured, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
-from pysindy_evolve.loop.free_runs.quotients import as_quotients
+from pysindy_evolve.loop.free_runs.quotients import _over_even, _Place, as_quotients
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.operators import BUILTIN
-from pysindy_evolve.terms import call, constant, mul, variable
+from pysindy_evolve.terms import call, constant, mul, power, variable
 
 RISES = call(BUILTIN["exp"], mul(constant(0.6), variable(0)))
 
@@ -49,6 +51,16 @@ def test_what_saturates_stands_for_what_falls_again():
     below = rows[:, 1] / alone[0].evaluate(rows) - rows[:, 1] ** 2
     assert np.allclose(below, below[0])
     assert below[0] > 0.0
+
+
+def test_the_closest_is_found_though_far_away_all_are_alike():
+    """Of tanh(1.1 p)/p, in 1/(c^2 + p^2): a search over all lengths at once ends far out."""
+    p = np.linspace(0.3, 4.0, 300)[:, None]
+    bent = mul(call(BUILTIN["tanh"], mul(constant(1.1), variable(0))), power(variable(0), -1))
+    place = _Place(bent.evaluate(p), np.ones_like(p), p)
+    closest = place.closest(partial(_over_even, constant(1.0), 0, 4.0, 2))
+    assert closest is not None
+    assert 1.0 < closest.constants[0] < 4.0
 
 
 def test_what_comes_not_close_is_left_out():
@@ -107,3 +119,19 @@ def test_a_gain_that_falls_with_the_square_of_a_state_is_found_beside_an_offset(
     (effect,) = report.effects
     assert effect.coefficients == pytest.approx([8.0, -0.6], rel=0.05)
     assert list(effect.numbers.values()) == pytest.approx([4.0], rel=0.05)
+
+
+@pytest.mark.slow
+def test_a_gene_that_is_repressed_by_the_fourth_power_of_its_product_is_found():
+    rng, t = np.random.default_rng(0), 0.05 * np.arange(3000)
+    u = np.repeat(rng.uniform(0.0, 2.0, 25), 120)
+    gene = pse.DeclaredModel({"m": "4/(1 + p**4) - m", "p": "m - p + u"}, inputs=["u"])
+    x = pse.simulate(gene.design().equations([]), [1.0, 1.0], t, u, tolerance=1e-9)
+    y = x + 4e-3 * x.std(axis=0) * rng.standard_normal(x.shape)
+    declared = pse.DeclaredModel({"m": "-d*m", "p": "b*m - c*p + u"}, inputs=["u"])
+    report = pse.close_loop(declared, pse.prepare(t, y, u, order=1), random_state=0)
+    (effect,) = report.effects
+    p = sympy.Symbol("p", real=True)
+    assert sympy.degree(1 / effect.term, p) == 4
+    assert effect.coefficients == pytest.approx([4.0], rel=0.03)
+    assert float(effect.term.subs(p, 0)) == pytest.approx(1.0, rel=0.05)

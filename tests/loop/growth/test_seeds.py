@@ -119,6 +119,11 @@ def test_what_is_below_the_line_keeps_away_from_zero_and_may_stand_alone():
     assert not any("/(" in name for name in varied_names(("mul",), [only(THRUST)]))
 
 
+def test_what_saturates_may_be_missing_times_any_variable():
+    names = varied_names(("mul", "div"), [only(THRUST)])
+    assert len([name for name in names if re.fullmatch(r"a z\^2/\(.* \+ z\^2\)", name)]) == 3
+
+
 def test_lengths_of_a_spring_whose_end_moves_beside_it_are_below_the_line():
     spring = only(variable(0))
     lengths = [name for name in varied_names(("mul", "div", "sqrt"), [spring]) if "/sqrt(" in name]
