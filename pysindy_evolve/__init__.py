@@ -33,6 +33,7 @@ helpers
 checks            checks of arguments, and the form of all error messages
 lazily            a cached property for small immutable objects
 threads           linear algebra on one thread, so that results repeat exactly
+warn              warnings that point at the line of the user
 ================  ========================================================================
 """
 

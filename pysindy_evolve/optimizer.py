@@ -5,7 +5,6 @@ Equation (11) of the paper proposes the supports; least squares decides the coef
 
 from __future__ import annotations
 
-import warnings
 from functools import partial
 
 import numpy as np
@@ -21,6 +20,7 @@ from .sparse.parsimony import MIN_ROWS, N_BLOCKS
 from .sparse.proposals import LAMBDA2, supports
 from .sparse.selection import select
 from .threads import one_thread
+from .warn import warn
 
 __all__ = ["ElasticNet"]
 
@@ -171,12 +171,10 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         """Warn of targets that vary and have no term left."""
         empty = np.flatnonzero(~self.coef_.any(axis=1) & (np.ptp(targets, axis=0) > 0.0))
         if len(empty):
-            warnings.warn(
+            warn(
                 f"ElasticNet kept no term for target {', '.join(map(str, empty))}: none predicts "
                 "the rows that it was not fitted on well enough. Offer other terms, record more, "
                 "filter x_dot, or set lambda1, such as 1e-3, to keep terms all the same.",
-                UserWarning,
-                stacklevel=3,
             )
 
     def _fit_targets(self, theta: np.ndarray, targets: np.ndarray) -> np.ndarray:

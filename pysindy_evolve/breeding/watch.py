@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable
 
 from tqdm.auto import tqdm
 
 from ..terms import Product
+from ..warn import warn
 from .generation import Generation
 from .plateau import Plateau
 
@@ -60,10 +60,9 @@ def watch(
         if not keep_if_interrupted:
             raise
         interrupted = True
-        warnings.warn(
+        warn(
             f"The search was interrupted after {len(history)} generations; "
             "the best equation so far is kept.",
-            stacklevel=3,
         )
     finally:
         shown.close()

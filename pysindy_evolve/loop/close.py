@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,6 +11,7 @@ import pysindy as ps
 from ..operators import Operator, resolve
 from ..signals import Record
 from ..threads import one_thread
+from ..warn import warn
 from .evidence.witness import witnessed
 from .fitting.aliases import without_aliases
 from .free_runs.state_limits import may_stop_itself
@@ -136,10 +136,9 @@ def _run(search: Search) -> bool:
     except KeyboardInterrupt:
         if not search.findings:
             raise
-        warnings.warn(
+        warn(
             "close_loop was interrupted; the report is made of what was found until now. A second "
             "Ctrl-C ends that, too, without one.",
-            stacklevel=4,  # the caller of close_loop, which one_thread wraps
         )
         return False
     return True

@@ -21,7 +21,6 @@ tape       terms evaluated for many runs at once, without compilation
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator
 from typing import Any, Literal
 
@@ -32,6 +31,7 @@ from .. import checks
 from ..equations import Equations
 from ..hidden_states.memory_equations import MemoryEquations
 from ..reading.library_terms import from_model
+from ..warn import warn
 from .freerun import CHUNK, Diverged, FreeRun, Limits
 from .inputs import Input, check_input, check_start, check_time
 from .program import program_of
@@ -184,7 +184,7 @@ def _report(reason: str, out: np.ndarray, t: np.ndarray, on_divergence: str) -> 
     if on_divergence == "raise":
         raise FloatingPointError(message)
     if on_divergence == "warn":
-        warnings.warn(message, RuntimeWarning, stacklevel=3)
+        warn(message, RuntimeWarning)
 
 
 def _refined(t: np.ndarray, u: Input) -> tuple[np.ndarray, int]:

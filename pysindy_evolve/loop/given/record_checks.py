@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from itertools import combinations, permutations, product
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from ...checks import SIZES
 from ...signals import Record
+from ...warn import warn
 from .common_step import TOLERANCE
 from .design import Design
 from .records import HELD_OUT
@@ -71,11 +71,10 @@ def _doubt_clock(records: Sequence[Record]) -> None:
     """Warn where times begin so late that what depends on them is lost in an offset."""
     start, end = records[0].t[0], max(record.t[-1] for record in records)
     if abs(start) > LATE * (end - start):
-        warnings.warn(
+        warn(
             f"close_loop(train=..., test=...): times begin at {start:.10g}, long after zero. A "
             "drift from there is next to constant, and the phase of a forcing needs all digits of "
             "its frequency. Subtract the first time of the first record from all of them.",
-            stacklevel=4,
         )
 
 
@@ -90,11 +89,10 @@ def doubt_held_out(train: Sequence[Record], test: Sequence[Record]) -> None:
     for one, other in product(train, test):
         _, here, there = np.intersect1d(one.t, other.t, return_indices=True)
         if len(here) > 1 and np.array_equal(one.x[here], other.x[there]):
-            warnings.warn(
+            warn(
                 f"close_loop(train=..., test=...): {len(here)} samples of a test record are in a "
                 "training record too, so errors on it are no held-out errors. Pass another record, "
                 "or leave `test` out: the end of the training record is held out then.",
-                stacklevel=4,
             )
             return
 

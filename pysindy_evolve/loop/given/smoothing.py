@@ -13,13 +13,13 @@ Schafer, IEEE Signal Process. Mag. 28 (2011), DOI 10.1109/MSP.2011.941097: these
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 
 import numpy as np
 from scipy import fft
 
 from ...signals import Record, prepare
+from ...warn import warn
 from .design import Design
 
 __all__ = ["with_own_slopes"]
@@ -65,13 +65,12 @@ def with_own_slopes(
     if not np.isfinite(cutoff):
         return train, test, True
     shown = _is_linear(design) or all(_fast_share(record, cutoff) <= FAST for record in train)
-    warnings.warn(
+    warn(
         "close_loop(train=..., test=...): the derivatives of the records fall short of the slopes "
         f"of their states, by {LOST:.0%} at {cutoff:.3g} cycles per unit of t: they are smoothed "
         "too much. They are taken anew from the states, up to there. "
         + ("" if shown else "The motion is faster than that, so no effect is looked for. ")
         + "Give the measurement as it is to prepare(t, y, u).",
-        stacklevel=4,
     )
     train, test = ([_anew(r, order, cutoff) for r in records] for records in (train, test))
     return train, test, shown

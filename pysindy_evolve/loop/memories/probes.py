@@ -133,7 +133,7 @@ class Probes:
             replace(c, parts=tuple(self.widen(part) for part in c.parts)) for c in design.columns
         )
         fixed = tuple(self.widen(part) for part in design.fixed)
-        return Design(design.states, (*design.inputs, *names), fixed, columns)
+        return replace(design, inputs=(*design.inputs, *names), fixed=fixed, columns=columns)
 
     def extended(self, record: Record) -> Record:
         """Return a record with the probes as further inputs."""

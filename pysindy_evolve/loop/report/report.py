@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +14,7 @@ import pysindy as ps
 from ...equations import Equations
 from ...hidden_states.memory_equations import MemoryEquations
 from ...signals import Record
+from ...warn import warn
 from ..evidence.rejected import Rejected
 from ..fitting.runs import free_run
 from ..given.design import Design
@@ -96,10 +96,9 @@ class LoopReport:
         if any(late):
             named = zip(self.equations.inputs, late, strict=True)
             shifted = ", ".join(f"{u} as it was {delay:.4g} earlier" for u, delay in named if delay)
-            warnings.warn(
+            warn(
                 "LoopReport.model: a SINDy model cannot delay its inputs; this one takes "
                 f"{shifted}. Shift the input, or use LoopReport.simulate.",
-                stacklevel=3,
             )
         return as_sindy(self.equations)
 

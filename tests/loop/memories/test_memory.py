@@ -1,5 +1,7 @@
 """Memories of inputs: what acts, how it is found beside other effects, and how it is reported."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy
@@ -9,6 +11,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory, remembered
 from pysindy_evolve.hidden_states.memory_equations import MemoryEquations, with_memories
 from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.memories.probes import Probes
 from pysindy_evolve.loop.memories.reach import settled_memory
 
 T = np.arange(0.0, 20.0, 0.01)
@@ -31,6 +34,14 @@ def record_with(memory, friction=0.0, noise=2e-3, seed=0, duration=25.0):
 def close(record, declared=DECLARED, **options):
     settings = {"operators": (), "random_state": 0, "n_twins": 59} | options
     return pse.close_loop(declared, record, **settings)
+
+
+def test_beside_probes_the_same_equations_may_lack_something():
+    """Also one such as q' = v that the records contradict."""
+    design = replace(DECLARED.design(), doubted=(0,))
+    widened = Probes(design, (Memory("input delay", 0, (0.01,)),)).widened(design)
+    assert widened.inputs == ("F", "probe0")
+    assert widened.open_states == design.open_states == (0, 1)
 
 
 def test_delayed_sine_is_the_sine_of_an_earlier_time():
