@@ -11,7 +11,7 @@ NAME = PACKAGE.name
 
 # From the bottom up; parts of one layer may use each other, but not in a circle.
 LAYERS = (
-    {"checks", "lazily", "operators", "terms", "threads"},
+    {"checks", "lazily", "operators", "terms", "threads", "warn"},
     {"equations", "substitution"},
     {"reading"},
     {"sparse"},
