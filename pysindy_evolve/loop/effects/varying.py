@@ -7,9 +7,10 @@ higher the pressure behind it is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 
@@ -65,22 +66,31 @@ def saturating(
     Who eats is sated, a reaction is inhibited, the gain of a laser is compressed: a declared rate
     over K + x, of a level x that stays above zero. Beside it the declared one may vanish. What eats
     grows by what is eaten, so the same rate may stand in two equations. One that saturates already
-    may do so with a further level: who eats is sated, and keeps others from it.
+    may do so with a further level: who eats is sated, and keeps others from it. Or not the level
+    counts, but what there is of it for each: a declared rate over x + K y.
     """
     if design.position_of(effect.state) is not None:
         return
     for part in parts_of(design, effect.state):
         acting = sorted(part.variables - {design.time}) if len(part.variables) > 1 else []
-        for one in (one for one in acting if 2.0 * middle[one] > scales[one]):
-            for build in (_over, _crowded) if _saturates(part, one) else (_over,):
-                for share in HALVES:
-                    half = Shape(
-                        (share * float(scales[one]),),
-                        (partial(build, part, one),),
-                        meanings=("half-saturation",),
-                    )
-                    there = effect(SATURATING, shape=half, alone=True)
-                    yield replace(there, force=(one, there.terms))
+        levels = [one for one in acting if 2.0 * middle[one] > scales[one]]
+        for one in levels:
+            builds = (_over, _crowded) if _saturates(part, one) else (_over,)
+            for build in builds:
+                yield from _sated(effect, partial(build, part, one), one, float(scales[one]))
+        for one, other in combinations(levels, 2):
+            ratio = float(scales[other] / scales[one])
+            yield from _sated(effect, partial(_for_each, part, one, other), one, ratio)
+
+
+def _sated(
+    effect: CandidateMaker, build: Callable[[float], Sum], level: int, size: float
+) -> Iterator[Candidate]:
+    """Go through a rate with several numbers at which it is half of its largest."""
+    for share in HALVES:
+        half = Shape((share * size,), (build,), meanings=("half-saturation",))
+        there = effect(SATURATING, shape=half, alone=True)
+        yield replace(there, force=(level, there.terms))
 
 
 def throttled(
@@ -128,6 +138,11 @@ def _root(drop: Sum) -> Sum:
 def _over(part: Sum, level: int, half: float) -> Sum:
     """Return a rate over a constant and a level."""
     return div(part, add(constant(half), variable(level)))
+
+
+def _for_each(part: Sum, level: int, other: int, half: float) -> Sum:
+    """Return a rate over a level and what there is of another one, which it is shared by."""
+    return div(part, add(mul(constant(half), variable(level)), variable(other)))
 
 
 def _saturates(part: Sum, level: int) -> bool:

@@ -88,6 +88,14 @@ def test_what_saturates_already_may_do_so_with_a_further_level():
     assert crowded in {term.name(("N", "P", "t")) for term in rates}
 
 
+def test_a_rate_may_go_by_what_there_is_for_each():
+    """Cells share what they eat (Contois)."""
+    design = pse.DeclaredModel({"X": "m*S*X - a*X", "S": "-y*S*X"}).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
+    found = {c.at([0.9]).terms[0] for c in candidates(design, ranges) if c.name == SATURATING}
+    assert "X S/(0.9 X + S)" in {term.name(("X", "S", "t")) for term in found}
+
+
 def test_no_force_saturates_so():
     design = pse.DeclaredModel({"q": "v", "v": "-k*q - c*q**2*v"}).design()
     ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
