@@ -18,6 +18,7 @@ __all__ = [
     "angles_of",
     "bends",
     "between_angles",
+    "centrifugal",
     "centripetal",
     "is_wave_of",
     "outward",
@@ -124,13 +125,25 @@ def between_angles(effect: CandidateMaker, own: Sum, other: Sum) -> Iterator[Can
 def centripetal(
     effect: CandidateMaker, design: Design, turning: frozenset[int]
 ) -> Iterator[Candidate]:
-    """Go through what a mass on an arm that turns does to what carries the arm."""
+    """Go through what a mass on an arm that turns does to what carries the arm, which may turn."""
     for angle in sorted(turning):
         rate = design.derivative_of(angle) if angle < len(design.states) else None
         if rate is not None and rate != effect.state:
-            square = power(variable(rate), 2)
+            own, other = variable(effect.state), variable(rate)
+            square = power(other, 2)
             yield effect("coupling", mul(square, call(BUILTIN["sin"], variable(angle))))
             yield effect("coupling", mul(square, call(BUILTIN["cos"], variable(angle))))
+            yield effect("coupling", mul(mul(own, other), outward(angle, turning)))
+
+
+def centrifugal(
+    effect: CandidateMaker, design: Design, position: int, turning: frozenset[int]
+) -> Iterator[Candidate]:
+    """Go through what the speed of another axis does: to an arm that it swings out, or a slide."""
+    for rate in design.velocities:
+        if rate != effect.state:
+            square = power(variable(rate), 2)
+            yield effect("coupling", mul(square, outward(position, turning)))
 
 
 def outward(position: int, turning: frozenset[int]) -> Sum:

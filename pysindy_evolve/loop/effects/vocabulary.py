@@ -17,7 +17,16 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .angles import angles_of, bends, between_angles, centripetal, outward, swing_of, units_of
+from .angles import (
+    angles_of,
+    bends,
+    between_angles,
+    centrifugal,
+    centripetal,
+    outward,
+    swing_of,
+    units_of,
+)
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
 from .differences import (
     acting_differences,
@@ -140,6 +149,7 @@ def _of_rate(
         yield from _weights(effect, design, position, scales, middle)
         yield from _with_position(effect, q, v)
         yield from centripetal(effect, design, turning)
+        yield from centrifugal(effect, design, position, turning)
     own = state if position is None else position
     for other in range(n_states):
         if other not in (state, position):
@@ -201,11 +211,15 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
     yield effect("viscous damping", v)
     yield effect("Coulomb friction", _sgn(v))
     yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
-    for share in STRIBECK_SPEEDS:
-        shape = Shape((share * speed,), (partial(_stribeck, v),), meanings=("Stribeck speed",))
-        yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
+    yield from _stribecks(effect, v, speed)
     yield effect("quadratic drag", mul(v, _abs(v)))
     yield effect("nonlinear damping", power(v, 3))
+
+
+def _stribecks(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
+    for share in STRIBECK_SPEEDS if speed > 0.0 else ():
+        shape = Shape((share * speed,), (partial(_stribeck, v),), meanings=("Stribeck speed",))
+        yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
 
 
 def _springs(effect: CandidateMaker, q: Sum, reach: float) -> Iterator[Candidate]:
@@ -308,6 +322,7 @@ def _between(
 def _slips(effect: CandidateMaker, slip: Sum, reach: float) -> Iterator[Candidate]:
     yield effect("Coulomb friction", _sgn(slip))
     yield from gripping(effect, "Coulomb friction", slip, reach)
+    yield from _stribecks(effect, slip, reach)
     yield effect("nonlinear damping", _abs(slip), parents=(OFFSET,))
     yield effect("quadratic drag", mul(slip, _abs(slip)))
     yield effect("nonlinear damping", power(slip, 3))
