@@ -107,14 +107,26 @@ def _is_load(few: Design, many: Design, part: Segments, records: np.ndarray) -> 
 
 
 def _tells_records_apart(few: Design, many: Design, part: Segments, records: np.ndarray) -> bool:
-    """Tell whether what an effect explains is that records differ in the numbers without it."""
+    """Tell whether what an effect explains is that records differ in numbers, or in their load."""
     if few.columns == many.columns:  # a memory
         return False
+    explained, best = _gained(few, many, part)
+    loads = [in_state("load", OFFSET, state, len(few.states)) for state in few.open_states]
+    for load in ((), loads):
+        within, left = _gained(few.adding(load), many.adding(load), part, records)
+        if within + left < BETTER * best and within < WITHIN * explained:
+            return True
+    return False
+
+
+def _gained(
+    few: Design, many: Design, part: Segments, records: np.ndarray | None = None
+) -> tuple[float, float]:
+    """Return what more columns gain, and what they leave; of each record by itself if asked."""
     sides = [derivative_grams(part, design, design.columns) for design in (few, many)]
-    pooled = [_left(grams.sum(axis=0)) for grams in sides]
-    own = [sum(map(_left, summed(grams, records))) for grams in sides]
-    explained, within = pooled[0] - pooled[1], own[0] - own[1]
-    return own[0] < BETTER * pooled[1] and within < WITHIN * explained
+    each = [[grams.sum(axis=0)] if records is None else summed(grams, records) for grams in sides]
+    before, after = (sum(map(_left, grams)) for grams in each)
+    return before - after, after
 
 
 def _left(gram: np.ndarray) -> float:

@@ -83,6 +83,18 @@ def test_what_only_tells_records_apart_is_no_effect(candidate, terms, differs):
     assert (gone is finding) is differs
 
 
+@pytest.mark.parametrize(
+    ("terms", "differs"),
+    [(("+ 20", "- 20"), True), (("- 30*q**3 + 20", "- 30*q**3 - 20"), False)],
+)
+def test_what_stands_for_another_load_in_each_record_is_no_effect(terms, differs):
+    records = records_with(*terms)
+    design = design_of(MODEL, records)
+    finding = Finding(CUBIC, columns_of(CUBIC, design), 1.0, 0.016, np.zeros(60), 1)
+    gone = last_untransferred(design, [finding], segments(records, design.velocities))
+    assert (gone is finding) is differs
+
+
 @pytest.mark.slow
 def test_a_forcing_with_another_phase_in_each_record_leaves_the_model_untraced():
     *train, test = records_with("+ 2*sin(5*t)", "+ 2*sin(5*t + 2)", "+ 2*sin(5*t + 4)")
