@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
-from ...terms import ONE, Product, Sum
+from ...terms import ONE, Call, Product, Sum
 
 __all__ = ["EVOLVED", "OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
 
@@ -136,6 +136,13 @@ class Candidate:
         """
         tuned = self.numbers if self.name == EVOLVED else ()
         return sum(term.size for term in self.terms) - self.spared + (NUMBER - 1) * len(tuned)
+
+    @property
+    def plainness(self) -> tuple[int, bool]:
+        """Its size, and whether there is a function in it: a power of the same size is plainer."""
+        products = (product for term in self.terms for _, product in term.parts)
+        atoms = (atom for product in products for atom, _ in product.factors)
+        return self.size, any(isinstance(atom, Call) for atom in atoms)
 
     @property
     def numbers(self) -> tuple[float, ...]:

@@ -116,7 +116,7 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
             best = known  # what engineers know by name, unless it does worse
     as_good = [one for one in tuned if one.error <= np.exp(MARGIN) * best.error]
     if best.candidate.name == EVOLVED:
-        best = min([best, *as_good], key=lambda one: one.candidate.size)
+        best = min([best, *as_good], key=lambda one: one.candidate.plainness)
     named = [one for one in as_good if one.candidate.name != EVOLVED]
     return min([best, *named], key=lambda one: _burden(one.candidate))
 

@@ -113,7 +113,7 @@ def plainest(contenders: Sequence[Contender]) -> Contender:
     """Return the plainest of the contenders that come closest to the record."""
     least = min(one.error for one in contenders)
     as_good = [one for one in contenders if one.error <= np.exp(MARGIN) * least] or contenders
-    return min(as_good, key=lambda one: (one.candidate.size, one.error))
+    return min(as_good, key=lambda one: (*one.candidate.plainness, one.error))
 
 
 def _closest(
