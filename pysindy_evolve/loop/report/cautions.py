@@ -206,9 +206,7 @@ def _numbers(report: LoopReport) -> list[str]:
 
 def _left(report: LoopReport) -> list[str]:
     """Say that something is left beside the effects."""
-    if report.verdict != "traced":
-        return []
-    if report.chance_left > report.rules.level:
+    if not report.leaves_structure:
         return []
     return [
         "What the corrected model leaves still depends on what was measured, by more than chance "

@@ -84,6 +84,11 @@ class LoopReport:
         """The corrected model."""
         return self.after.model
 
+    @property
+    def leaves_structure(self) -> bool:
+        """Whether what the effects leave still depends on what was measured."""
+        return self.verdict == "traced" and self.chance_left <= self.rules.level
+
     @cached_property
     def model(self) -> ps.SINDy:
         """The corrected model as a fitted SINDy model; time, if needed, is its last input.

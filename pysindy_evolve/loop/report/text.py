@@ -43,6 +43,11 @@ IN_PART = (
     "misses the record by more than the noise of the sensors explains; see what remains."
 )
 
+NOT_ALL = (
+    "traced in part: the model lacked the effects below, which have been added, but what it leaves "
+    "still depends on what was measured; see what remains."
+)
+
 
 def verdict_of(report: LoopReport) -> str:
     """Return the verdict in a sentence."""
@@ -51,6 +56,8 @@ def verdict_of(report: LoopReport) -> str:
     missed = float(np.max(report.after.simulation_error)) >= NOTABLE
     if report.verdict == "traced" and missed and unexplained(report):
         return IN_PART
+    if report.leaves_structure:
+        return NOT_ALL
     return VERDICTS[report.verdict]
 
 
