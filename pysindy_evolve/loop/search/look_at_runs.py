@@ -11,7 +11,7 @@ from ..evidence.offers import awaited
 from ..free_runs.comparison import held_against
 from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of
-from ..free_runs.named import find_by_runs
+from ..free_runs.named_effects import find_by_runs
 from ..free_runs.one_for_several import one_for_several
 from ..free_runs.sensor_limits import clipped_sensors
 from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs

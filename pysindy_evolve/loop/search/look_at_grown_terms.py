@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..evidence.structure import may_have_structure, structure_chance
 from ..growth.short import find_small, is_better
-from .named import find_named
+from .look_at_names import find_named
 from .state import Search
 
 __all__ = ["grow_terms"]
