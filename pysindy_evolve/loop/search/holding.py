@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...signals.holds import HALF
+from ...signals.zero_order_hold import HALF
 from ..evidence.findings import Finding, MemoryFinding, excluding, with_findings
 from ..evidence.offers import awaited
 from ..given.held import held_where_it_may_be
 from ..memories.chains import Traded
-from ..memories.holds import (
+from ..memories.hold_or_memory import (
     free_to_be_held,
     hold_beside_another,
     holds_alone,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..evidence.structure import may_have_structure, structure_chance
-from ..growth.short import find_small, is_better
+from ..growth.short_records import find_small, is_better
 from .look_at_names import find_named
 from .state import Search
 

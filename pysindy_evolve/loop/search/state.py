@@ -10,7 +10,7 @@ import numpy as np
 from ...hidden_states.memory import remembered
 from ...operators import Operator
 from ...signals import Record
-from ...signals.holds import acting_through, hold
+from ...signals.zero_order_hold import acting_through, hold
 from ..effects.candidate import Candidate
 from ..evidence.findings import (
     Finding,
@@ -32,8 +32,8 @@ from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import Segments
 from ..given.through import with_functions
-from ..growth.grower import TermGrower
 from ..growth.naming import small_candidates
+from ..growth.term_grower import TermGrower
 from ..revision.revise import prune
 
 __all__ = ["Holding", "Search"]

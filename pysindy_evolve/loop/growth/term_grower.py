@@ -27,7 +27,7 @@ from ..given.design import Design
 from ..given.rows import have_values
 from ..given.rules import Rules
 from ..given.segments import Segments
-from .grow import grow
+from .genetic_search import grow
 
 __all__ = ["TermGrower"]
 
