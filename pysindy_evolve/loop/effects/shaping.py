@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ...breeding.genetics import SCALED
+from ...operators import SCALED
 from ...terms import Atom, Call, Product, Sum, constant, mul, simplified
 from .angles import UNITS
 from .candidate import OFFSET, Candidate, Shape

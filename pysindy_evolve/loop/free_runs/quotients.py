@@ -16,8 +16,8 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...breeding.genetics import SCALED
 from ...checks import TINY
+from ...operators import SCALED
 from ...terms import (
     Atom,
     Call,
