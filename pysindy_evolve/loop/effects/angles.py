@@ -9,7 +9,20 @@ import numpy as np
 
 from ...operators import BUILTIN
 from ...substitution import substituted
-from ...terms import ONE, Call, Product, Sum, call, constant, mul, power, sub, variable
+from ...terms import (
+    ONE,
+    Call,
+    Product,
+    Sum,
+    call,
+    constant,
+    mul,
+    of_term,
+    only_term,
+    power,
+    sub,
+    variable,
+)
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
 
@@ -81,8 +94,7 @@ def without_turns(term: Product) -> Product:
                 plain[atom] = call(atom.operator, argument)
     if not plain:
         return term
-    ((_, turned),) = substituted(Sum(((1.0, term),)), plain).parts
-    return turned
+    return only_term(substituted(of_term(term), plain))
 
 
 def is_wave_of(term: Product, variable: int) -> bool:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
-from ...terms import ONE, Product, Sum
+from ...terms import ONE, Product, Sum, of_term
 
 __all__ = ["EVOLVED", "OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
 
-OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
+OFFSET = of_term(ONE)  # the parent of whatever has a mean
 EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
 NUMBER = 3  # nodes that a number inside a grown term counts as
 REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three

@@ -18,7 +18,7 @@ from functools import partial
 import numpy as np
 
 from ...operators import BUILTIN
-from ...terms import Sum, call, mul, power, sub, variable
+from ...terms import Sum, call, mul, only_term, power, sub, variable
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape, bare
 from .hysteresis import rounded_sign
@@ -157,5 +157,5 @@ def acting_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
 def _holds_difference(side: Sum, own: int, other: int) -> bool:
     """Tell whether two variables enter a side with opposite coefficients."""
     weights = {term: c for c, term in side.parts}
-    (_, one), (_, two) = variable(own).parts[0], variable(other).parts[0]
+    one, two = only_term(variable(own)), only_term(variable(other))
     return weights.get(one, 0.0) != 0.0 and weights.get(one) == -weights.get(two, 0.0)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...terms import Sum, variable
+from ...terms import Sum, of_term, variable
 from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, bare
@@ -117,7 +117,7 @@ def standing(design: Design) -> set[tuple[int, Sum]]:
     """
     found = set()
     for state in range(len(design.states)):
-        found |= {(state, Sum(((1.0, term),))) for _, term in design.fixed[state].parts}
+        found |= {(state, of_term(term)) for _, term in design.fixed[state].parts}
         found |= {(state, bare(part)) for part in design.sides_of(state) if part.parts}
     return found
 

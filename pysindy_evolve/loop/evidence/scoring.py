@@ -82,7 +82,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
         proposed = for_trajectories(proposed)
     left = [residual_on(equations, record) for record in records]
     first = int(np.argmax([len(record) for record in records]))
-    longest, time = records[first], len(design.states) + len(design.inputs)
+    longest, time = records[first], design.time
     drivers = longest.x[:, :0] if longest.u is None else longest.u
     made = longest.preparation
     cutoff = np.inf if made is None or made.cutoff is None else made.cutoff

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...equations import Equations
 from ...operators import Operator
-from ...terms import Product, mul, variable
+from ...terms import Product, mul, only_term, variable
 from ..effects.candidate import EVOLVED, Candidate
 from ..effects.missing import candidates, fitted
 from ..effects.shaping import shape_of
@@ -121,7 +121,7 @@ def _terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
     found = small_terms(operators, x)
     if any(operator.name == "mul" for operator in operators):
         triples = combinations_with_replacement(map(variable, range(x.shape[1])), 3)
-        found += [mul(mul(a, b), c).parts[0][1] for a, b, c in triples]
+        found += [only_term(mul(mul(a, b), c)) for a, b, c in triples]
     return list(dict.fromkeys(found))
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ...terms import Call, Sum
+from ...terms import Call, Sum, of_term
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import standing
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
@@ -78,7 +78,7 @@ def _is_sign(expression: Sum) -> bool:
 
 def _parents_of(child: Finding, findings: Sequence[Finding], declared: Design) -> list[Finding]:
     """Return the parents that are not declared, if all were found in the derivative."""
-    there = {Sum(((1.0, term),)) for term in declared.terms_of(child.candidate.state)}
+    there = {of_term(term) for term in declared.terms_of(child.candidate.state)}
     wanted = set(child.candidate.parents) - there
     found = [
         f

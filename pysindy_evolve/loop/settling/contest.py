@@ -55,10 +55,9 @@ def plainer(finding: Finding, design: Design, significance: float) -> Finding:
     happened to move together, so either is named only where it has to be. A constant takes no
     place: it absorbs a part of whatever there is.
     """
-    time = len(design.states) + len(design.inputs)
 
     def burden(candidate: Candidate) -> tuple[bool, int]:
-        return time in candidate.variables, len(candidate.variables)
+        return design.time in candidate.variables, len(candidate.variables)
 
     likely = [r for r in finding.rivals if r.p_value > significance]
     bending = [r for r in likely if OFFSET not in r.candidate.terms]
