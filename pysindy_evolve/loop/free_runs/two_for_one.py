@@ -19,7 +19,7 @@ from ...signals import Record
 from ..effects.candidate import EVOLVED, Candidate
 from ..effects.missing import candidates
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.scoring import MARGIN, score
 from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.rules import Rules
@@ -69,10 +69,7 @@ def two_for_one(
         pair = _closest(without, finding, pairs, records, rules)
         if pair:
             place = kept.index(finding)
-            kept[place : place + 1] = [
-                replace(finding, candidate=one, columns=columns_of(one, without.design))
-                for one in pair
-            ]
+            kept[place : place + 1] = [finding.with_candidate(c, without.design) for c in pair]
     return kept
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from ..effects.candidate import OFFSET, Candidate
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.rivals import Rival, rivals_of
-from ..evidence.scoring import columns_of
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -66,5 +65,4 @@ def plainer(finding: Finding, design: Design, significance: float) -> Finding:
         return finding
     best = min(able, key=lambda rival: (burden(rival.candidate), -rival.p_value))
     rivals = (Rival(finding.candidate, 1.0), *(r for r in finding.rivals if r is not best))
-    columns = columns_of(best.candidate, design)
-    return replace(finding, candidate=best.candidate, columns=columns, rivals=rivals)
+    return replace(finding.with_candidate(best.candidate, design), rivals=rivals)
