@@ -129,7 +129,7 @@ def between_angles(effect: CandidateMaker, own: Sum, other: Sum) -> Iterator[Can
     """Go through what one angle does to another one, in the equation of that, or of its speed."""
     apart = sub(other, own)
     yield effect("coupling", call(BUILTIN["sin"], apart))
-    yield effect("coupling", call(BUILTIN["cos"], apart), parents=(OFFSET,), whole=True)
+    yield effect("coupling", call(BUILTIN["cos"], apart), parents=(OFFSET,), contains_parents=True)
     yield effect("coupling", call(BUILTIN["sin"], mul(constant(2.0), apart)))
 
 

@@ -83,7 +83,7 @@ def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iter
         if 1 < len(weights) == len(slip.parts) and not is_difference:
             reach = sum(abs(c) * float(scales[v]) for c, v in weights)
             grips = gripping(effect, "coupling", slip, reach)
-            yield from (replace(one, force=(min(slip.variables), one.terms)) for one in grips)
+            yield from (replace(one, acts_at=(min(slip.variables), one.terms)) for one in grips)
 
 
 def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:
@@ -113,7 +113,7 @@ def _carried(effect: CandidateMaker, design: Design, own: int, other: int) -> It
     head = sub(variable(other), variable(own))
     for flow in range(len(design.states), design.time):
         if flow != other:
-            yield effect("coupling", mul(variable(flow), head), alone=True)
+            yield effect("coupling", mul(variable(flow), head), never_paired=True)
 
 
 def _difference(

@@ -76,7 +76,9 @@ def flexible_ways(state: int, position: int, record: Record) -> list[Candidate]:
     build, found = Flexible(*places, fastest), []
     while frequency < fastest:
         shape = Shape((frequency, DAMPING), (build,), meanings=NUMBERS, branch=1)
-        own = effect("hidden state", shape=shape, refines=PLAINER, alone=True, passive=True)
+        own = effect(
+            "hidden state", shape=shape, must_beat=PLAINER, never_paired=True, passive=True
+        )
         found.append(own)
         frequency *= RATIO
     return found

@@ -109,7 +109,7 @@ def yields(
             for slant in SLANTS:
                 numbers = {"slant": slant * speed / stroke, **width, **places}
                 shape = Shape(tuple(numbers.values()), (build,), meanings=tuple(numbers))
-                yield effect("hysteresis", shape=shape, refines=PLAINER)
+                yield effect("hysteresis", shape=shape, must_beat=PLAINER)
 
 
 def remembering(
@@ -118,7 +118,7 @@ def remembering(
     v: int,
     stroke: float,
     unloadings: Sequence[float] = UNLOADINGS,
-    refines: tuple[str, ...] = PLAINER,
+    must_beat: tuple[str, ...] = PLAINER,
     spring_lengths: Sequence[float] = SPRING_LENGTHS,
 ) -> Iterator[Candidate]:
     """Go through frictions and springs of Bouc and Wen, which remember the path of a position.
@@ -129,11 +129,11 @@ def remembering(
     for length in LENGTHS:
         for unloading in unloadings:
             shape = Shape((length * stroke, unloading), (friction,), meanings=PATH_NUMBERS)
-            yield effect("hysteresis", shape=shape, refines=refines)
+            yield effect("hysteresis", shape=shape, must_beat=must_beat)
     spring = partial(springing, variable(x), variable(v))
     for length in spring_lengths:
         shape = Shape((length * stroke, EVEN), (spring,), meanings=SPRING_NUMBERS)
-        yield effect("hysteresis", shape=shape, refines=refines)
+        yield effect("hysteresis", shape=shape, must_beat=must_beat)
 
 
 def remembered_ways(

@@ -80,7 +80,9 @@ def inertia_candidate(
     """
     builds = tuple(partial(_lacking, one, position, state, rate) for one in FUNCTIONS)
     shape = Shape((number,), builds, reach, (WAVE_NUMBER,), branch)
-    return InertiaCandidate(INERTIA, state, shape.terms, shape=shape, alone=True, position=position)
+    return InertiaCandidate(
+        INERTIA, state, shape.terms, shape=shape, never_paired=True, position=position
+    )
 
 
 def _lacking(function: str, position: int, velocity: int, rate: Sum, number: float) -> Sum:

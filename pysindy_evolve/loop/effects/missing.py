@@ -71,10 +71,10 @@ def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:
     way only has a name all the same.
     """
     if candidate.name == "dead zone":
-        return not candidate.whole  # what begins at one end lies in the range
+        return not candidate.contains_parents  # what begins at one end lies in the range
     if candidate.name in ("Coulomb friction", "asymmetric Coulomb friction"):
         return design.position_of(candidate.state) is None
-    if candidate.name != "saturation" or candidate.shape is None or candidate.whole:
+    if candidate.name != "saturation" or candidate.shape is None or candidate.contains_parents:
         return False
     (own,) = candidate.variables
     least = 2.0 * abs(ranges.middle[own]) - ranges.largest[own]  # magnitude

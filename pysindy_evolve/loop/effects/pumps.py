@@ -133,4 +133,4 @@ def _pumped(state: int, design: Design, wave: Shape) -> list[Candidate]:
 def _pump(state: int, time: int, part: Sum, wave: Shape) -> Candidate:
     """Return a term times a wave, at the frequency of the wave."""
     shape = replace(wave, builds=waves_times(part, time))
-    return CandidateMaker(state)(FORCING, shape=shape, parents=(part,), alone=True)
+    return CandidateMaker(state)(FORCING, shape=shape, parents=(part,), never_paired=True)

@@ -75,7 +75,9 @@ def relaxed_ways(
     build, found = Relaxed(variable(source), variable(time), value), []
     while value < longest:
         shape = Shape((value,), (build,), meanings=("relaxation time",))
-        own = effect("hidden state", shape=shape, refines=PLAINER, alone=True, passive=passive)
+        own = effect(
+            "hidden state", shape=shape, must_beat=PLAINER, never_paired=True, passive=passive
+        )
         found.append(own)
         value *= RATIO
     return found

@@ -67,7 +67,7 @@ def rippled_candidates(
                 branch,
             ),
             parents=(part,),
-            alone=True,
+            never_paired=True,
         )
         for found in rippling(residual, values, q, n_bins, PERIODS_IN_SPACE, finest)
     ]

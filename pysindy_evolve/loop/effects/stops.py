@@ -109,7 +109,9 @@ def damped_contacts(effect: CandidateMaker, design: Design, q: Sum, v: Sum) -> I
 
 def is_stop(candidate: Candidate) -> bool:
     """Tell whether an effect is a dead zone with one end."""
-    is_whole = candidate.name == "dead zone" and candidate.whole and candidate.shape is not None
+    is_whole = (
+        candidate.name == "dead zone" and candidate.contains_parents and candidate.shape is not None
+    )
     return is_whole and len(candidate.terms) == 1
 
 
@@ -125,7 +127,7 @@ def pressed(stop: Candidate) -> Candidate:
 
 def has_two_ends(candidate: Candidate) -> bool:
     """Tell whether an effect begins at two places, with a slope beyond each."""
-    return candidate.whole and candidate.shape is not None and len(candidate.terms) == 2
+    return candidate.contains_parents and candidate.shape is not None and len(candidate.terms) == 2
 
 
 def one_end_each(candidate: Candidate) -> list[Candidate]:
@@ -166,7 +168,9 @@ def _between_ends(
     half = largest - abs(middle)
     for low, high in ((middle - share * half, middle + share * half) for share in WIDTHS):
         if min(abs(low), abs(high)) >= LEAST * largest:
-            yield effect(name, shape=_two_ends(q, low, high), parents=(OFFSET,), whole=True)
+            yield effect(
+                name, shape=_two_ends(q, low, high), parents=(OFFSET,), contains_parents=True
+            )
 
 
 def _two_ends(q: Sum, low: float, high: float) -> Shape:
@@ -198,7 +202,7 @@ def _at(effect: CandidateMaker, q: Sum, place: float, side: float) -> Candidate:
     toward = _toward(place)
     build = partial(_beyond, q, side, toward)
     shape = Shape((abs(place),), (build,), meanings=(_said("end", toward),), branch=toward)
-    return effect("dead zone", shape=shape, parents=(OFFSET,), whole=True)
+    return effect("dead zone", shape=shape, parents=(OFFSET,), contains_parents=True)
 
 
 def _kink_of(terms: Sequence[Sum]) -> tuple[Sum, float] | None:

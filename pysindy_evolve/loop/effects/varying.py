@@ -54,7 +54,7 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
             in_time = design.time in both
             name = _in_time(part) if in_time else _name_of(both, design, effect.state)
             if other != part and name:
-                yield effect(name, mul(other, part), parents=(OFFSET, part), alone=True)
+                yield effect(name, mul(other, part), parents=(OFFSET, part), never_paired=True)
 
 
 def saturating(
@@ -79,8 +79,8 @@ def saturating(
                         (partial(build, part, one),),
                         meanings=("half-saturation",),
                     )
-                    there = effect(SATURATING, shape=half, alone=True)
-                    yield replace(there, force=(one, there.terms))
+                    there = effect(SATURATING, shape=half, never_paired=True)
+                    yield replace(there, acts_at=(one, there.terms))
 
 
 def throttled(
@@ -104,7 +104,7 @@ def throttled(
                 (partial(build, opening, variable(state)),),
                 meanings=("supply pressure",),
             )
-            yield effect(VALVE, shape=supply, alone=True)
+            yield effect(VALVE, shape=supply, never_paired=True)
 
 
 def _of_load(opening: Sum, pressure: Sum, supply: float) -> Sum:

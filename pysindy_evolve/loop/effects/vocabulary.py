@@ -230,9 +230,9 @@ def _weights(
         angle = mul(constant(unit), variable(position))
         across, along = call(BUILTIN["sin"], angle), call(BUILTIN["cos"], angle)
         yield effect("gravity", across)
-        yield effect("gravity", along, parents=(OFFSET,), whole=True)
+        yield effect("gravity", along, parents=(OFFSET,), contains_parents=True)
         if bends(swing, unit):  # at small angles both together are any soft or hard spring
-            yield effect("gravity", across, along, parents=(OFFSET,), whole=True)
+            yield effect("gravity", across, along, parents=(OFFSET,), contains_parents=True)
         if swing * unit > np.pi / 2.0:  # on less than a whole period it is any curve
             yield from _second_harmonics(effect, mul(constant(2.0), angle))
 
@@ -241,8 +241,8 @@ def _second_harmonics(effect: CandidateMaker, twice: Sum) -> Iterator[Candidate]
     """Go through what comes twice a turn: salient poles, a gradient of gravity, wind on a hull."""
     across, along = call(BUILTIN["sin"], twice), call(BUILTIN["cos"], twice)
     yield effect(HARMONIC, across)
-    yield effect(HARMONIC, along, parents=(OFFSET,), whole=True)
-    yield effect(HARMONIC, across, along, parents=(OFFSET,), whole=True)
+    yield effect(HARMONIC, along, parents=(OFFSET,), contains_parents=True)
+    yield effect(HARMONIC, across, along, parents=(OFFSET,), contains_parents=True)
 
 
 def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:
@@ -270,7 +270,7 @@ def _at_joints(
         factor = bare(entry.factor) if is_free else entry.factor
         for force in forces:
             there = rewritten(force, partial(mul, factor))
-            yield replace(there, alone=True, force=(entry.beside, force.terms))
+            yield replace(there, never_paired=True, acts_at=(entry.beside, force.terms))
 
 
 def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:

@@ -180,7 +180,7 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
 
 
 def _by_itself(candidate: Candidate) -> Candidate:
-    return replace(candidate, parents=()) if candidate.whole else candidate
+    return replace(candidate, parents=()) if candidate.contains_parents else candidate
 
 
 def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
@@ -194,7 +194,7 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
 
     def loss(logs: np.ndarray) -> float:
         there = at(np.atleast_1d(logs))
-        if candidate.whole and not begins_within(there, part.rows):
+        if candidate.contains_parents and not begins_within(there, part.rows):
             return 0.0
         if candidate.passive and not takes_energy(there, design, part):
             return 0.0

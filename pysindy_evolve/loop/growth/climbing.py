@@ -101,7 +101,7 @@ def with_best_numbers(
 def _moved(candidate: Candidate, term: Product, declared: Sequence[Product]) -> Candidate:
     """Return a candidate with another term in its place; one that was tuned may spare no more."""
     terms, spared = (of_term(term),), sparing(term, declared)
-    return replace(candidate, terms=terms, shape=None, spared=spared)
+    return replace(candidate, terms=terms, shape=None, free_nodes=spared)
 
 
 def _promising(design: Design, part: Segments, around: Sequence[Candidate]) -> list[Candidate]:

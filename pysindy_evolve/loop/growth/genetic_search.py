@@ -110,7 +110,7 @@ def _from_elsewhere(design: Design) -> Iterator[Candidate]:
         for part, state in product(column.parts, design.open_states):
             if part.variables and not column.parts[state].parts:
                 one = Candidate(EVOLVED, state, (bare(part),))
-                yield replace(one, spared=one.size - 1)
+                yield replace(one, free_nodes=one.size - 1)
 
 
 @one_thread()

@@ -75,7 +75,7 @@ def _at_level(effect: CandidateMaker, h: Sum, place: float, power: int, side: in
     build = partial(_flow, h, power, side, np.sign(place))
     shape = Shape((abs(place),), (build,), branch=side)
     flow = effect(EVOLVED, shape=shape, parents=(OFFSET,))
-    return replace(flow, spared=flow.size - READ)
+    return replace(flow, free_nodes=flow.size - READ)
 
 
 def _flow(h: Sum, power: int, side: int, toward: float, level: float) -> Sum:

@@ -119,7 +119,7 @@ def named(
     parents, spared = (OFFSET,) if poses else (), sparing(term, declared)
     angles = {v for c in known if c.name == GRAVITY and c.state == state for v in c.variables}
     name = GRAVITY if any(is_wave_of(term, angle) for angle in angles) else EVOLVED
-    return Candidate(name, state, (expression,), parents, spared=spared)
+    return Candidate(name, state, (expression,), parents, free_nodes=spared)
 
 
 def without_signs(term: Product, variables: np.ndarray) -> list[Product]:

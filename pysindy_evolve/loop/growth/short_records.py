@@ -113,7 +113,7 @@ def _proposed(
         anywhere = shifted(design, state, ranges.signed)
         grown = [named(term, state, known, rows[:, :-1], anywhere) for term in terms]
         found += [c for c in grown if c.name == EVOLVED and (state, c.terms[0]) not in present]
-    return [replace(c, parents=(), shape=shape_of(c), alone=True) for c in found]
+    return [replace(c, parents=(), shape=shape_of(c), never_paired=True) for c in found]
 
 
 def _terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
@@ -126,4 +126,4 @@ def _terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
 
 
 def _plain(finding: Finding) -> Finding:
-    return replace(finding, candidate=replace(finding.candidate, shape=None, alone=False))
+    return replace(finding, candidate=replace(finding.candidate, shape=None, never_paired=False))

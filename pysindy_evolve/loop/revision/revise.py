@@ -37,7 +37,7 @@ def exchange(
             continue
         design = with_columns(declared, rest)
         others = candidates(design, part.ranges)
-        allowed = [c for c in others if finding.candidate.name not in c.refines]
+        allowed = [c for c in others if finding.candidate.name not in c.must_beat]
         options = dict.fromkeys([*allowed, finding.candidate])
         scores = score(design, part, list(options), pairs=False)
         own = next((s for s in scores if s.group == (finding.candidate,)), None)
@@ -80,10 +80,12 @@ def _in_place_of(
     ):
         return None
     design = with_columns(declared, rest)
-    own = [c for c in pair if not c.whole]
+    own = [c for c in pair if not c.contains_parents]
     # What refines an effect has to pass a test of its own, and a stop has a place besides.
     offered = candidates(design, part.ranges)
-    others = [c for c in offered if not (c.refines or (c.whole and c.shape is not None))]
+    others = [
+        c for c in offered if not (c.must_beat or (c.contains_parents and c.shape is not None))
+    ]
     mirrors = [tuned(there, design, part) for c in pair for there in begun_at_same(c)]
     options = [*mirrors, *(c for c in others if c not in own)]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
