@@ -25,6 +25,7 @@ from ...terms import (
 )
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
+from .names import COUPLING
 
 __all__ = [
     "UNITS",
@@ -128,9 +129,9 @@ def _in_waves(expression: Sum) -> frozenset[int]:
 def between_angles(effect: CandidateMaker, own: Sum, other: Sum) -> Iterator[Candidate]:
     """Go through what one angle does to another one, in the equation of that, or of its speed."""
     apart = sub(other, own)
-    yield effect("coupling", call(BUILTIN["sin"], apart))
-    yield effect("coupling", call(BUILTIN["cos"], apart), parents=(OFFSET,), contains_parents=True)
-    yield effect("coupling", call(BUILTIN["sin"], mul(constant(2.0), apart)))
+    yield effect(COUPLING, call(BUILTIN["sin"], apart))
+    yield effect(COUPLING, call(BUILTIN["cos"], apart), parents=(OFFSET,), contains_parents=True)
+    yield effect(COUPLING, call(BUILTIN["sin"], mul(constant(2.0), apart)))
 
 
 def centripetal(
@@ -141,8 +142,8 @@ def centripetal(
         rate = design.derivative_of(angle) if angle < len(design.states) else None
         if rate is not None and rate != effect.state:
             square = power(variable(rate), 2)
-            yield effect("coupling", mul(square, call(BUILTIN["sin"], variable(angle))))
-            yield effect("coupling", mul(square, call(BUILTIN["cos"], variable(angle))))
+            yield effect(COUPLING, mul(square, call(BUILTIN["sin"], variable(angle))))
+            yield effect(COUPLING, mul(square, call(BUILTIN["cos"], variable(angle))))
 
 
 def outward(position: int, turning: frozenset[int]) -> Sum:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 from ...terms import ONE, Product, Sum, of_term
+from .names import EVOLVED
 
-__all__ = ["EVOLVED", "OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
+__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
 
 OFFSET = of_term(ONE)  # the parent of whatever has a mean
-EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
 NUMBER = 3  # nodes that a number inside a grown term counts as
 REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
 

@@ -12,11 +12,11 @@ from ..given.inertia import InertiaWave
 from ..given.ranges import Ranges
 from .angles import swing_of
 from .candidate import Candidate, Shape
+from .names import INERTIA
 from .periodic import WAVE_NUMBER
 
-__all__ = ["INERTIA", "InertiaCandidate", "inertia_candidate", "inertias"]
+__all__ = ["InertiaCandidate", "inertia_candidate", "inertias"]
 
-INERTIA = "position-dependent inertia"
 FUNCTIONS = ("cos", "sin")
 NEAR = 0.2  # of the logarithm of a wave number
 

@@ -32,12 +32,10 @@ from ...terms import (
 from ..given.design import Design
 from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
-from .periodic import FORCING
+from .names import FORCING, SATURATING, VALVE
 
-__all__ = ["SATURATING", "VALVE", "drifts", "parts_of", "saturating", "throttled", "varying"]
+__all__ = ["drifts", "parts_of", "saturating", "throttled", "varying"]
 
-SATURATING = "saturating rate"
-VALVE = "valve flow"
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, in those of the record
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, in the largest of the record
 

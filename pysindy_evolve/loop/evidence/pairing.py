@@ -8,7 +8,8 @@ from itertools import combinations
 import numpy as np
 
 from ...terms import Sum
-from ..effects.candidate import EVOLVED, OFFSET, Candidate
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.names import EVOLVED
 
 __all__ = ["groups_to_try", "posing_as_offset"]
 

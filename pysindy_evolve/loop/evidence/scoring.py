@@ -13,6 +13,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, standing
+from ..effects.names import order_of
 from ..effects.periodic import (
     N_LINES,
     is_same_ripple,
@@ -23,7 +24,6 @@ from ..effects.pumps import partner_pumps, pumped_candidates
 from ..effects.rippled import rippled_candidates
 from ..effects.stops import begins_within, one_end_each
 from ..effects.varying import parts_of
-from ..effects.vocabulary import VOCABULARY
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams, residual_on
 from ..fitting.trajectory import Trajectories
@@ -232,7 +232,7 @@ def plainest(scores: Sequence[Score]) -> Score:
     def plainness(score: Score) -> tuple[int, int, int]:
         size = sum(candidate.size for candidate in score.group)
         n_variables = sum(len(term.variables) for one in score.group for term in one.terms)
-        order = sum(VOCABULARY.index(candidate.name) for candidate in score.group)
+        order = sum(order_of(candidate.name) for candidate in score.group)
         return size, n_variables, order
 
     return min(equal, key=plainness)

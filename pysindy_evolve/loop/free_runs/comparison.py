@@ -22,8 +22,9 @@ from scipy.stats import wilcoxon
 from tqdm.auto import tqdm
 
 from ...signals import Record
-from ..effects.candidate import EVOLVED, Candidate
+from ..effects.candidate import Candidate
 from ..effects.missing import beside
+from ..effects.names import EVOLVED
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, excluding, is_needed, with_columns

@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...signals import Record
-from ..effects.candidate import EVOLVED
 from ..effects.missing import beside
+from ..effects.names import EVOLVED
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE
 from ..fitting.trial import converged

@@ -13,8 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from ...terms import Call, Product, Sum, mul, of_term, only_term, power
-from ..effects.candidate import EVOLVED, OFFSET, Candidate, bare
+from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import standing
+from ..effects.names import EVOLVED
 from ..effects.stops import is_stop, pressed
 from ..given.design import Design
 from ..given.ranges import Ranges

@@ -30,8 +30,9 @@ from ...terms import (
     sub,
     variable,
 )
-from ..effects.candidate import EVOLVED, OFFSET, Candidate, bare
+from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import standing
+from ..effects.names import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments
 

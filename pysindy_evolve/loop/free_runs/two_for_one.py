@@ -16,8 +16,9 @@ from itertools import takewhile
 import numpy as np
 
 from ...signals import Record
-from ..effects.candidate import EVOLVED, Candidate
+from ..effects.candidate import Candidate
 from ..effects.missing import candidates
+from ..effects.names import EVOLVED
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, score
 from ..fitting.trial import converged

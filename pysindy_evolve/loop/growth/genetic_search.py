@@ -16,8 +16,9 @@ from ...evolution import evolve
 from ...operators import Operator
 from ...terms import Product
 from ...threads import one_thread
-from ..effects.candidate import EVOLVED, Candidate, bare
+from ..effects.candidate import Candidate, bare
 from ..effects.missing import candidates
+from ..effects.names import EVOLVED
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.spectral import spectral_rows, spectral_weights
 from ..fitting.residual import forces

@@ -14,7 +14,8 @@ import numpy as np
 
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
-from ..effects.candidate import EVOLVED, OFFSET, Candidate, CandidateMaker, Shape
+from ..effects.candidate import OFFSET, Candidate, CandidateMaker, Shape
+from ..effects.names import EVOLVED
 from ..effects.stops import LEAST, PLACES, is_stop, stops
 from ..evidence.scoring import sharpened
 from ..given.design import Design

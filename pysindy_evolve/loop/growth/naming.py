@@ -10,15 +10,15 @@ from ...operators import BUILTIN, Operator
 from ...substitution import substituted
 from ...terms import Call, Product, Sum, div, of_term, variable
 from ..effects.angles import is_wave_of, without_turns
-from ..effects.candidate import EVOLVED, OFFSET, Candidate
+from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates
+from ..effects.names import EVOLVED, GRAVITY
 from ..given.design import Design
 from ..given.segments import Segments
 from .seeds import small_terms
 
 __all__ = ["named", "shifted", "small_candidates", "sparing", "without_signs"]
 
-GRAVITY = "gravity"
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
 
 

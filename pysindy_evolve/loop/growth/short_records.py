@@ -17,8 +17,9 @@ import numpy as np
 from ...equations import Equations
 from ...operators import Operator
 from ...terms import Product, mul, only_term, variable
-from ..effects.candidate import EVOLVED, Candidate
+from ..effects.candidate import Candidate
 from ..effects.missing import candidates, fitted
+from ..effects.names import EVOLVED
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, with_columns
 from ..evidence.step import find

@@ -14,6 +14,7 @@ from dataclasses import replace
 from ...terms import Call, Sum, of_term
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import standing
+from ..effects.names import ASYMMETRIC_FRICTION, NONLINEAR_DAMPING
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, score
 from ..given.design import Design
@@ -21,7 +22,7 @@ from ..given.segments import Segments
 
 __all__ = ["without_parents"]
 
-ALONE = {"asymmetric Coulomb friction": "nonlinear damping"}  # names where no parent stands
+ALONE = {ASYMMETRIC_FRICTION: NONLINEAR_DAMPING}  # names where no parent stands
 
 
 def without_parents(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects.candidate import EVOLVED
+from ..effects.names import EVOLVED, HYSTERESIS
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, tuned
@@ -24,7 +24,7 @@ from ..given.segments import Segments
 
 __all__ = ["thinned"]
 
-FILLS_GAPS = (EVOLVED, "hysteresis")
+FILLS_GAPS = (EVOLVED, HYSTERESIS)
 
 
 def thinned(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...hidden_states.memory import preceded
-from ..effects.candidate import EVOLVED
+from ..effects.names import EVOLVED
 from ..evidence.findings import memories_in
 from ..evidence.offers import awaited
 from ..free_runs.comparison import held_against

@@ -8,7 +8,7 @@ import pytest
 from pysindy_evolve import DeclaredModel
 from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates, standing
-from pysindy_evolve.loop.effects.vocabulary import VOCABULARY
+from pysindy_evolve.loop.effects.names import VOCABULARY
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import mul, sub, variable

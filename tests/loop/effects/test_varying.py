@@ -9,7 +9,7 @@ from loop_systems import equations_of
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates
-from pysindy_evolve.loop.effects.varying import SATURATING
+from pysindy_evolve.loop.effects.names import SATURATING
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import sub, variable
 

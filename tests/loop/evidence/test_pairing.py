@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from pysindy_evolve.loop.effects.candidate import EVOLVED, OFFSET, Candidate
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
+from pysindy_evolve.loop.effects.names import EVOLVED
 from pysindy_evolve.loop.evidence.pairing import groups_to_try, posing_as_offset
 from pysindy_evolve.terms import variable
 
