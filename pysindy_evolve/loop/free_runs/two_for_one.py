@@ -105,5 +105,5 @@ def _closest(
     if own.name == EVOLVED and size <= own.size:
         stands = twos[best].error <= np.exp(MARGIN) * one.error
     else:
-        stands = is_closer(twos[best], one, -np.log1p(-rules.min_share), rules.significance)
+        stands = is_closer(twos[best], one, rules.notable_gain, rules.significance)
     return pairs[best] if stands else ()

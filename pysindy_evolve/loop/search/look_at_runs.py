@@ -125,7 +125,7 @@ def _hold_against_rivals(search: Search) -> None:
     grown = [c for c in search.grower.grown if c.name == EVOLVED]
     small = search.small_terms()
     found = shared_by_runs(model, search.findings, search.plain)
-    pool = Pool(grown, small, search.part, -np.log1p(-search.rules.min_share))
+    pool = Pool(grown, small, search.part, search.rules.notable_gain)
     found = one_for_several(model, found, pool, search.plain)
     found = two_for_one(model, found, search.plain, search.part, search.rules)
     kept = held_against(model, found, pool, search.plain, search.rules)
