@@ -17,7 +17,7 @@ import sympy
 
 from . import checks
 
-__all__ = ["BUILTIN", "Operator", "resolve"]
+__all__ = ["BUILTIN", "CURVED", "SCALED", "Operator", "resolve"]
 
 
 @dataclass(frozen=True)
@@ -130,6 +130,14 @@ BUILTIN: dict[str, Operator] = _table(
     Operator("atan", np.arctan, 1, sympy.atan),
     Operator("softsign", lambda a: a / (1.0 + np.abs(a)), 1, _softsign),
 )
+
+# Functions that curve. A search never grows one inside another.
+CURVED = (
+    *("sin", "cos", "tan", "asin", "acos", "atan", "exp", "log"),
+    *("sinh", "cosh", "tanh", "softsign"),
+)
+# Those with a factor to tune in their argument; a factor in a logarithm is only an offset.
+SCALED = tuple(name for name in CURVED if name != "log")
 
 
 def _builtin(name: str) -> Operator:

@@ -9,7 +9,21 @@ from functools import reduce
 import numpy as np
 
 from .equations import Equations
-from .terms import Atom, Call, Product, Sum, Variable, add, call, constant, mul, power, variable
+from .terms import (
+    Atom,
+    Call,
+    Product,
+    Sum,
+    Variable,
+    add,
+    call,
+    constant,
+    mul,
+    of_term,
+    only_term,
+    power,
+    variable,
+)
 
 __all__ = ["acting", "substituted"]
 
@@ -64,7 +78,7 @@ def acting(equations: Equations) -> tuple[Equations, list[int]]:
     places = [*(first + k for k in columns), first + len(equations.inputs)]
     # In the same order as before, so that every term keeps its form.
     moved = {place: variable(first + k) for k, place in enumerate(places)}
-    renamed = tuple(substituted(Sum(((1.0, term),)), moved).parts[0][1] for term in terms)
+    renamed = tuple(only_term(substituted(of_term(term), moved)) for term in terms)
     names = tuple(equations.inputs[k] for k in columns)
     coef = equations.coef[:, at_work]
     return replace(equations, terms=renamed, coef=coef, inputs=names), columns

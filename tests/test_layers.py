@@ -28,7 +28,7 @@ LAYERS = (
 FLOORS = ("given", "effects", "fitting", "twins", "evidence", "memories", "free_runs", "growth")
 FLOORS += ("revision", "report", "search", "settling", "close")
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
-MANY = 8  # files in a folder, above which its docstring says what each of them answers
+MANY = 3  # files in a folder, above which its docstring says what each of them answers
 
 
 def module_name(path):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from deap import gp
 
-from ..operators import BUILTIN, Operator
+from ..operators import BUILTIN, CURVED, Operator
 from ..terms import Atom, Call, Product, Sum, Variable, constant, simplified, variable
 from .prefix import Memo, from_prefix, to_prefix
 
@@ -25,11 +25,6 @@ __all__ = ["Genetics", "is_mask"]
 MAX_SPLIT = 6  # a tree that falls into more terms than this is taken for noise
 NODES_PER_LEVEL = 4  # a term of full depth may have four times as many nodes: thin, not bushy
 TOURNAMENT = 3  # as usual in genetic programming: mild pressure
-CURVED = (
-    *("sin", "cos", "tan", "asin", "acos", "atan", "exp", "log"),
-    *("sinh", "cosh", "tanh", "softsign"),
-)
-SCALED = tuple(name for name in CURVED if name != "log")  # a factor in a logarithm is an offset
 LINEAR = ("add", "sub", "mul", "neg", "square", "cube", "abs", "sgn")  # numbers mean little here
 
 

@@ -15,7 +15,7 @@ from ..sparse.gram import Gram, least_squares, residual, rss, total
 from ..sparse.parsimony import MIN_ROWS, N_BLOCKS
 from ..sparse.proposals import supports
 from ..sparse.selection import select
-from ..terms import Product, Sum
+from ..terms import Product, of_term
 from .blur import blurred_power
 from .constants import tune
 from .dictionary import Problem, price
@@ -61,7 +61,7 @@ def refit(
     is_all = perfect and _leaves_nothing(problem, best)
     terms = [*best, *([] if is_all else finalists[n_best:])]
     terms = [term for term, ok in zip(terms, problem.has_values(terms), strict=True) if ok]
-    terms = [term for term in terms if not has_pole(Sum(((1.0, term),)), problem.x, keeps_sign)]
+    terms = [term for term in terms if not has_pole(of_term(term), problem.x, keeps_sign)]
     terms, whole, folds, scale = _grams(problem, terms)
     if not terms:
         return (), ()

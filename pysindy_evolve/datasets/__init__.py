@@ -1,4 +1,13 @@
-"""Measured sets for judging a model on a real thing, and simulated rigs with a known truth."""
+"""Measured sets for judging a model on a real thing, and simulated rigs with a known truth.
+
+========  ==================================================================
+measured  records measured on real hardware, one file for each set
+odebench  63 differential equations of textbooks, with their truth
+drives    a simulated linear axis with dry friction, or with nothing missing
+rigs      the simulated Duffing rigs of the paper
+sources   where the files come from: a folder, or a checked download
+========  ==================================================================
+"""
 
 from .drives import Drive, friction_drive, nothing_missing
 from .measured import (

@@ -14,7 +14,20 @@ import numpy as np
 import sympy
 
 from ..operators import BUILTIN, Operator
-from ..terms import ONE, Atom, Call, Product, Sum, add, as_sum, constant, mul, sub
+from ..terms import (
+    ONE,
+    Atom,
+    Call,
+    Product,
+    Sum,
+    add,
+    as_sum,
+    constant,
+    mul,
+    of_term,
+    only_term,
+    sub,
+)
 
 __all__ = ["as_hinges"]
 
@@ -106,7 +119,7 @@ def _root_of(factor: tuple[Atom, int], size: Sum, above: Sum) -> Call | None:
     if atom.operator != BUILTIN["exp"] or len(atom.args[0].parts) != 1:
         return None
     ((exponent, term),) = atom.args[0].parts
-    if exponent <= 0.0 or term != log.parts[0][1]:
+    if exponent <= 0.0 or term != only_term(log):
         return None
     return Call(atom.operator, (mul(constant(exponent), as_sum(Call(BUILTIN["log"], (above,)))),))
 
@@ -153,7 +166,7 @@ def _limited(side: Sum) -> Sum:
             ends = [sub(x, low), sub(x, high)]
             limit = Call(MIN, (as_sum(Call(MAX, (x, ends[0]))), ends[1]))
             rest, weight = _besides(below), constant(-other)
-            straight = mul(mul(weight, add(*ends)), Sum(((1.0, rest),)))
+            straight = mul(mul(weight, add(*ends)), of_term(rest))
             gone = [Sum(((-one, above),)), Sum(((-other, below),))]
             left = _sum([side, straight, *gone])
             shown = Sum((*left.parts, (2.0 * other, _times(rest, limit))))

@@ -11,7 +11,7 @@ from .. import terms
 from ..equations import Equations
 from ..hidden_states.memory_equations import MemoryEquations
 from ..reading.library_terms import from_model
-from ..terms import ONE, Product, Sum
+from ..terms import ONE, Product, Sum, of_term
 from .fractions import as_fractions
 from .hinges import as_hinges
 
@@ -150,4 +150,4 @@ def _opened(term: Product) -> Sum:
         ((atom, exponent),) = term.factors
         if isinstance(atom, Sum) and exponent == 1:
             return atom
-    return Sum(((1.0, term),))
+    return of_term(term)

@@ -18,11 +18,11 @@ from .free_runs.state_limits import may_stop_itself
 from .given.checked import checked
 from .given.declared import DeclaredModel
 from .given.rules import Rules, generator
-from .growth.grow import OPERATORS
+from .growth.genetic_search import OPERATORS
 from .report.report import LoopReport
-from .search.order import look_for_effects
+from .search.look_for_effects import look_for_effects
 from .search.state import Search
-from .settling.order import settled
+from .settling.settle import settled
 
 __all__ = ["close_loop"]
 

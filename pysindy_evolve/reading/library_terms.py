@@ -22,7 +22,7 @@ from .. import checks, terms
 from ..equations import Equations
 from ..operators import BUILTIN, Operator
 from ..substitution import substituted
-from ..terms import Sum
+from ..terms import Sum, of_term
 from .tracing import trace
 
 __all__ = ["check_ordinary", "columns_of", "from_model"]
@@ -177,7 +177,7 @@ class _Reader:
     def _own(self, library: Any, inputs: Sequence[int]) -> list[Sum]:
         base = getattr(library, "base_library_", None)
         fixed = [] if base is None else self.columns(base, inputs)
-        grown = [t if isinstance(t, Sum) else Sum(((1.0, t),)) for t in library.terms_]
+        grown = [t if isinstance(t, Sum) else of_term(t) for t in library.terms_]
         place = {i: terms.variable(column) for i, column in enumerate(inputs)}
         return fixed + [substituted(column, place) for column in grown]
 

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 from .. import checks
 from .clipping import as_limits, beyond, bridged
 from .filters import METHODS, MOST_ORDERS
-from .holds import HALF, hold
 from .noise import auto_cutoff, sensor_noise
 from .preparation import Preparation
 from .record import Record, constant_column
 from .sampling import uniform
 from .spectral import Array
 from .wrapping import refuse_wrapped
+from .zero_order_hold import HALF, hold
 
 # Samples kept per period of the cutoff: sgn and other kinks of the states stay resolved, and
 # the low-pass (over at 1.5 times the cutoff) lets nothing alias.

@@ -11,7 +11,7 @@ from ..operators import BUILTIN, Operator
 from .arithmetic import add, as_atom, constant, div, mul, neg, power, sub
 from .atoms import Call
 from .products import ONE
-from .sums import Atom, Sum, as_sum
+from .sums import Atom, Sum, as_sum, of_term
 
 __all__ = ["call"]
 
@@ -84,7 +84,7 @@ def _root(argument: Sum) -> Sum:
     (coefficient, term), *others = argument.parts
     if others or coefficient <= 0.0:
         return as_sum(Call(BUILTIN["sqrt"], (argument,)))
-    root = as_sum(Call(BUILTIN["sqrt"], (Sum(((1.0, term),)),)))
+    root = as_sum(Call(BUILTIN["sqrt"], (of_term(term),)))
     return mul(constant(math.sqrt(coefficient)), root)
 
 

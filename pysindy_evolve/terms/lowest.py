@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from .arithmetic import as_atom, constant, mul, power
 from .products import Product
-from .sums import Atom, Sum, as_sum
+from .sums import Atom, Sum, as_sum, only_term
 
 __all__ = ["lowest"]
 
@@ -41,8 +41,7 @@ def lowest(term: Product) -> Product:
             result = mul(result, power(as_sum(other), n * exponent))
             base = mul(base, power(as_sum(other), -n))
         result = mul(result, power(base, exponent))
-    ((_, reduced),) = as_atom(result).parts
-    return reduced
+    return only_term(as_atom(result))
 
 
 def _shared(a: Sum) -> tuple[tuple[Atom, int], ...]:

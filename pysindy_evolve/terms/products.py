@@ -121,6 +121,10 @@ class Product(Node):
         rest = iter(values)
         return Product(tuple((a.with_constants(take(rest, a)), n) for a, n in self.factors))
 
+    def without(self, place: int) -> Product:
+        """Return the same term without the factor at a place."""
+        return Product(self.factors[:place] + self.factors[place + 1 :])
+
     @lazily
     def skeleton(self) -> Product:
         """The term with its inner constants replaced by markers; itself if it has none."""

@@ -13,7 +13,7 @@ from .atoms import Call, Variable
 from .node import Cache, Node, take
 from .products import ONE, Product
 
-__all__ = ["Atom", "Sum", "as_sum", "collect", "join_terms", "signed"]
+__all__ = ["Atom", "Sum", "as_sum", "collect", "join_terms", "of_term", "only_term", "signed"]
 
 Term = TypeVar("Term")  # of this package, or of sympy
 
@@ -126,7 +126,18 @@ Atom = Variable | Call | Sum
 
 def as_sum(atom: Atom) -> Sum:
     """Return a sum of one atom and nothing else."""
-    return Sum(((1.0, Product(((atom, 1),))),))
+    return of_term(Product(((atom, 1),)))
+
+
+def of_term(term: Product) -> Sum:
+    """Return a sum of one term and nothing else."""
+    return Sum(((1.0, term),))
+
+
+def only_term(a: Sum) -> Product:
+    """Return the term of a sum that has no other, without its coefficient."""
+    ((_, term),) = a.parts
+    return term
 
 
 def as_product(a: Sum) -> Product:

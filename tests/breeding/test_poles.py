@@ -6,7 +6,7 @@ import pytest
 from pysindy_evolve.breeding.dictionary import Problem
 from pysindy_evolve.breeding.poles import has_pole, keeps_sign
 from pysindy_evolve.breeding.refit import refit
-from pysindy_evolve.loop.growth.grow import OPERATORS, _without_quotients
+from pysindy_evolve.loop.growth.genetic_search import OPERATORS, _without_quotients
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.terms import add, call, constant, div, mul, power, sub, variable
 

@@ -8,8 +8,8 @@ import pytest
 from loop_systems import Hidden, equations_of, hidden_effects, measured, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.growth.grower import TermGrower
-from pysindy_evolve.loop.search import named as look
+from pysindy_evolve.loop.growth.term_grower import TermGrower
+from pysindy_evolve.loop.search import look_at_names as look
 
 FRICTION = oscillator("Coulomb friction", "- 2*sgn(v)")
 NOTHING = oscillator("nothing", "")

@@ -5,7 +5,7 @@ import pytest
 
 import pysindy_evolve as pse
 from pysindy_evolve.signals.acting import InputFunction
-from pysindy_evolve.signals.holds import acting_through
+from pysindy_evolve.signals.zero_order_hold import acting_through
 
 T = np.arange(0.0, 60.0, 0.1)
 STEPS = np.random.default_rng(0).choice([0.5, 0.7, 0.9, 1.1], 40).repeat(15)

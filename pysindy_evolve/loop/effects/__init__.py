@@ -4,6 +4,7 @@
 
 =================  ======================================================================
 basis
+names              the names of all effects, in the order of preference
 vocabulary         all effects with a name, and the terms of each
 missing            which effects a design may lack, and which it has already
 candidate          one effect that may be missing, as columns for an equation

@@ -9,9 +9,23 @@ import numpy as np
 
 from ...operators import BUILTIN
 from ...substitution import substituted
-from ...terms import ONE, Call, Product, Sum, call, constant, mul, power, sub, variable
+from ...terms import (
+    ONE,
+    Call,
+    Product,
+    Sum,
+    call,
+    constant,
+    mul,
+    of_term,
+    only_term,
+    power,
+    sub,
+    variable,
+)
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
+from .names import COUPLING
 
 __all__ = [
     "UNITS",
@@ -82,8 +96,7 @@ def without_turns(term: Product) -> Product:
                 plain[atom] = call(atom.operator, argument)
     if not plain:
         return term
-    ((_, turned),) = substituted(Sum(((1.0, term),)), plain).parts
-    return turned
+    return only_term(substituted(of_term(term), plain))
 
 
 def is_wave_of(term: Product, variable: int) -> bool:
@@ -117,9 +130,9 @@ def _in_waves(expression: Sum) -> frozenset[int]:
 def between_angles(effect: CandidateMaker, own: Sum, other: Sum) -> Iterator[Candidate]:
     """Go through what one angle does to another one, in the equation of that, or of its speed."""
     apart = sub(other, own)
-    yield effect("coupling", call(BUILTIN["sin"], apart))
-    yield effect("coupling", call(BUILTIN["cos"], apart), parents=(OFFSET,), whole=True)
-    yield effect("coupling", call(BUILTIN["sin"], mul(constant(2.0), apart)))
+    yield effect(COUPLING, call(BUILTIN["sin"], apart))
+    yield effect(COUPLING, call(BUILTIN["cos"], apart), parents=(OFFSET,), contains_parents=True)
+    yield effect(COUPLING, call(BUILTIN["sin"], mul(constant(2.0), apart)))
 
 
 def centripetal(
@@ -131,9 +144,9 @@ def centripetal(
         if rate is not None and rate != effect.state:
             own, other = variable(effect.state), variable(rate)
             square = power(other, 2)
-            yield effect("coupling", mul(square, call(BUILTIN["sin"], variable(angle))))
-            yield effect("coupling", mul(square, call(BUILTIN["cos"], variable(angle))))
-            yield effect("coupling", mul(mul(own, other), outward(angle, turning)))
+            yield effect(COUPLING, mul(square, call(BUILTIN["sin"], variable(angle))))
+            yield effect(COUPLING, mul(square, call(BUILTIN["cos"], variable(angle))))
+            yield effect(COUPLING, mul(mul(own, other), outward(angle, turning)))
 
 
 def centrifugal(
@@ -143,7 +156,7 @@ def centrifugal(
     for rate in design.velocities:
         if rate != effect.state:
             square = power(variable(rate), 2)
-            yield effect("coupling", mul(square, outward(position, turning)))
+            yield effect(COUPLING, mul(square, outward(position, turning)))
 
 
 def outward(position: int, turning: frozenset[int]) -> Sum:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
-from ...terms import ONE, Call, Product, Sum
+from ...terms import ONE, Call, Product, Sum, of_term
+from .names import EVOLVED
 
-__all__ = ["EVOLVED", "OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
+__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
 
-OFFSET = Sum(((1.0, ONE),))  # the parent of whatever has a mean
-EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
+OFFSET = of_term(ONE)  # the parent of whatever has a mean
 NUMBER = 3  # nodes that a number inside a grown term counts as
 REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
 
@@ -73,23 +73,23 @@ class Candidate:
         Expressions that must already stand in the equation.
     shape : Shape, optional
         Numbers in the terms that lie on a grid, and are tuned once the effect is found.
-    whole : bool
-        Whether its parents are in it, as a weight has a mean: where it says all that they say, they
-        may go.
-    refines : tuple of str
-        Effects than which it must do better by more than chance, see refinement.py.
-    alone : bool
-        Whether it is scored in no pair: it bends so far that any other effect beside it would seem
-        to be worth something, or there are too many of its kind.
+    contains_parents : bool
+        Whether its terms already contain its parents, as a cosine contains a constant. If it then
+        explains all that they do, they are dropped.
+    must_beat : tuple of str
+        Names of plainer effects that it must beat by more than chance, see refinement.py.
+    never_paired : bool
+        Whether it is never scored in a pair: it is so flexible that any partner would seem useful,
+        or there are too many of its kind.
     passive : bool
         Whether it can only take energy, so that the coefficient of its one term is negative.
     partners : tuple of Candidate
         Effects of other equations that are tuned with it, and that it stands for. They have
         coefficients of their own, see partners.py.
-    force : tuple, optional
+    acts_at : tuple, optional
         Of an effect that enters as a declared force or rate does: the place, and what acts there.
         The same one at the same place stands in several equations, see entries.py.
-    spared : int
+    free_nodes : int
         Nodes that cost nothing: a declared term that a grown one holds whole is known, and reads as
         one node.
     """
@@ -99,13 +99,13 @@ class Candidate:
     terms: tuple[Sum, ...]
     parents: tuple[Sum, ...] = ()
     shape: Shape | None = field(default=None, compare=False)
-    whole: bool = field(default=False, compare=False)
-    refines: tuple[str, ...] = field(default=(), compare=False)
-    alone: bool = field(default=False, compare=False)
+    contains_parents: bool = field(default=False, compare=False)
+    must_beat: tuple[str, ...] = field(default=(), compare=False)
+    never_paired: bool = field(default=False, compare=False)
     passive: bool = field(default=False, compare=False)
     partners: tuple[Candidate, ...] = ()
-    force: tuple[int, tuple[Sum, ...]] | None = field(default=None, compare=False)
-    spared: int = field(default=0, compare=False)
+    acts_at: tuple[int, tuple[Sum, ...]] | None = field(default=None, compare=False)
+    free_nodes: int = field(default=0, compare=False)
 
     @property
     def is_exchange(self) -> bool:
@@ -135,7 +135,7 @@ class Candidate:
         close to those that need none.
         """
         tuned = self.numbers if self.name == EVOLVED else ()
-        return sum(term.size for term in self.terms) - self.spared + (NUMBER - 1) * len(tuned)
+        return sum(term.size for term in self.terms) - self.free_nodes + (NUMBER - 1) * len(tuned)
 
     @property
     def plainness(self) -> tuple[int, bool]:
@@ -201,11 +201,21 @@ class CandidateMaker:
         *terms: Sum,
         parents: tuple[Sum, ...] = (),
         shape: Shape | None = None,
-        whole: bool = False,
-        refines: tuple[str, ...] = (),
-        alone: bool = False,
+        contains_parents: bool = False,
+        must_beat: tuple[str, ...] = (),
+        never_paired: bool = False,
         passive: bool = False,
     ) -> Candidate:
         """Return a candidate; the columns of one with a shape are built from it."""
         columns = terms if shape is None else shape.terms
-        return Candidate(name, self.state, columns, parents, shape, whole, refines, alone, passive)
+        return Candidate(
+            name,
+            self.state,
+            columns,
+            parents,
+            shape,
+            contains_parents,
+            must_beat,
+            never_paired,
+            passive,
+        )

@@ -18,10 +18,11 @@ from functools import partial
 import numpy as np
 
 from ...operators import BUILTIN
-from ...terms import Sum, call, mul, power, sub, variable
+from ...terms import Sum, call, mul, only_term, power, sub, variable
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape, bare
 from .hysteresis import rounded_sign
+from .names import COUPLING
 from .varying import parts_of
 
 __all__ = ["acting_differences", "differences", "gripping", "leveling", "losses", "radiated"]
@@ -43,7 +44,7 @@ def differences(
             yield from _carried(effect, design, own, other)
             if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
                 slip = sub(variable(other), variable(own))
-                yield from gripping(effect, "coupling", slip, float(apart[own, other]))
+                yield from gripping(effect, COUPLING, slip, float(apart[own, other]))
 
 
 def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:
@@ -68,7 +69,7 @@ def radiated(
     above = [v for v in range(design.time) if 2.0 * middle[v] > scales[v]]
     for other in above if own in above else []:
         if other != own and any(_holds_difference(side, own, other) for side in sides):
-            yield effect("coupling", sub(power(variable(other), 4), power(variable(own), 4)))
+            yield effect(COUPLING, sub(power(variable(other), 4), power(variable(own), 4)))
 
 
 def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
@@ -82,8 +83,8 @@ def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iter
         is_difference = len(weights) == 2 and weights[0][0] == -weights[1][0]
         if 1 < len(weights) == len(slip.parts) and not is_difference:
             reach = sum(abs(c) * float(scales[v]) for c, v in weights)
-            grips = gripping(effect, "coupling", slip, reach)
-            yield from (replace(one, force=(min(slip.variables), one.terms)) for one in grips)
+            grips = gripping(effect, COUPLING, slip, reach)
+            yield from (replace(one, acts_at=(min(slip.variables), one.terms)) for one in grips)
 
 
 def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:
@@ -103,9 +104,9 @@ def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
     """
     head = sub(variable(other), variable(own))
     size = call(BUILTIN["abs"], head)
-    yield effect("coupling", mul(call(BUILTIN["sgn"], head), call(BUILTIN["sqrt"], size)))
-    yield effect("coupling", mul(head, call(BUILTIN["sqrt"], size)))
-    yield effect("coupling", mul(head, size))
+    yield effect(COUPLING, mul(call(BUILTIN["sgn"], head), call(BUILTIN["sqrt"], size)))
+    yield effect(COUPLING, mul(head, call(BUILTIN["sqrt"], size)))
+    yield effect(COUPLING, mul(head, size))
 
 
 def _carried(effect: CandidateMaker, design: Design, own: int, other: int) -> Iterator[Candidate]:
@@ -113,7 +114,7 @@ def _carried(effect: CandidateMaker, design: Design, own: int, other: int) -> It
     head = sub(variable(other), variable(own))
     for flow in range(len(design.states), design.time):
         if flow != other:
-            yield effect("coupling", mul(variable(flow), head), alone=True)
+            yield effect(COUPLING, mul(variable(flow), head), never_paired=True)
 
 
 def _difference(
@@ -122,7 +123,7 @@ def _difference(
     """Yield the coupling by a difference, unless one of its parts has its own coefficient."""
     fitted = {bare(c.parts[effect.state]) for c in design.columns if c.parts[effect.state].parts}
     if not fitted & {variable(own), variable(other)}:
-        yield effect("coupling", sub(variable(other), variable(own)))
+        yield effect(COUPLING, sub(variable(other), variable(own)))
 
 
 def acting_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
@@ -157,5 +158,5 @@ def acting_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
 def _holds_difference(side: Sum, own: int, other: int) -> bool:
     """Tell whether two variables enter a side with opposite coefficients."""
     weights = {term: c for c, term in side.parts}
-    (_, one), (_, two) = variable(own).parts[0], variable(other).parts[0]
+    one, two = only_term(variable(own)), only_term(variable(other))
     return weights.get(one, 0.0) != 0.0 and weights.get(one) == -weights.get(two, 0.0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...terms import Product, Sum, Variable, div, mul, variable
+from ...terms import Product, Sum, Variable, div, mul, of_term, variable
 from ..given.design import Design
 from .candidate import bare
 
@@ -96,7 +96,7 @@ def entered(design: Design, state: int, expression: Sum) -> tuple[Entry, Sum] | 
 def _over(term: Product, other: Product) -> Sum:
     """Divide a term by another; sums stay closed, so that they cancel."""
     inverse = Product(tuple((atom, -n) for atom, n in other.factors))
-    return mul(Sum(((1.0, term),)), Sum(((1.0, inverse),)))
+    return mul(of_term(term), of_term(inverse))
 
 
 def _beside(side: Sum, index: int) -> Sum:

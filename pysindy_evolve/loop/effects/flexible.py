@@ -15,6 +15,7 @@ from ...hidden_states.path_states import kind_of
 from ...signals import Record
 from ...terms import Call, Sum, variable
 from .candidate import Candidate, CandidateMaker, Shape
+from .names import HIDDEN_STATE
 from .relaxation import PLAINER
 
 __all__ = ["flexible_ways", "within_band"]
@@ -76,7 +77,7 @@ def flexible_ways(state: int, position: int, record: Record) -> list[Candidate]:
     build, found = Flexible(*places, fastest), []
     while frequency < fastest:
         shape = Shape((frequency, DAMPING), (build,), meanings=NUMBERS, branch=1)
-        own = effect("hidden state", shape=shape, refines=PLAINER, alone=True, passive=True)
+        own = effect(HIDDEN_STATE, shape=shape, must_beat=PLAINER, never_paired=True, passive=True)
         found.append(own)
         frequency *= RATIO
     return found

@@ -19,24 +19,38 @@ from ...hidden_states.wen_spring import springing
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
 from .candidate import Candidate, CandidateMaker, Shape
+from .names import (
+    COULOMB_FRICTION,
+    CUBIC_STIFFNESS,
+    DEAD_ZONE,
+    GRAVITY,
+    HARMONIC,
+    HYSTERESIS,
+    NONLINEAR_DAMPING,
+    POSITION_FRICTION,
+    QUADRATIC_DRAG,
+    QUADRATIC_STIFFNESS,
+    QUINTIC_STIFFNESS,
+    STRIBECK_FRICTION,
+)
 
 __all__ = ["SIMPLER", "remembered_ways", "remembering", "rounded", "rounded_sign", "yields"]
 
-PLAINER = ("Coulomb friction",)  # which hysteresis may be taken for, where the velocity is noisy
+PLAINER = (COULOMB_FRICTION,)  # which hysteresis may be taken for, where the velocity is noisy
 # In an equation of motion position and velocity are noisy states, and any friction or spring may
 # look like a friction that remembers.
 SIMPLER = (
     *PLAINER,
-    "Stribeck friction",
-    "position-dependent friction",
-    "quadratic drag",
-    "nonlinear damping",
-    "quadratic stiffness",
-    "cubic stiffness",
-    "quintic stiffness",
-    "dead zone",
-    "gravity",
-    "second harmonic",
+    STRIBECK_FRICTION,
+    POSITION_FRICTION,
+    QUADRATIC_DRAG,
+    NONLINEAR_DAMPING,
+    QUADRATIC_STIFFNESS,
+    CUBIC_STIFFNESS,
+    QUINTIC_STIFFNESS,
+    DEAD_ZONE,
+    GRAVITY,
+    HARMONIC,
 )
 SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
 WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
@@ -65,7 +79,7 @@ def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Cand
     for width in WIDTHS:
         build = partial(rounded_sign, variable(v))
         smooth = Shape((width * float(scales[v]),), (build,), meanings=("width of the transition",))
-        yield effect("Coulomb friction", shape=smooth)
+        yield effect(COULOMB_FRICTION, shape=smooth)
 
 
 @dataclass(frozen=True)
@@ -109,7 +123,7 @@ def yields(
             for slant in SLANTS:
                 numbers = {"slant": slant * speed / stroke, **width, **places}
                 shape = Shape(tuple(numbers.values()), (build,), meanings=tuple(numbers))
-                yield effect("hysteresis", shape=shape, refines=PLAINER)
+                yield effect(HYSTERESIS, shape=shape, must_beat=PLAINER)
 
 
 def remembering(
@@ -118,7 +132,7 @@ def remembering(
     v: int,
     stroke: float,
     unloadings: Sequence[float] = UNLOADINGS,
-    refines: tuple[str, ...] = PLAINER,
+    must_beat: tuple[str, ...] = PLAINER,
     spring_lengths: Sequence[float] = SPRING_LENGTHS,
 ) -> Iterator[Candidate]:
     """Go through frictions and springs of Bouc and Wen, which remember the path of a position.
@@ -129,11 +143,11 @@ def remembering(
     for length in LENGTHS:
         for unloading in unloadings:
             shape = Shape((length * stroke, unloading), (friction,), meanings=PATH_NUMBERS)
-            yield effect("hysteresis", shape=shape, refines=refines)
+            yield effect(HYSTERESIS, shape=shape, must_beat=must_beat)
     spring = partial(springing, variable(x), variable(v))
     for length in spring_lengths:
         shape = Shape((length * stroke, EVEN), (spring,), meanings=SPRING_NUMBERS)
-        yield effect("hysteresis", shape=shape, refines=refines)
+        yield effect(HYSTERESIS, shape=shape, must_beat=must_beat)
 
 
 def remembered_ways(

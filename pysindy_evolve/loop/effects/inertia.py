@@ -12,11 +12,11 @@ from ..given.inertia import InertiaWave
 from ..given.ranges import Ranges
 from .angles import swing_of
 from .candidate import Candidate, Shape
+from .names import INERTIA
 from .periodic import WAVE_NUMBER
 
-__all__ = ["INERTIA", "InertiaCandidate", "inertia_candidate", "inertias"]
+__all__ = ["InertiaCandidate", "inertia_candidate", "inertias"]
 
-INERTIA = "position-dependent inertia"
 FUNCTIONS = ("cos", "sin")
 NEAR = 0.2  # of the logarithm of a wave number
 
@@ -80,7 +80,9 @@ def inertia_candidate(
     """
     builds = tuple(partial(_lacking, one, position, state, rate) for one in FUNCTIONS)
     shape = Shape((number,), builds, reach, (WAVE_NUMBER,), branch)
-    return InertiaCandidate(INERTIA, state, shape.terms, shape=shape, alone=True, position=position)
+    return InertiaCandidate(
+        INERTIA, state, shape.terms, shape=shape, never_paired=True, position=position
+    )
 
 
 def _lacking(function: str, position: int, velocity: int, rate: Sum, number: float) -> Sum:

@@ -7,12 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...terms import Sum, variable
+from ...terms import Sum, of_term, variable
 from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, bare
-from .varying import SATURATING, VALVE
-from .vocabulary import HARMONIC, of_equation
+from .names import (
+    ASYMMETRIC_FRICTION,
+    COULOMB_FRICTION,
+    DEAD_ZONE,
+    DRIFT,
+    HARMONIC,
+    SATURATING,
+    SATURATION,
+    VALVE,
+)
+from .vocabulary import of_equation
 
 __all__ = [
     "beside",
@@ -70,11 +79,11 @@ def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:
     A dead zone about zero is nothing to what never is there. A friction of a body that moves one
     way only has a name all the same.
     """
-    if candidate.name == "dead zone":
-        return not candidate.whole  # what begins at one end lies in the range
-    if candidate.name in ("Coulomb friction", "asymmetric Coulomb friction"):
+    if candidate.name == DEAD_ZONE:
+        return not candidate.contains_parents  # what begins at one end lies in the range
+    if candidate.name in (COULOMB_FRICTION, ASYMMETRIC_FRICTION):
         return design.position_of(candidate.state) is None
-    if candidate.name != "saturation" or candidate.shape is None or candidate.whole:
+    if candidate.name != SATURATION or candidate.shape is None or candidate.contains_parents:
         return False
     (own,) = candidate.variables
     least = 2.0 * abs(ranges.middle[own]) - ranges.largest[own]  # magnitude
@@ -88,7 +97,7 @@ def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
     somewhere else.
     """
     positioned = design.position_of(candidate.state) is not None
-    if positioned or not candidate.variables & free or candidate.name == "drift":
+    if positioned or not candidate.variables & free or candidate.name == DRIFT:
         return candidate
     kept = tuple(parent for parent in candidate.parents if parent != OFFSET)
     return replace(candidate, parents=kept)
@@ -117,7 +126,7 @@ def standing(design: Design) -> set[tuple[int, Sum]]:
     """
     found = set()
     for state in range(len(design.states)):
-        found |= {(state, Sum(((1.0, term),))) for _, term in design.fixed[state].parts}
+        found |= {(state, of_term(term)) for _, term in design.fixed[state].parts}
         found |= {(state, bare(part)) for part in design.sides_of(state) if part.parts}
     return found
 

@@ -12,12 +12,11 @@ from ...operators import BUILTIN
 from ...terms import Sum, call, constant, mul, variable
 from .candidate import Candidate, CandidateMaker, Shape
 from .lines import find_lines
+from .names import FORCING, RIPPLE
 
 __all__ = [
-    "FORCING",
     "N_LINES",
     "PERIODS_IN_SPACE",
-    "RIPPLE",
     "SAMPLES_PER_BIN",
     "WAVE_NUMBER",
     "frequency_of",
@@ -30,8 +29,6 @@ __all__ = [
     "waves_times",
 ]
 
-FORCING = "periodic forcing"
-RIPPLE = "position-periodic ripple"
 FREQUENCY = "angular frequency"
 WAVE_NUMBER = "wave number"
 N_LINES = 2  # that are looked at in an equation

@@ -10,7 +10,8 @@ from ...terms import Call, Sum
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape
 from .modulation import pumping
-from .periodic import FORCING, PERIODS_IN_TIME, lines_of, of_line, waves_of, waves_times
+from .names import FORCING
+from .periodic import PERIODS_IN_TIME, lines_of, of_line, waves_of, waves_times
 from .varying import parts_of
 
 __all__ = ["other_pumps", "partner_pumps", "pumped_candidates"]
@@ -133,4 +134,4 @@ def _pumped(state: int, design: Design, wave: Shape) -> list[Candidate]:
 def _pump(state: int, time: int, part: Sum, wave: Shape) -> Candidate:
     """Return a term times a wave, at the frequency of the wave."""
     shape = replace(wave, builds=waves_times(part, time))
-    return CandidateMaker(state)(FORCING, shape=shape, parents=(part,), alone=True)
+    return CandidateMaker(state)(FORCING, shape=shape, parents=(part,), never_paired=True)

@@ -12,6 +12,7 @@ from ...operators import BUILTIN
 from ...terms import Sum, add, call, mul, power, variable
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker
+from .names import CUBIC_STIFFNESS, QUADRATIC_DRAG
 
 __all__ = ["radial"]
 
@@ -29,8 +30,8 @@ def radial(effect: CandidateMaker, design: Design, turning: frozenset[int]) -> I
     for moving in [*pairs, flat] if len(others) > 1 else pairs:
         places = [p for p in map(design.position_of, moving) if p is not None]
         speed = call(BUILTIN["sqrt"], _squares(moving))
-        yield effect("quadratic drag", mul(variable(effect.state), speed))
-        yield effect("cubic stiffness", mul(variable(places[0]), _squares(places)))
+        yield effect(QUADRATIC_DRAG, mul(variable(effect.state), speed))
+        yield effect(CUBIC_STIFFNESS, mul(variable(places[0]), _squares(places)))
 
 
 def _squares(indices: Sequence[int]) -> Sum:

@@ -16,6 +16,7 @@ from ...signals import Record
 from ...terms import Call, Sum, variable
 from .candidate import Candidate, CandidateMaker, Shape
 from .hysteresis import SIMPLER
+from .names import HIDDEN_STATE, VISCOUS_DAMPING
 
 __all__ = ["longest_relaxation", "relaxed_ways", "within_reach"]
 
@@ -26,7 +27,7 @@ SAMPLES = 2.0  # the same, in samples
 LONGEST = 0.125  # of the record
 CLEAR = 1.25  # times the shortest one, that a relaxation time must be
 RATIO = 2.5  # between places of the grid, from each of which it is tuned
-PLAINER = (*SIMPLER, "viscous damping", DELAY, LAG)
+PLAINER = (*SIMPLER, VISCOUS_DAMPING, DELAY, LAG)
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,9 @@ def relaxed_ways(
     build, found = Relaxed(variable(source), variable(time), value), []
     while value < longest:
         shape = Shape((value,), (build,), meanings=("relaxation time",))
-        own = effect("hidden state", shape=shape, refines=PLAINER, alone=True, passive=passive)
+        own = effect(
+            HIDDEN_STATE, shape=shape, must_beat=PLAINER, never_paired=True, passive=passive
+        )
         found.append(own)
         value *= RATIO
     return found

@@ -11,11 +11,10 @@ import numpy as np
 from ...terms import Sum
 from .candidate import Candidate, CandidateMaker, Shape
 from .modulation import rippling
-from .periodic import PERIODS_IN_SPACE, RIPPLE, SAMPLES_PER_BIN, WAVE_NUMBER, waves_times
+from .names import POSITION_FRICTION, RIPPLE
+from .periodic import PERIODS_IN_SPACE, SAMPLES_PER_BIN, WAVE_NUMBER, waves_times
 
 __all__ = ["rippled_candidates"]
-
-RUBBING = "position-dependent friction"
 
 
 def rippled_candidates(
@@ -55,7 +54,7 @@ def rippled_candidates(
     if part.variables <= {position} or n_bins < 2 * PERIODS_IN_SPACE or np.ptp(q) == 0.0:
         return []
     finest = 1.0 / (2 * np.pi * noise) if noise > 0.0 else np.inf
-    name = RUBBING if part.variables == {state} else RIPPLE
+    name = POSITION_FRICTION if part.variables == {state} else RIPPLE
     return [
         CandidateMaker(state)(
             name,
@@ -67,7 +66,7 @@ def rippled_candidates(
                 branch,
             ),
             parents=(part,),
-            alone=True,
+            never_paired=True,
         )
         for found in rippling(residual, values, q, n_bins, PERIODS_IN_SPACE, finest)
     ]

@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from ...breeding.genetics import SCALED
-from ...terms import Atom, Call, Product, Sum, constant, mul, simplified
+from ...operators import SCALED
+from ...terms import Atom, Call, Product, Sum, constant, mul, of_term, simplified
 from .angles import UNITS
 from .candidate import OFFSET, Candidate, Shape
 
@@ -139,4 +139,4 @@ def _offset(*_: float) -> Sum:
 
 def _built(term: Product, signs: np.ndarray, *values: float) -> Sum:
     constants = [float(s * v) for s, v in zip(signs, values, strict=True)]
-    return Sum(((1.0, term.with_constants(constants)),))
+    return of_term(term.with_constants(constants))

@@ -15,6 +15,7 @@ from ...reading.extremes import EXTREMES
 from ...terms import Call, Product, Sum, add, call, constant, mul, power, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
+from .names import DEAD_ZONE, NONLINEAR_DAMPING, SATURATION
 from .varying import parts_of
 
 __all__ = [
@@ -62,7 +63,7 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
     for place in (middle + share * half for share in PLACES):
         if abs(place) >= least:
             yield from (_at(effect, q, place, side) for side in (1.0, -1.0))
-    yield from _between_ends(effect, "dead zone", q, largest, middle)
+    yield from _between_ends(effect, DEAD_ZONE, q, largest, middle)
 
 
 def end_stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iterator[Candidate]:
@@ -77,7 +78,7 @@ def asymmetric_limits(
     effect: CandidateMaker, u: Sum, largest: float, middle: float
 ) -> Iterator[Candidate]:
     """Go through limits, or dead zones, of an input with two ends and another slope beyond each."""
-    yield from _between_ends(effect, "saturation", u, largest, middle)
+    yield from _between_ends(effect, SATURATION, u, largest, middle)
 
 
 def ends_of(shape: Shape) -> tuple[float, float]:
@@ -103,13 +104,15 @@ def damped_contacts(effect: CandidateMaker, design: Design, q: Sum, v: Sum) -> I
     for part in parts_of(design, effect.state):
         if _begins_at_a_place(part, q):
             depth = mul(constant(0.5), part)  # of |q - c| + q - c
-            yield effect("nonlinear damping", mul(v, depth))
-            yield effect("nonlinear damping", mul(v, _closed(depth)))
+            yield effect(NONLINEAR_DAMPING, mul(v, depth))
+            yield effect(NONLINEAR_DAMPING, mul(v, _closed(depth)))
 
 
 def is_stop(candidate: Candidate) -> bool:
     """Tell whether an effect is a dead zone with one end."""
-    is_whole = candidate.name == "dead zone" and candidate.whole and candidate.shape is not None
+    is_whole = (
+        candidate.name == DEAD_ZONE and candidate.contains_parents and candidate.shape is not None
+    )
     return is_whole and len(candidate.terms) == 1
 
 
@@ -125,12 +128,12 @@ def pressed(stop: Candidate) -> Candidate:
 
 def has_two_ends(candidate: Candidate) -> bool:
     """Tell whether an effect begins at two places, with a slope beyond each."""
-    return candidate.whole and candidate.shape is not None and len(candidate.terms) == 2
+    return candidate.contains_parents and candidate.shape is not None and len(candidate.terms) == 2
 
 
 def one_end_each(candidate: Candidate) -> list[Candidate]:
     """Return the stop at either end of a dead zone with two: a motion may meet one of them only."""
-    if candidate.shape is None or candidate.name != "dead zone" or not has_two_ends(candidate):
+    if candidate.shape is None or candidate.name != DEAD_ZONE or not has_two_ends(candidate):
         return []
     effect, q = CandidateMaker(candidate.state), _travel_in(candidate.terms[0])
     return [_at(effect, q, *end) for end in zip(ends_of(candidate.shape), (-1.0, 1.0), strict=True)]
@@ -166,7 +169,9 @@ def _between_ends(
     half = largest - abs(middle)
     for low, high in ((middle - share * half, middle + share * half) for share in WIDTHS):
         if min(abs(low), abs(high)) >= LEAST * largest:
-            yield effect(name, shape=_two_ends(q, low, high), parents=(OFFSET,), whole=True)
+            yield effect(
+                name, shape=_two_ends(q, low, high), parents=(OFFSET,), contains_parents=True
+            )
 
 
 def _two_ends(q: Sum, low: float, high: float) -> Shape:
@@ -198,7 +203,7 @@ def _at(effect: CandidateMaker, q: Sum, place: float, side: float) -> Candidate:
     toward = _toward(place)
     build = partial(_beyond, q, side, toward)
     shape = Shape((abs(place),), (build,), meanings=(_said("end", toward),), branch=toward)
-    return effect("dead zone", shape=shape, parents=(OFFSET,), whole=True)
+    return effect(DEAD_ZONE, shape=shape, parents=(OFFSET,), contains_parents=True)
 
 
 def _kink_of(terms: Sequence[Sum]) -> tuple[Sum, float] | None:

@@ -33,12 +33,10 @@ from ...terms import (
 from ..given.design import Design
 from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
-from .periodic import FORCING
+from .names import COUPLING, DRIFT, FORCING, INPUT_GAIN, NONLINEAR_DAMPING, SATURATING, VALVE
 
-__all__ = ["SATURATING", "VALVE", "drifts", "parts_of", "saturating", "throttled", "varying"]
+__all__ = ["drifts", "parts_of", "saturating", "throttled", "varying"]
 
-SATURATING = "saturating rate"
-VALVE = "valve flow"
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, in those of the record
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, in the largest of the record
 
@@ -55,7 +53,7 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
             in_time = design.time in both
             name = _in_time(part) if in_time else _name_of(both, design, effect.state)
             if other != part and name:
-                yield effect(name, mul(other, part), parents=(OFFSET, part), alone=True)
+                yield effect(name, mul(other, part), parents=(OFFSET, part), never_paired=True)
 
 
 def saturating(
@@ -89,8 +87,8 @@ def _sated(
     """Go through a rate with several numbers at which it is half of its largest."""
     for share in HALVES:
         half = Shape((share * size,), (build,), meanings=("half-saturation",))
-        there = effect(SATURATING, shape=half, alone=True)
-        yield replace(there, force=(level, there.terms))
+        there = effect(SATURATING, shape=half, never_paired=True)
+        yield replace(there, acts_at=(level, there.terms))
 
 
 def throttled(
@@ -114,7 +112,7 @@ def throttled(
                 (partial(build, opening, variable(state)),),
                 meanings=("supply pressure",),
             )
-            yield effect(VALVE, shape=supply, alone=True)
+            yield effect(VALVE, shape=supply, never_paired=True)
 
 
 def _of_load(opening: Sum, pressure: Sum, supply: float) -> Sum:
@@ -175,16 +173,16 @@ def _crowded(part: Sum, level: int, half: float) -> Sum:
 def _in_time(part: Sum) -> str:
     """Return what a term that changes with the time is called, with another variable as well."""
     waves = any(isinstance(atom, Call) for _, term in part.parts for atom, _ in term.factors)
-    return FORCING if waves else "drift"
+    return FORCING if waves else DRIFT
 
 
 def _name_of(acting: frozenset[int], design: Design, state: int) -> str:
     """Return what a product of these variables is called; nothing if powers of a spring say it."""
     if any(one >= len(design.states) for one in acting):
-        return "input gain"
+        return INPUT_GAIN
     if acting == {design.position_of(state)}:
         return ""
-    return "nonlinear damping" if acting == {state} else "coupling"
+    return NONLINEAR_DAMPING if acting == {state} else COUPLING
 
 
 def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:
@@ -192,14 +190,14 @@ def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate
 
     What changes already may do so faster and faster, as the pull on a rocket that burns its fuel.
     """
-    yield effect("drift", t, parents=(OFFSET,))
+    yield effect(DRIFT, t, parents=(OFFSET,))
     parts = parts_of(design, effect.state)
     still = [part for part in parts if not part.variables & t.variables]
     for part in still:
-        yield effect("drift", mul(t, part), parents=(part,))
+        yield effect(DRIFT, mul(t, part), parents=(part,))
     for changing in (t, *(mul(t, part) for part in still)):
         if changing in parts:
-            yield effect("drift", mul(t, changing), parents=(changing,))
+            yield effect(DRIFT, mul(t, changing), parents=(changing,))
 
 
 def parts_of(design: Design, state: int) -> list[Sum]:

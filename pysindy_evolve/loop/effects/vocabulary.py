@@ -38,46 +38,32 @@ from .differences import (
 )
 from .entries import entries_of
 from .hysteresis import remembering, rounded, yields
+from .names import (
+    ASYMMETRIC_FRICTION,
+    CONSTANT_OFFSET,
+    COULOMB_FRICTION,
+    COUPLING,
+    CUBIC_STIFFNESS,
+    DEAD_ZONE,
+    GRAVITY,
+    HARMONIC,
+    INPUT_GAIN,
+    INPUT_NONLINEARITY,
+    LINEAR_STIFFNESS,
+    NONLINEAR_DAMPING,
+    POSITION_FRICTION,
+    QUADRATIC_DRAG,
+    QUADRATIC_STIFFNESS,
+    QUINTIC_STIFFNESS,
+    SATURATION,
+    STRIBECK_FRICTION,
+    VISCOUS_DAMPING,
+)
 from .radial import radial
 from .stops import asymmetric_limits, damped_contacts, stops
-from .varying import SATURATING, VALVE, drifts, saturating, throttled, varying
+from .varying import drifts, saturating, throttled, varying
 
-__all__ = ["HARMONIC", "VOCABULARY", "of_equation"]
-
-HARMONIC = "second harmonic"
-
-VOCABULARY = (
-    "Coulomb friction",
-    "asymmetric Coulomb friction",
-    "Stribeck friction",
-    "position-dependent friction",
-    "viscous damping",
-    "quadratic drag",
-    "nonlinear damping",
-    "linear stiffness",
-    "quadratic stiffness",
-    "cubic stiffness",
-    "quintic stiffness",
-    "dead zone",
-    "saturation",
-    "gravity",
-    HARMONIC,
-    "constant offset",
-    "coupling",
-    "input nonlinearity",
-    "input gain",
-    SATURATING,
-    VALVE,
-    "drift",
-    "periodic forcing",
-    "position-periodic ripple",
-    "position-dependent inertia",
-    "input delay",
-    "actuator lag",
-    "hysteresis",
-    "hidden state",
-    "evolved term",
-)
+__all__ = ["of_equation"]
 
 # Stribeck speeds and widths of dead zones and saturations, as shares of the size of the signal.
 STRIBECK_SPEEDS = (0.03, 0.1, 0.3)
@@ -139,7 +125,7 @@ def _of_rate(
     """Go through the effects of the rate of a state."""
     state, n_states = effect.state, len(design.states)
     v, position, turning = variable(state), design.position_of(state), angles_of(design)
-    yield effect("constant offset", OFFSET)
+    yield effect(CONSTANT_OFFSET, OFFSET)
     yield from _frictions(effect, v, float(scales[state]))
     if position is not None:
         q = variable(position)
@@ -168,7 +154,7 @@ def _of_rate(
         if position is None:
             yield from losses(effect, design, column)
         elif not any(column in side.variables for side in design.sides_of(state)):
-            yield effect("input gain", mul(power(u, 2), outward(position, turning)))
+            yield effect(INPUT_GAIN, mul(power(u, 2), outward(position, turning)))
     yield from _relative(effect, design, state, apart)
     yield from leveling(effect, design, scales)
     yield from radial(effect, design, turning)
@@ -183,7 +169,7 @@ def _of_target(
     effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
     """Go through the effects of a target that is a function of inputs."""
-    yield effect("constant offset", OFFSET)
+    yield effect(CONSTANT_OFFSET, OFFSET)
     first = len(design.states)
     velocities = {v for _, v in design.motions}
     moving: set[int] = set()
@@ -208,27 +194,27 @@ def _of_target(
 
 
 def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
-    yield effect("viscous damping", v)
-    yield effect("Coulomb friction", _sgn(v))
-    yield effect("asymmetric Coulomb friction", _abs(v), parents=(OFFSET, _sgn(v)))
+    yield effect(VISCOUS_DAMPING, v)
+    yield effect(COULOMB_FRICTION, _sgn(v))
+    yield effect(ASYMMETRIC_FRICTION, _abs(v), parents=(OFFSET, _sgn(v)))
     yield from _stribecks(effect, v, speed)
-    yield effect("quadratic drag", mul(v, _abs(v)))
-    yield effect("nonlinear damping", power(v, 3))
+    yield effect(QUADRATIC_DRAG, mul(v, _abs(v)))
+    yield effect(NONLINEAR_DAMPING, power(v, 3))
 
 
 def _stribecks(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
     for share in STRIBECK_SPEEDS if speed > 0.0 else ():
         shape = Shape((share * speed,), (partial(_stribeck, v),), meanings=("Stribeck speed",))
-        yield effect("Stribeck friction", shape=shape, parents=(_sgn(v),))
+        yield effect(STRIBECK_FRICTION, shape=shape, parents=(_sgn(v),))
 
 
 def _springs(effect: CandidateMaker, q: Sum, reach: float) -> Iterator[Candidate]:
-    yield effect("linear stiffness", q)
-    yield effect("quadratic stiffness", power(q, 2), parents=(OFFSET,))
-    yield effect("cubic stiffness", power(q, 3))
-    yield effect("quintic stiffness", power(q, 5))
+    yield effect(LINEAR_STIFFNESS, q)
+    yield effect(QUADRATIC_STIFFNESS, power(q, 2), parents=(OFFSET,))
+    yield effect(CUBIC_STIFFNESS, power(q, 3))
+    yield effect(QUINTIC_STIFFNESS, power(q, 5))
     for share in DEAD_ZONES:
-        yield effect("dead zone", shape=_half_width(share * reach, q))
+        yield effect(DEAD_ZONE, shape=_half_width(share * reach, q))
 
 
 def _half_width(width: float, q: Sum) -> Shape:
@@ -243,10 +229,10 @@ def _weights(
     for unit in units_of(design, position, scales, middle):
         angle = mul(constant(unit), variable(position))
         across, along = call(BUILTIN["sin"], angle), call(BUILTIN["cos"], angle)
-        yield effect("gravity", across)
-        yield effect("gravity", along, parents=(OFFSET,), whole=True)
+        yield effect(GRAVITY, across)
+        yield effect(GRAVITY, along, parents=(OFFSET,), contains_parents=True)
         if bends(swing, unit):  # at small angles both together are any soft or hard spring
-            yield effect("gravity", across, along, parents=(OFFSET,), whole=True)
+            yield effect(GRAVITY, across, along, parents=(OFFSET,), contains_parents=True)
         if swing * unit > np.pi / 2.0:  # on less than a whole period it is any curve
             yield from _second_harmonics(effect, mul(constant(2.0), angle))
 
@@ -255,17 +241,17 @@ def _second_harmonics(effect: CandidateMaker, twice: Sum) -> Iterator[Candidate]
     """Go through what comes twice a turn: salient poles, a gradient of gravity, wind on a hull."""
     across, along = call(BUILTIN["sin"], twice), call(BUILTIN["cos"], twice)
     yield effect(HARMONIC, across)
-    yield effect(HARMONIC, along, parents=(OFFSET,), whole=True)
-    yield effect(HARMONIC, across, along, parents=(OFFSET,), whole=True)
+    yield effect(HARMONIC, along, parents=(OFFSET,), contains_parents=True)
+    yield effect(HARMONIC, across, along, parents=(OFFSET,), contains_parents=True)
 
 
 def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:
     """Go through what a damping or friction that changes with the position does."""
-    yield effect("nonlinear damping", mul(power(q, 2), v))
-    yield effect("position-dependent friction", mul(_abs(q), _sgn(v)))
-    yield effect("position-dependent friction", mul(power(q, 2), _sgn(v)))
-    yield effect("position-dependent friction", mul(q, _sgn(v)), parents=(_sgn(v),))
-    yield effect("coupling", mul(q, v), parents=(OFFSET,))
+    yield effect(NONLINEAR_DAMPING, mul(power(q, 2), v))
+    yield effect(POSITION_FRICTION, mul(_abs(q), _sgn(v)))
+    yield effect(POSITION_FRICTION, mul(power(q, 2), _sgn(v)))
+    yield effect(POSITION_FRICTION, mul(q, _sgn(v)), parents=(_sgn(v),))
+    yield effect(COUPLING, mul(q, v), parents=(OFFSET,))
 
 
 def _at_joints(
@@ -273,7 +259,7 @@ def _at_joints(
 ) -> Iterator[Candidate]:
     """Go through the forces that enter where a declared force does, by other than a constant."""
     for entry in entries_of(design, effect.state):
-        forces = [effect("constant offset", OFFSET), *centripetal(effect, design, turning)]
+        forces = [effect(CONSTANT_OFFSET, OFFSET), *centripetal(effect, design, turning)]
         for v in entry.velocities:
             forces += _frictions(effect, variable(v), float(scales[v]))
             q = design.position_of(v)
@@ -284,14 +270,14 @@ def _at_joints(
         factor = bare(entry.factor) if is_free else entry.factor
         for force in forces:
             there = rewritten(force, partial(mul, factor))
-            yield replace(there, alone=True, force=(entry.beside, force.terms))
+            yield replace(there, never_paired=True, acts_at=(entry.beside, force.terms))
 
 
 def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:
     own, w = variable(state), variable(other)
-    yield effect("coupling", w)
-    yield effect("coupling", mul(own, w), parents=(OFFSET,))
-    yield effect("coupling", power(w, 2), parents=(OFFSET,))
+    yield effect(COUPLING, w)
+    yield effect(COUPLING, mul(own, w), parents=(OFFSET,))
+    yield effect(COUPLING, power(w, 2), parents=(OFFSET,))
 
 
 def _products_of_others(
@@ -301,7 +287,7 @@ def _products_of_others(
     others = set(range(len(design.states))) - own
     rates = [s for s in sorted(others) if design.derivative_of(s) is None]
     for one, other in combinations(rates, 2):
-        yield effect("coupling", mul(variable(one), variable(other)), parents=(OFFSET,))
+        yield effect(COUPLING, mul(variable(one), variable(other)), parents=(OFFSET,))
 
 
 def _between(
@@ -320,19 +306,19 @@ def _between(
 
 
 def _slips(effect: CandidateMaker, slip: Sum, reach: float) -> Iterator[Candidate]:
-    yield effect("Coulomb friction", _sgn(slip))
-    yield from gripping(effect, "Coulomb friction", slip, reach)
+    yield effect(COULOMB_FRICTION, _sgn(slip))
+    yield from gripping(effect, COULOMB_FRICTION, slip, reach)
     yield from _stribecks(effect, slip, reach)
-    yield effect("nonlinear damping", _abs(slip), parents=(OFFSET,))
-    yield effect("quadratic drag", mul(slip, _abs(slip)))
-    yield effect("nonlinear damping", power(slip, 3))
+    yield effect(NONLINEAR_DAMPING, _abs(slip), parents=(OFFSET,))
+    yield effect(QUADRATIC_DRAG, mul(slip, _abs(slip)))
+    yield effect(NONLINEAR_DAMPING, power(slip, 3))
 
 
 def _stretches(effect: CandidateMaker, stretch: Sum, reach: float) -> Iterator[Candidate]:
-    yield effect("quadratic stiffness", power(stretch, 2), parents=(OFFSET,))
-    yield effect("cubic stiffness", power(stretch, 3))
+    yield effect(QUADRATIC_STIFFNESS, power(stretch, 2), parents=(OFFSET,))
+    yield effect(CUBIC_STIFFNESS, power(stretch, 3))
     for share in DEAD_ZONES:
-        yield effect("dead zone", shape=_half_width(share * reach, stretch))
+        yield effect(DEAD_ZONE, shape=_half_width(share * reach, stretch))
     yield from stops(effect, stretch, reach, 0.0)
 
 
@@ -351,13 +337,13 @@ def _relative(
 def _inputs(
     effect: CandidateMaker, u: Sum, own: list[Sum], reach: float, middle: float
 ) -> Iterator[Candidate]:
-    yield effect("input gain", u)
+    yield effect(INPUT_GAIN, u)
     for x in own:
-        yield effect("input gain", mul(u, x), parents=(OFFSET,))
-    yield effect("input nonlinearity", power(u, 2), parents=(OFFSET,))
-    yield effect("input nonlinearity", mul(u, _abs(u)))
-    yield effect("input nonlinearity", power(u, 3))
+        yield effect(INPUT_GAIN, mul(u, x), parents=(OFFSET,))
+    yield effect(INPUT_NONLINEARITY, power(u, 2), parents=(OFFSET,))
+    yield effect(INPUT_NONLINEARITY, mul(u, _abs(u)))
+    yield effect(INPUT_NONLINEARITY, power(u, 3))
     for share in SATURATIONS:
         shape = Shape((share * reach,), (partial(_clipped, u),), meanings=("limit",))
-        yield effect("saturation", shape=shape)
+        yield effect(SATURATION, shape=shape)
     yield from asymmetric_limits(effect, u, reach, middle)

@@ -69,6 +69,10 @@ class Finding:
     by_runs: bool = False
     together: tuple[str, ...] = ()
 
+    def with_candidate(self, candidate: Candidate, design: Design) -> Finding:
+        """Return the same evidence for another effect, with its columns in a design."""
+        return replace(self, candidate=candidate, columns=columns_of(candidate, design))
+
 
 @dataclass(frozen=True, eq=False)
 class MemoryFinding(Finding):
@@ -112,8 +116,7 @@ def limits_in(findings: Iterable[Finding]) -> tuple[Limit, ...]:
 
 def at_numbers(finding: Finding, values: Sequence[float], design: Design) -> Finding:
     """Return a finding with other numbers in the shape of its effect."""
-    candidate = finding.candidate.at(values)
-    return replace(finding, candidate=candidate, columns=columns_of(candidate, design))
+    return finding.with_candidate(finding.candidate.at(values), design)
 
 
 def with_columns(design: Design, findings: Iterable[Finding]) -> Design:

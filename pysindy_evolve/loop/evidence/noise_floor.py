@@ -105,9 +105,7 @@ def noise_alone(
 
 def _power(columns: Sequence[np.ndarray], design: Design, part: Segments) -> np.ndarray:
     """Return the power of residuals in bands of frequency, (n_bands, n_open)."""
-    length = part.z.shape[1]
-    pieces = np.stack([columns[i][start : start + length] for i, start in part.places])
-    rows = spectral_rows(part, (pieces * part.weight)[:, :, list(design.open_states)])
+    rows = spectral_rows(part, (part.cut(columns) * part.weight)[:, :, list(design.open_states)])
     power = np.mean(np.abs(rows) ** 2, axis=0)
     n_bands = max(1, min(N_BANDS, len(power) // FEWEST))
     return np.array([band.mean(axis=0) for band in np.array_split(power, n_bands)])

@@ -8,7 +8,8 @@ from itertools import combinations
 import numpy as np
 
 from ...terms import Sum
-from ..effects.candidate import EVOLVED, OFFSET, Candidate
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.names import EVOLVED
 
 __all__ = ["groups_to_try", "posing_as_offset"]
 
@@ -41,7 +42,7 @@ def groups_to_try(
     alone: list[tuple[int, ...]] = [(i,) for i, need in zip(new, needs, strict=True) if not need]
     if not pairs:
         return alone
-    at = [k for k, i in enumerate(new) if not candidates[i].alone]
+    at = [k for k, i in enumerate(new) if not candidates[i].never_paired]
     able = _able([needs[k] for k in at], [_terms(candidates[new[k]]) for k in at])
     able &= able.T & _unlike([candidates[new[k]].name for k in at])
     places = np.array(new, dtype=int)[at]
@@ -77,7 +78,7 @@ def _of_one_force(candidates: Sequence[Candidate], able: Sequence[int]) -> list[
     """
     places: dict[tuple[int, tuple[Sum, ...]], list[int]] = {}
     for i in able:
-        force = candidates[i].force
+        force = candidates[i].acts_at
         if force is not None:
             places.setdefault(force, []).append(i)
     pairs = (pair for group in places.values() for pair in combinations(group, 2))

@@ -56,7 +56,7 @@ def justified(
     """
     own = [c for c in proposed if c.state == candidate.state]
     forms = [c for c in own if c.name == candidate.name]
-    plain = score(design, part, [c for c in own if c.name in candidate.refines], pairs=False)
+    plain = score(design, part, [c for c in own if c.name in candidate.must_beat], pairs=False)
     if not plain or part.by_trajectory:
         return candidate
     (null,) = plain[0].group

@@ -10,9 +10,10 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from ...terms import Call, Sum, add, as_sum, constant, mul, power
-from ..effects.candidate import EVOLVED, OFFSET, Candidate
+from ..effects.candidate import OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
 from ..effects.missing import candidates, for_trajectories, standing, with_parents
+from ..effects.names import EVOLVED
 from ..effects.shaping import with_units
 from ..given.design import Design
 from ..given.segments import Segments

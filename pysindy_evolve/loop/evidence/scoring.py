@@ -13,6 +13,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, standing
+from ..effects.names import order_of
 from ..effects.periodic import (
     N_LINES,
     is_same_ripple,
@@ -23,7 +24,6 @@ from ..effects.pumps import partner_pumps, pumped_candidates
 from ..effects.rippled import rippled_candidates
 from ..effects.stops import begins_within, one_end_each
 from ..effects.varying import parts_of
-from ..effects.vocabulary import VOCABULARY
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams, residual_on
 from ..fitting.trajectory import Trajectories
@@ -82,7 +82,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
         proposed = for_trajectories(proposed)
     left = [residual_on(equations, record) for record in records]
     first = int(np.argmax([len(record) for record in records]))
-    longest, time = records[first], len(design.states) + len(design.inputs)
+    longest, time = records[first], design.time
     drivers = longest.x[:, :0] if longest.u is None else longest.u
     made = longest.preparation
     cutoff = np.inf if made is None or made.cutoff is None else made.cutoff
@@ -180,7 +180,7 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
 
 
 def _by_itself(candidate: Candidate) -> Candidate:
-    return replace(candidate, parents=()) if candidate.whole else candidate
+    return replace(candidate, parents=()) if candidate.contains_parents else candidate
 
 
 def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
@@ -194,7 +194,7 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
 
     def loss(logs: np.ndarray) -> float:
         there = at(np.atleast_1d(logs))
-        if candidate.whole and not begins_within(there, part.rows):
+        if candidate.contains_parents and not begins_within(there, part.rows):
             return 0.0
         if candidate.passive and not takes_energy(there, design, part):
             return 0.0
@@ -232,7 +232,7 @@ def plainest(scores: Sequence[Score]) -> Score:
     def plainness(score: Score) -> tuple[int, int, int]:
         size = sum(candidate.size for candidate in score.group)
         n_variables = sum(len(term.variables) for one in score.group for term in one.terms)
-        order = sum(VOCABULARY.index(candidate.name) for candidate in score.group)
+        order = sum(order_of(candidate.name) for candidate in score.group)
         return size, n_variables, order
 
     return min(equal, key=plainness)

@@ -110,7 +110,7 @@ def _tuned_group(
     group = []
     for candidate in best.group:
         beside = _beside(design, best.group, candidate)
-        if candidate.refines:
+        if candidate.must_beat:
             candidate = justified(candidate, beside, proposed, part, rules, rng)
         group.append(tuned(candidate, beside, part))
     return group
@@ -140,7 +140,7 @@ def _is_plainer(score: Score, one: Candidate) -> bool:
     """
     if any(c.state != one.state or c.shape is not None for c in score.group):
         return False
-    group = [c for c in score.group if not (one.whole and c.terms == (OFFSET,))]
+    group = [c for c in score.group if not (one.contains_parents and c.terms == (OFFSET,))]
     if len(group) > 1:
         return False
     return all(c.variables == one.variables and c.size < one.size for c in group)

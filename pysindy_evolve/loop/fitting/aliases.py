@@ -29,7 +29,7 @@ from scipy.optimize import minimize_scalar
 from ...equations import Equations
 from ...hidden_states.memory import DELAY, LAG, Memory
 from ...signals import Record
-from ...signals.holds import acts_as, averaged, changed, rates_of
+from ...signals.zero_order_hold import acts_as, averaged, changed, rates_of
 from ..given.design import Design
 from .fit import derivative_fit_errors, refit
 

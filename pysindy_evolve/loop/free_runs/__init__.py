@@ -1,10 +1,10 @@
 """What only free runs of a model show: slow memories, limits, effects to be exchanged.
 
-`named.py` is where to begin; `drift.py` holds the measure that most other files use.
+`named_effects.py` is where to begin; `drift.py` holds the measure that most other files use.
 
 ===============  =======================================================================
 searches
-named            memories, limits and named effects that only free runs show
+named_effects    memories, limits and named effects that only free runs show
 unnamed          terms without a name that only free runs show
 sensor_limits    sensors that clip
 state_limits     states that stop at a limit

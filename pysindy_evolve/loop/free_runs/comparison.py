@@ -22,12 +22,13 @@ from scipy.stats import wilcoxon
 from tqdm.auto import tqdm
 
 from ...signals import Record
-from ..effects.candidate import EVOLVED, Candidate
+from ..effects.candidate import Candidate
 from ..effects.missing import beside
+from ..effects.names import EVOLVED
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, PRICE, columns_of
+from ..evidence.scoring import MARGIN, PRICE
 from ..fitting.trial import Trial, converged
 from ..given.rules import Rules
 from .contenders import Pool, begun_with, steady_drift
@@ -95,8 +96,7 @@ def _winner(
     if plain is not None:  # sin(q), unless another number than one in it does clearly better
         (trial,) = converged([begun_with(model, [plain], drift)])
         best = Contender(plain, trial) if trial.error <= np.exp(pool.matter) * best.error else best
-    candidate = beside(best.candidate, model.design)
-    return replace(finding, candidate=candidate, columns=columns_of(candidate, model.design))
+    return finding.with_candidate(beside(best.candidate, model.design), model.design)
 
 
 def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:

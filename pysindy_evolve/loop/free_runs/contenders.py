@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...signals import Record
-from ..effects.candidate import EVOLVED, Candidate
+from ..effects.candidate import Candidate
 from ..effects.missing import candidates
+from ..effects.names import EVOLVED
 from ..effects.pumps import other_pumps
 from ..evidence.scoring import MARGIN, columns_of, score, sharpened
 from ..fitting.fit import refit

@@ -32,7 +32,6 @@ from ..memories.reach import exchanged
 from ..twins.chance import draws_for, p_value_of
 from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models
 from .memory_tuning import tuned_memories
-from .state_limits import notable
 from .variants import Model, Variant
 
 __all__ = [
@@ -153,7 +152,7 @@ def best_of(
     tuple of Finding and Model, or None
         None where nothing gains notably. Whether the chance is small is left to the caller.
     """
-    heads = _heads(tried, gains, notable(rules))
+    heads = _heads(tried, gains, rules.notable_gain)
     heads = [(k, variant) for k, variant in heads if not _is_refuted(drift, wide, variant)]
     if must_be_clear:
         heads = [(k, v) for k, v in heads if v.memory is not None or _is_clear(drift, gains[k])]

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from ...signals import Record
-from ..effects.candidate import EVOLVED
 from ..effects.missing import beside
+from ..effects.names import EVOLVED
 from ..evidence.findings import Finding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, PRICE, columns_of
+from ..evidence.scoring import MARGIN, PRICE
 from ..fitting.trial import converged
 from .contenders import Pool, begun_with, plainest, steady_drift
 from .shape_tuning import Contender
@@ -101,4 +101,4 @@ def _single(
     if not able:
         return None
     best = beside(plainest(able).candidate, without.design)
-    return replace(first, candidate=best, columns=columns_of(best, without.design))
+    return first.with_candidate(best, without.design)

@@ -12,9 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...terms import Call, Product, Sum, mul, power
-from ..effects.candidate import EVOLVED, OFFSET, Candidate, bare
+from ...terms import Call, Product, Sum, mul, of_term, only_term, power
+from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import standing
+from ..effects.names import EVOLVED
 from ..effects.stops import is_stop, pressed
 from ..given.design import Design
 from ..given.ranges import Ranges
@@ -48,7 +49,7 @@ def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Ca
         return [replace(pressed(candidate), name=EVOLVED)]
     if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
         return []
-    ((_, product),) = candidate.terms[0].parts
+    product = only_term(candidate.terms[0])
     terms = [*candidate.terms, *_shorter(product), *_straight(product)]
     forms: list[tuple[Sum, ...]] = [(term,) for term in terms[1:]]
     forms += [(term, OFFSET) for term in terms if not _vanishes_at_rest(term, part.rows)]
@@ -59,18 +60,18 @@ def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Ca
 
 def _shorter(product: Product) -> Iterator[Sum]:
     for place in range(len(product.factors)):
-        left = Product(product.factors[:place] + product.factors[place + 1 :])
+        left = product.without(place)
         if left.variables:
-            yield Sum(((1.0, left),))
+            yield of_term(left)
 
 
 def _straight(product: Product) -> Iterator[Sum]:
     """Go through the product with each function replaced by the power that it is near zero."""
     for place, (atom, exponent) in enumerate(product.factors):
         if isinstance(atom, Call) and atom.operator.name in NEAR_ZERO:
-            left = Product(product.factors[:place] + product.factors[place + 1 :])
+            left = product.without(place)
             near = exponent * NEAR_ZERO[atom.operator.name]
-            straight = mul(Sum(((1.0, left),)), power(atom.args[0], near))
+            straight = mul(of_term(left), power(atom.args[0], near))
             if len(straight.parts) == 1:
                 yield bare(straight)
 

@@ -16,8 +16,8 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...breeding.genetics import SCALED
 from ...checks import TINY
+from ...operators import SCALED
 from ...terms import (
     Atom,
     Call,
@@ -26,12 +26,14 @@ from ...terms import (
     add,
     constant,
     mul,
+    of_term,
     power,
     sub,
     variable,
 )
-from ..effects.candidate import EVOLVED, OFFSET, Candidate, bare
+from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import standing
+from ..effects.names import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -155,8 +157,7 @@ def _curved(product: Product) -> list[Call]:
 
 def _without(product: Product, gone: Collection[Atom]) -> Sum:
     """Return a product without some of its atoms."""
-    left = tuple(factor for factor in product.factors if factor[0] not in gone)
-    return Sum(((1.0, Product(left)),))
+    return of_term(Product(tuple(one for one in product.factors if one[0] not in gone)))
 
 
 def _of_one_variable(left: Sum, index: int, largest: float) -> Iterator[Family]:

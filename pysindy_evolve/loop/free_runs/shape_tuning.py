@@ -13,7 +13,8 @@ import numpy as np
 
 from ...terms import Sum, add, constant, mul, sub
 from ..effects.angles import waves_angles
-from ..effects.candidate import EVOLVED, Candidate, Shape
+from ..effects.candidate import Candidate, Shape
+from ..effects.names import EVOLVED
 from ..effects.shaping import shape_of
 from ..evidence.scoring import columns_of
 from ..fitting.trial import Trial, converged

@@ -25,7 +25,7 @@ from .drift import Drift, drift_of, gains_of_models
 from .plateaus import tested
 from .variants import Model
 
-__all__ = ["drift_from", "may_stop_itself", "needed", "notable", "stops_of"]
+__all__ = ["drift_from", "may_stop_itself", "needed", "stops_of"]
 
 
 def stops_of(
@@ -64,7 +64,7 @@ def may_stop_itself(
     plain, believed = Model(design), [replace(record, seen=None) for record in records]
     stops = stops_of(plain, believed, rules, rng.spawn(1)[0])
     model = replace(plain, limits=tuple(one.limit for one in stops))
-    return bool(stops) and _gain(model, plain, records) > -notable(rules)
+    return bool(stops) and _gain(model, plain, records) > -rules.notable_gain
 
 
 def _may_stop(limit: Limit, design: Design, records: Sequence[Record]) -> bool:
@@ -81,7 +81,7 @@ def needed(
         others = tuple(f.limit for f in stops if f is not one)
         without = replace(model, limits=others)
         whole = replace(model, limits=(*others, one.limit))
-        if _gain(whole, without, records) >= notable(rules):
+        if _gain(whole, without, records) >= rules.notable_gain:
             kept.append(one)
     return kept
 
@@ -90,11 +90,6 @@ def _gain(model: Model, other: Model, records: Sequence[Record]) -> float:
     """Return the log of the error of another model over that of a model; 0 if it cannot run."""
     drift = drift_from(other, records)
     return 0.0 if drift is None else float(gains_of_models(drift, [model])[0, 0])
-
-
-def notable(rules: Rules) -> float:
-    """Return the gain of what removes the least share that matters."""
-    return float(-np.log1p(-rules.min_share))
 
 
 def drift_from(model: Model, records: Sequence[Record]) -> Drift | None:

@@ -16,10 +16,11 @@ from itertools import takewhile
 import numpy as np
 
 from ...signals import Record
-from ..effects.candidate import EVOLVED, Candidate
+from ..effects.candidate import Candidate
 from ..effects.missing import candidates
+from ..effects.names import EVOLVED
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.scoring import MARGIN, score
 from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.rules import Rules
@@ -69,10 +70,7 @@ def two_for_one(
         pair = _closest(without, finding, pairs, records, rules)
         if pair:
             place = kept.index(finding)
-            kept[place : place + 1] = [
-                replace(finding, candidate=one, columns=columns_of(one, without.design))
-                for one in pair
-            ]
+            kept[place : place + 1] = [finding.with_candidate(c, without.design) for c in pair]
     return kept
 
 
@@ -107,5 +105,5 @@ def _closest(
     if own.name == EVOLVED and size <= own.size:
         stands = twos[best].error <= np.exp(MARGIN) * one.error
     else:
-        stands = is_closer(twos[best], one, -np.log1p(-rules.min_share), rules.significance)
+        stands = is_closer(twos[best], one, rules.notable_gain, rules.significance)
     return pairs[best] if stands else ()

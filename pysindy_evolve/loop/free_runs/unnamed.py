@@ -21,7 +21,7 @@ from ..given.rules import Rules
 from .drift import Drift, chance_of_terms, gains_of_terms
 from .judging import best_of, model_of, named_terms, refused, signs_for, variants_of
 from .leading_terms import leading_terms
-from .state_limits import drift_from, notable
+from .state_limits import drift_from
 
 __all__ = ["find_unnamed"]
 
@@ -82,7 +82,7 @@ def _leading(
 ) -> Finding | None:
     """Return the plainest of the small terms that gain notably more than all that have a name."""
     named = gains_of_terms(drift, [v.columns for v in named_terms(drift)])
-    least = notable(rules) + max(0.0, named.max(initial=0.0))
+    least = rules.notable_gain + max(0.0, named.max(initial=0.0))
     terms = variants_of(drift, leading_terms(drift, small, least))
     if not terms:
         return None

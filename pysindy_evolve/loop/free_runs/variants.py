@@ -16,7 +16,7 @@ from ...hidden_states.memory import VESSEL, Memory, preceded, remembered
 from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate
-from ..effects.vocabulary import VOCABULARY
+from ..effects.names import order_of
 from ..fitting.trial import Trial
 from ..given.band import driven, straightened
 from ..given.design import Column, Design
@@ -106,9 +106,7 @@ class Variant:
     def plainness(self) -> tuple[int, int, int]:
         """How many numbers it adds, how long its terms are, its place in the vocabulary or last."""
         n_numbers = len(self.columns) if self.memory is None else len(self.memory.values)
-        name = self.candidate.name
-        place = VOCABULARY.index(name) if name in VOCABULARY else len(VOCABULARY)
-        return n_numbers, self.candidate.size, place
+        return n_numbers, self.candidate.size, order_of(self.candidate.name)
 
     def with_model(self, model: Model) -> Variant:
         """Return the variant with the numbers of its model tuned."""

@@ -9,7 +9,7 @@ import numpy as np
 import pysindy as ps
 
 from ...signals import Record
-from ...signals.holds import hold
+from ...signals.zero_order_hold import hold
 from .algebraic import as_algebraic
 from .declared import DeclaredModel, design_of, doubted
 from .design import Design

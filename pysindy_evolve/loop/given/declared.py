@@ -12,7 +12,7 @@ from ...operators import Operator
 from ...reading.names import check_known
 from ...reading.text import RightHandSide, parse
 from ...signals import Record
-from ...terms import ONE, Sum
+from ...terms import ONE, Sum, of_term
 from .algebraic import motions_of
 from .design import Column, Design
 from .kinematics import disagreement
@@ -143,7 +143,7 @@ class DeclaredModel:
 
 def _times(name: str, part: Sum, names: Sequence[str]) -> str:
     """Return a parameter times what it multiplies, without brackets where it needs none."""
-    if part == Sum(((1.0, ONE),)):
+    if part == of_term(ONE):
         return name
     if len(part.parts) == 1 and part.parts[0][0] in (1.0, -1.0):
         sign = "-" if part.parts[0][0] < 0.0 else ""

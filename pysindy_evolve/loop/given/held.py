@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ...signals import Record
-from ...signals.holds import acting_through, hold
+from ...signals.zero_order_hold import acting_through, hold
 from .input_errors import may_be_held
 
 __all__ = ["held_inputs", "held_like", "held_where_it_may_be"]

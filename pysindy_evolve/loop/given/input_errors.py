@@ -5,7 +5,7 @@ the mean of the values before and after each sample. What follows from it is a l
 share (omega dt)^2 / 12 at the frequency omega; a state that it drives directly seems so by twice as
 much, as its samples do not tell straight pieces from a curve. That can be made up for. Where the
 value itself is recorded that begins at a sample, the motion is late by half a sample besides, see
-signals/holds.py. An input that runs smoothly is known between its samples as well.
+signals/zero_order_hold.py. An input that runs smoothly is known between its samples as well.
 """
 
 from __future__ import annotations

@@ -101,6 +101,11 @@ class Rules:
         return replace(self, by_trajectory=False, n_looks=n_looks)
 
     @property
+    def notable_gain(self) -> float:
+        """Gain of what removes the least share that matters, in the log of an error."""
+        return float(-np.log1p(-self.min_share))
+
+    @property
     def level(self) -> float:
         """Largest p-value that counts; the fourth look, for any structure, names nothing."""
         return self.significance / self.n_looks

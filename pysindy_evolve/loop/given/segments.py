@@ -138,6 +138,10 @@ class Segments:
         steps = [b[1] - a[1] for a, b in pairwise(self.places) if a[0] == b[0]]
         return max(steps, default=length) > (1.0 + 2.0 * LOST) * length
 
+    def cut(self, columns: Sequence[np.ndarray]) -> np.ndarray:
+        """Return the rows of all pieces, (n_segments, n, ...), of one array for each record."""
+        return _pieces(columns, self.places, self.z.shape[1])
+
     def every_other(self, start: int) -> Segments:
         """Return every second piece, beginning with the one numbered `start`."""
         return self.picked(slice(start, None, 2))
@@ -257,10 +261,15 @@ def _cut(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     stacked = [variables_of(record) for record in records]
     weights = [moving(record, resting) for record in records]
-    z = np.stack([stacked[i][start : start + length] for i, start in places])
-    x_dot = np.stack([records[i].x_dot[start : start + length] for i, start in places])
-    weight = np.stack([weights[i][start : start + length] for i, start in places])
+    rates = [record.x_dot for record in records]
+    z, x_dot, weight = (_pieces(one, places, length) for one in (stacked, rates, weights))
     return z, x_dot, weight
+
+
+def _pieces(
+    columns: Sequence[np.ndarray], places: Sequence[tuple[int, int]], length: int
+) -> np.ndarray:
+    return np.stack([columns[i][start : start + length] for i, start in places])
 
 
 def _seen(
@@ -269,7 +278,7 @@ def _seen(
     if all(record.seen is None for record in records):
         return None
     seen = [np.ones(r.x.shape, dtype=bool) if r.seen is None else r.seen for r in records]
-    return np.stack([seen[i][start : start + length] for i, start in places])
+    return _pieces(seen, places, length)
 
 
 def _band(record: Record, slowest: float) -> float:

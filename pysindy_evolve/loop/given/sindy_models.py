@@ -12,7 +12,7 @@ from sklearn.exceptions import NotFittedError
 from ...equations import Equations
 from ...reading.library_terms import check_ordinary, from_model
 from ...signals import Record
-from ...terms import Sum, variable
+from ...terms import Sum, of_term, variable
 from .design import Column, Design
 from .rows import variables_of
 
@@ -78,7 +78,7 @@ def _design_of_equations(equations: Equations, records: Sequence[Record]) -> Des
         fixed.append(Sum(()) if other is None else variable(other))
         for _, term in expression.parts if other is None else ():
             parts = [Sum(())] * n_states
-            parts[state] = Sum(((1.0, term),))
+            parts[state] = of_term(term)
             name = f"{equations.states[state]}: {term.name(equations.names)}"
             columns.append(Column(name, tuple(parts)))
     return Design(equations.states, equations.inputs, tuple(fixed), tuple(columns))

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...signals import Record
 from ...signals.acting import InputFunction
-from ...signals.holds import acting_through
+from ...signals.zero_order_hold import acting_through
 from ...terms import Product, Sum, add, constant, mul
 from .design import Design
 from .input_errors import is_held

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...operators import Operator
-from ...terms import ONE, Product, Sum, constant, mul, sub
+from ...terms import ONE, Product, Sum, constant, mul, of_term, sub
 from ..effects.candidate import Candidate
 from ..effects.shaping import shape_of
 from ..evidence.ranking import Score
@@ -100,8 +100,8 @@ def with_best_numbers(
 
 def _moved(candidate: Candidate, term: Product, declared: Sequence[Product]) -> Candidate:
     """Return a candidate with another term in its place; one that was tuned may spare no more."""
-    terms, spared = (Sum(((1.0, term),)),), sparing(term, declared)
-    return replace(candidate, terms=terms, shape=None, spared=spared)
+    terms, spared = (of_term(term),), sparing(term, declared)
+    return replace(candidate, terms=terms, shape=None, free_nodes=spared)
 
 
 def _promising(design: Design, part: Segments, around: Sequence[Candidate]) -> list[Candidate]:
@@ -144,9 +144,7 @@ def _around(candidate: Candidate, factors: Sequence[Sum]) -> list[Product]:
     """Return the terms that differ from one in a factor: another one, one more or one less."""
     (term,) = (product for _, product in candidate.terms[0].parts)
     rests = [term, *_with_one_less(term)]
-    products = (
-        mul(Sum(((1.0, rest),)), f) for rest in rests for f in (Sum(((1.0, ONE),)), *factors)
-    )
+    products = (mul(of_term(rest), f) for rest in rests for f in (of_term(ONE), *factors))
     found = dict.fromkeys(p for product in products for _, p in product.parts)
     return [one for one in found if 0 < len(one.factors) <= MOST_FACTORS and one != term]
 

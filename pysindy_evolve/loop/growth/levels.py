@@ -14,7 +14,8 @@ import numpy as np
 
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
-from ..effects.candidate import EVOLVED, OFFSET, Candidate, CandidateMaker, Shape
+from ..effects.candidate import OFFSET, Candidate, CandidateMaker, Shape
+from ..effects.names import EVOLVED
 from ..effects.stops import LEAST, PLACES, is_stop, stops
 from ..evidence.scoring import sharpened
 from ..given.design import Design
@@ -75,7 +76,7 @@ def _at_level(effect: CandidateMaker, h: Sum, place: float, power: int, side: in
     build = partial(_flow, h, power, side, np.sign(place))
     shape = Shape((abs(place),), (build,), branch=side)
     flow = effect(EVOLVED, shape=shape, parents=(OFFSET,))
-    return replace(flow, spared=flow.size - READ)
+    return replace(flow, free_nodes=flow.size - READ)
 
 
 def _flow(h: Sum, power: int, side: int, toward: float, level: float) -> Sum:

@@ -8,17 +8,17 @@ import numpy as np
 
 from ...operators import BUILTIN, Operator
 from ...substitution import substituted
-from ...terms import Call, Product, Sum, div, variable
+from ...terms import Call, Product, Sum, div, of_term, variable
 from ..effects.angles import is_wave_of, without_turns
-from ..effects.candidate import EVOLVED, OFFSET, Candidate
+from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates
+from ..effects.names import EVOLVED, GRAVITY
 from ..given.design import Design
 from ..given.segments import Segments
 from .seeds import small_terms
 
 __all__ = ["named", "shifted", "small_candidates", "sparing", "without_signs"]
 
-GRAVITY = "gravity"
 MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
 
 
@@ -111,7 +111,7 @@ def named(
     Candidate
     """
     term = without_turns(term)
-    expression = Sum(((1.0, term),))
+    expression = of_term(term)
     for candidate in known:
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
@@ -119,7 +119,7 @@ def named(
     parents, spared = (OFFSET,) if poses else (), sparing(term, declared)
     angles = {v for c in known if c.name == GRAVITY and c.state == state for v in c.variables}
     name = GRAVITY if any(is_wave_of(term, angle) for angle in angles) else EVOLVED
-    return Candidate(name, state, (expression,), parents, spared=spared)
+    return Candidate(name, state, (expression,), parents, free_nodes=spared)
 
 
 def without_signs(term: Product, variables: np.ndarray) -> list[Product]:
@@ -142,7 +142,7 @@ def without_signs(term: Product, variables: np.ndarray) -> list[Product]:
         x = variable(int(i))
         plain[Call(BUILTIN["abs"], (x,))] = x
         plain[Call(BUILTIN["sgn"], (x,))] = OFFSET
-    return [part for _, part in substituted(Sum(((1.0, term),)), plain).parts]
+    return [part for _, part in substituted(of_term(term), plain).parts]
 
 
 def sparing(term: Product, declared: Sequence[Product]) -> int:
@@ -173,7 +173,7 @@ def _spared(term: Product, declared: Product) -> int:
     ]
     if not _is_factor(declared, term):
         return max(inside, default=0)
-    rest = div(Sum(((1.0, term),)), Sum(((1.0, declared),)))
+    rest = div(of_term(term), of_term(declared))
     beside = 0 if rest == OFFSET else rest.size + 1  # with the product of the two
     return max(0, term.size - (1 + beside), *inside)
 

@@ -17,9 +17,8 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from ...breeding.dictionary import Problem, build_dictionary
-from ...breeding.genetics import SCALED
 from ...breeding.poles import is_away
-from ...operators import Operator
+from ...operators import SCALED, Operator
 from ...sparse.elimination import gains
 from ...terms import (
     Product,

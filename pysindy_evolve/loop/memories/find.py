@@ -16,7 +16,7 @@ from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in, 
 from ..evidence.offers import offer_for
 from ..evidence.rejected import Rejected
 from ..evidence.rivals import Rival
-from ..evidence.scoring import MARGIN, columns_of
+from ..evidence.scoring import MARGIN
 from ..evidence.step import Look, find
 from ..given.design import Design
 from ..given.rules import Rules
@@ -105,7 +105,7 @@ def _narrowed(finding: Finding, probes: Probes) -> Finding:
     plain = _plain(finding.candidate, probes)
     if isinstance(finding.candidate, MemoryCandidate):
         return _recalled(finding, finding.candidate.memory, probes.design)
-    return replace(finding, candidate=plain, columns=columns_of(plain, probes.design))
+    return finding.with_candidate(plain, probes.design)
 
 
 def _recalled(finding: Finding, memory: Memory, design: Design) -> MemoryFinding:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...export import format_expression, format_number
 from ...terms import ONE
-from ..effects.periodic import FORCING
+from ..effects.names import FORCING
 from ..given.kinematics import disagreement
 from .dilution import diluted
 from .exchangeable_poles import exchangeable_poles

@@ -14,8 +14,7 @@ from ...export.symbolic import without_sign
 from ...hidden_states.path_states import sayings
 from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT
-from ..effects.inertia import INERTIA
-from ..effects.periodic import FORCING, RIPPLE
+from ..effects.names import FORCING, INERTIA, RIPPLE
 from .interval_text import interval, value_within
 
 if TYPE_CHECKING:

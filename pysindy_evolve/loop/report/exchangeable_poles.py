@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ...export import format_number
 from ...hidden_states.memory import LAG
 from ...hidden_states.memory_equations import MemoryEquations
-from ...terms import Sum, variable
+from ...terms import Sum, only_term, variable
 
 if TYPE_CHECKING:
     from .report import LoopReport
@@ -53,6 +53,6 @@ def _only_user(model: MemoryEquations, column: int) -> int | None:
 
 def _rate_of(side: Sum, place: int) -> float:
     """Return the coefficient of a state in its own equation; zero if that is not linear."""
-    ((_, own),) = variable(place).parts
+    own = only_term(variable(place))
     is_linear = all(term.size == 1 for _, term in side.parts if term.variables)
     return sum(c for c, term in side.parts if term == own) if is_linear else 0.0

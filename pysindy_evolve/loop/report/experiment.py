@@ -13,7 +13,7 @@ Atkinson and Fedorov, Biometrika 62 (1975), DOI 10.1093/biomet/62.1.57: T-optima
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -23,9 +23,7 @@ from scipy.signal.windows import tukey
 
 from ...checks import TINY
 from ...equations import Equations
-from ...hidden_states.memory import remembered
-from ...hidden_states.memory_equations import MemoryEquations
-from ...signals import Record
+from ...hidden_states.memory_equations import as_acting
 from ..evidence.spectral import TAPER, spectral_rows
 from ..fitting.linear import solve_gram
 from ..fitting.residual import forces
@@ -126,7 +124,8 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
     check_units("suggest_experiment", units, report.before.model.names)
     if not any(effect.rivals for effect in report.effects):
         return Plan((), units)
-    equations, records = _acting(report)
+    acting = [as_acting(report.equations, record) for record in report.train]
+    equations, records = acting[0][0], [record for _, record in acting]
     part = segments(records, may_rest(report.design, records), max_rows=MAX_ROWS)
     judge = _Judge(equations, part)
     experiments = []
@@ -136,14 +135,6 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
             other = _exchanged(report.design, effect, rival)
             experiments.append(_best(judge, other, effect, rival))
     return Plan(tuple(experiments), units, in_time)
-
-
-def _acting(report: LoopReport) -> tuple[Equations, Sequence[Record]]:
-    """Return equations and training records in which inputs are what acts, memories behind them."""
-    equations = report.equations
-    if not isinstance(equations, MemoryEquations):
-        return equations, report.train
-    return equations.inner, [remembered(record, equations.memories) for record in report.train]
 
 
 def _exchanged(design: Design, effect: Effect, rival: Alternative) -> Design:

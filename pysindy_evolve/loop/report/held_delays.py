@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...hidden_states.memory import DELAY
-from ...signals.holds import HALF
+from ...signals.zero_order_hold import HALF
 from ..given.held import held_inputs
 
 if TYPE_CHECKING:

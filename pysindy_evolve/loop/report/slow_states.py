@@ -9,6 +9,7 @@ from scipy.fft import dct
 
 from ...checks import TINY
 from ...export import format_number
+from ..effects.names import DRIFT
 from ..effects.relaxation import longest_relaxation
 from .residuals import residual_of
 
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["slow_drifts", "slow_rest"]
 
-DRIFT = "drift"
 SLOWEST = 8  # half waves in a record: what makes fewer changes over more than an eighth of it
 MOST = 0.5  # share of what is left of a derivative
 QUICKER = "the loop looks for quicker ones only. A longer record would tell."

@@ -104,12 +104,11 @@ def _power_of_errors(
     drawn: Sequence[np.random.Generator],
 ) -> float:
     """Return the power that errors of its inputs leave in the equation of a finding."""
-    length, n_states = part.z.shape[1], part.n_states
-    inputs = frozenset(v - n_states for v in finding.candidate.variables)
+    inputs = frozenset(v - part.n_states for v in finding.candidate.variables)
     pairs, powers = list(zip(raw, part.records, strict=True)), []
     for rng in drawn:
         left = [_of_record(equations, *pair, inputs, rng) for pair in pairs]
-        powers.append(_power(np.stack([left[i][s : s + length] for i, s in part.places]), part))
+        powers.append(_power(part.cut(left), part))
     return float(np.mean(powers, axis=0)[finding.candidate.state])
 
 

@@ -10,7 +10,6 @@ and where each of them begins is fitted as well (multiple shooting).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from ...signals import Record
 from ...terms import Call
 from ..effects.followers import is_sound
 from ..evidence.findings import Finding, excluding, with_findings
-from ..evidence.scoring import LEAD, columns_of, tuned
+from ..evidence.scoring import LEAD, tuned
 from ..fitting.fit import refit
 from ..fitting.shooting import fit_to_runs, gains_of_runs
 from ..fitting.unfolding import paths_of, retuned, square_left, unfolded, with_paths
@@ -62,8 +61,7 @@ def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) 
             rest = with_findings(declared, excluding(kept, finding))
             if paths_of(rest) != paths_of(with_findings(declared, kept)):
                 candidate = tuned(finding.candidate, rest, part)
-                columns = columns_of(candidate, declared)
-                kept[place] = replace(finding, candidate=candidate, columns=columns)
+                kept[place] = finding.with_candidate(candidate, declared)
         kept = exchange(declared, kept, part, latest=True)
     return kept
 
@@ -167,7 +165,7 @@ def _retuned(
     for path, own in zip(paths, weights, strict=True):
         changed = [retuned(finding.candidate, path, own) for finding in kept]
         kept = [
-            f if c is f.candidate else replace(f, candidate=c, columns=columns_of(c, design))
+            f if c is f.candidate else f.with_candidate(c, design)
             for f, c in zip(kept, changed, strict=True)
         ]
     return kept

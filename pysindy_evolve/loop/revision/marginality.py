@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ...terms import Call, Sum
+from ...terms import Call, Sum, of_term
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import standing
+from ..effects.names import ASYMMETRIC_FRICTION, NONLINEAR_DAMPING
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, score
 from ..given.design import Design
@@ -21,7 +22,7 @@ from ..given.segments import Segments
 
 __all__ = ["without_parents"]
 
-ALONE = {"asymmetric Coulomb friction": "nonlinear damping"}  # names where no parent stands
+ALONE = {ASYMMETRIC_FRICTION: NONLINEAR_DAMPING}  # names where no parent stands
 
 
 def without_parents(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
@@ -78,7 +79,7 @@ def _is_sign(expression: Sum) -> bool:
 
 def _parents_of(child: Finding, findings: Sequence[Finding], declared: Design) -> list[Finding]:
     """Return the parents that are not declared, if all were found in the derivative."""
-    there = {Sum(((1.0, term),)) for term in declared.terms_of(child.candidate.state)}
+    there = {of_term(term) for term in declared.terms_of(child.candidate.state)}
     wanted = set(child.candidate.parents) - there
     found = [
         f

@@ -79,8 +79,8 @@ def _moved_by_noise(drift: Drift, inputs: frozenset[int], rng: np.random.Generat
     """Return by how much noise on inputs moves the runs of a model, (n_stretches, n, n_states)."""
     trial, part = drift.trial, drift.trial.part
     errors = [_error(record, rng, inputs) for record in drift.records]
-    z, length = part.z.copy(), part.z.shape[1]
-    z[:, :, part.n_states : -1] += [errors[i][start : start + length] for i, start in part.places]
+    z = part.z.copy()
+    z[:, :, part.n_states : -1] += part.cut(errors)
     (noisy,) = runs_of([replace(trial, part=replace(part, z=z))])
     return np.asarray(part.shown(noisy.x) - trial.shown)
 

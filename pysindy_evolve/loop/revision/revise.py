@@ -12,7 +12,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.stops import begun_at_same
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
-from ..evidence.scoring import LEAD, MARGIN, PRICE, columns_of, score, tuned
+from ..evidence.scoring import LEAD, MARGIN, PRICE, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 from .marginality import without_parents
@@ -37,7 +37,7 @@ def exchange(
             continue
         design = with_columns(declared, rest)
         others = candidates(design, part.ranges)
-        allowed = [c for c in others if finding.candidate.name not in c.refines]
+        allowed = [c for c in others if finding.candidate.name not in c.must_beat]
         options = dict.fromkeys([*allowed, finding.candidate])
         scores = score(design, part, list(options), pairs=False)
         own = next((s for s in scores if s.group == (finding.candidate,)), None)
@@ -47,12 +47,8 @@ def exchange(
         least = PRICE if finding.candidate.is_straight else MARGIN  # what bends must do much better
         least += LEAD * max(better.n_columns - n_own, 0)  # and what has more coefficients
         if scores[0].value > own.value + least:
-            findings[place] = replace(
-                finding,
-                candidate=better,
-                columns=columns_of(better, design),
-                score=scores[0].value,
-            )
+            there = finding.with_candidate(better, design)
+            findings[place] = replace(there, score=scores[0].value)
     return findings
 
 
@@ -84,10 +80,12 @@ def _in_place_of(
     ):
         return None
     design = with_columns(declared, rest)
-    own = [c for c in pair if not c.whole]
+    own = [c for c in pair if not c.contains_parents]
     # What refines an effect has to pass a test of its own, and a stop has a place besides.
     offered = candidates(design, part.ranges)
-    others = [c for c in offered if not (c.refines or (c.whole and c.shape is not None))]
+    others = [
+        c for c in offered if not (c.must_beat or (c.contains_parents and c.shape is not None))
+    ]
     mirrors = [tuned(there, design, part) for c in pair for there in begun_at_same(c)]
     options = [*mirrors, *(c for c in others if c not in own)]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
@@ -104,13 +102,9 @@ def _in_place_of(
     least = PRICE if any(candidate.terms == there.terms for there in mirrors) else MARGIN
     if best.value < both - least:
         return None
-    return replace(
-        max(first, second, key=lambda f: f.p_value),
-        candidate=candidate,
-        columns=columns_of(candidate, design),
-        score=best.value,
-        step=min(first.step, second.step),
-    )
+    weaker = max(first, second, key=lambda f: f.p_value)
+    one = weaker.with_candidate(candidate, design)
+    return replace(one, score=best.value, step=min(first.step, second.step))
 
 
 def _is_single(

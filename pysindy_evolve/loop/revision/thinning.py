@@ -13,10 +13,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects.candidate import EVOLVED
+from ..effects.names import EVOLVED, HYSTERESIS
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, columns_of, tuned
+from ..evidence.scoring import MARGIN, tuned
 from ..evidence.spectral import spectral_grams
 from ..evidence.trace import fold_errors
 from ..given.design import Design
@@ -24,7 +24,7 @@ from ..given.segments import Segments
 
 __all__ = ["thinned"]
 
-FILLS_GAPS = (EVOLVED, "hysteresis")
+FILLS_GAPS = (EVOLVED, HYSTERESIS)
 
 
 def thinned(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
@@ -78,7 +78,7 @@ def _without(
     design = with_columns(declared, rest)
     alone = replace(grown.candidate, parents=(), shape=shape)
     there = replace(grown.candidate, terms=tuned(alone, design, part).terms)
-    other = replace(grown, candidate=there, columns=columns_of(there, design))
+    other = grown.with_candidate(there, design)
     loss = _loss(design, [*dropped, grown], [other], part)
     if loss >= MARGIN * len(dropped):
         return []

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...signals.holds import HALF
+from ...signals.zero_order_hold import HALF
 from ..evidence.findings import Finding, MemoryFinding, excluding, with_findings
 from ..evidence.offers import awaited
 from ..given.held import held_where_it_may_be
 from ..memories.chains import Traded
-from ..memories.holds import (
+from ..memories.hold_or_memory import (
     free_to_be_held,
     hold_beside_another,
     holds_alone,
@@ -35,7 +35,7 @@ def take_holds(search: Search) -> bool:
     """
     if search.declared.algebraic:
         return False
-    late = holds_alone(search.design, search.part) or _hidden_holds(search)
+    late = holds_alone(search.design, search.corrected_pieces) or _hidden_holds(search)
     if late:
         search.take_as_held(late, held_where_it_may_be)
     return bool(late)
@@ -59,7 +59,9 @@ def without_holds(search: Search, found: list[Finding]) -> list[Finding]:
     left = []
     for finding in found:
         if isinstance(finding, MemoryFinding) and not isinstance(finding.memory, Traded):
-            late, memory = memory_beside_hold(finding.memory, search.design, search.part)
+            late, memory = memory_beside_hold(
+                finding.memory, search.design, search.corrected_pieces
+            )
             if late > 0.0:
                 search.take_as_held({finding.memory.column: late}, held_where_it_may_be)
             if memory is None:
@@ -71,15 +73,15 @@ def without_holds(search: Search, found: list[Finding]) -> list[Finding]:
 
 def _hidden_holds(search: Search) -> dict[int, float]:
     """Return holds that show beside another effect than one that was found, or one more."""
-    columns = free_to_be_held(search.part.records)
+    columns = free_to_be_held(search.corrected_pieces.records)
     if not columns:
         return {}
     found = [finding for finding in search.findings if finding.columns]
     left = [search.findings, *(excluding(search.findings, one) for one in found)]
     designs = [with_findings(search.declared, findings) for findings in left]
-    part, late = in_pieces(search.part), {}
+    part, late = in_pieces(search.corrected_pieces), {}
     for column in columns:
-        part_held = awaited(search.design, search.part_with(search.findings, {column: HALF}))
+        part_held = awaited(search.design, search.pieces_with(search.findings, {column: HALF}))
         held = in_pieces(part_held)
         if any(hold_beside_another(column, design, part, held) for design in designs):
             late[column] = HALF

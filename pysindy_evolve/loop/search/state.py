@@ -10,7 +10,7 @@ import numpy as np
 from ...hidden_states.memory import remembered
 from ...operators import Operator
 from ...signals import Record
-from ...signals.holds import acting_through, hold
+from ...signals.zero_order_hold import acting_through, hold
 from ..effects.candidate import Candidate
 from ..evidence.findings import (
     Finding,
@@ -32,8 +32,8 @@ from ..given.limits import off_limits
 from ..given.rules import Rules
 from ..given.segments import Segments
 from ..given.through import with_functions
-from ..growth.grower import TermGrower
 from ..growth.naming import small_candidates
+from ..growth.term_grower import TermGrower
 from ..revision.revise import prune
 
 __all__ = ["Holding", "Search"]
@@ -46,14 +46,14 @@ NOTHING: Mapping[int, float] = {}
 class Search:
     """What a search has found so far, also if it is interrupted.
 
-    Runs are compared with the `plain` records, derivatives with the `wide` ones, whose cutoff is
-    higher and of which `whole` are the pieces. `part` and `grower` are what these become with the
-    memories and limits that were found.
+    Runs are compared with `records`, derivatives with `wide_records`, whose cutoff is higher and of
+    which `pieces` are the pieces. `corrected_pieces` are these with the memories and limits that
+    were found; `grower` grows terms on them.
     """
 
     declared: Design
-    plain: Sequence[Record]
-    whole: Segments
+    records: Sequence[Record]
+    pieces: Segments
     rules: Rules
     operators: Sequence[Operator]
     rng: np.random.Generator
@@ -62,7 +62,7 @@ class Search:
     rejected: Rejected | None = None  # the last one
     chance_left: float = 1.0  # that what is left only seems to depend on what was measured
     relaxing: bool = True  # whether to look for relaxations, and springs that remember
-    part: Segments = field(init=False)
+    corrected_pieces: Segments = field(init=False)
     grower: TermGrower = field(init=False)
 
     def __post_init__(self) -> None:
@@ -70,9 +70,9 @@ class Search:
         self.look_through(self.findings)
 
     @property
-    def wide(self) -> tuple[Record, ...]:
+    def wide_records(self) -> tuple[Record, ...]:
         """The records without memories whose derivatives are looked at."""
-        return self.whole.records
+        return self.pieces.records
 
     @property
     def verdict(self) -> str:
@@ -86,7 +86,7 @@ class Search:
     @property
     def held(self) -> Mapping[int, float]:
         """Inputs that are held between their samples, and by how many of them each is late."""
-        return held_inputs(self.plain)
+        return held_inputs(self.records)
 
     @property
     def design(self) -> Design:
@@ -111,7 +111,7 @@ class Search:
     @property
     def runs_tell_more(self) -> bool:
         """Whether there are free runs that nothing was compared with yet, as trajectories are."""
-        return not self.declared.algebraic and not self.whole.by_trajectory
+        return not self.declared.algebraic and not self.pieces.by_trajectory
 
     def numbered(self, found: Sequence[Finding]) -> list[Finding]:
         """Return what was found in one step, after all that was found before."""
@@ -120,32 +120,36 @@ class Search:
 
     def small_terms(self) -> list[Candidate]:
         """Return small terms without a name that could still enter."""
-        return small_candidates(self.design, self.part, self.operators)
+        return small_candidates(self.design, self.corrected_pieces, self.operators)
 
     def look_through(self, findings: Sequence[Finding]) -> None:
         """Look at the records as they are with the memories and limits among the findings."""
-        self.part = self.part_with(findings)
-        self.grower = TermGrower(self.declared, self.part, self.rules, self.operators, self.rng)
+        self.corrected_pieces = self.pieces_with(findings)
+        self.grower = TermGrower(
+            self.declared, self.corrected_pieces, self.rules, self.operators, self.rng
+        )
         self.wait(findings)
 
-    def part_with(
+    def pieces_with(
         self, findings: Sequence[Finding], late: Mapping[int, float] = NOTHING
     ) -> Segments:
         """Return the pieces as they are with memories and limits, and inputs that may be held."""
         memories, limits = memories_in(findings), limits_in(findings)
-        held = [held_where_it_may_be(record, late) for record in self.wide]
-        part = self.whole.of([remembered(record, memories) for record in held])
+        held = [held_where_it_may_be(record, late) for record in self.wide_records]
+        part = self.pieces.of([remembered(record, memories) for record in held])
         return off_limits(part, limits) if findings else part
 
     def wait(self, findings: Sequence[Finding]) -> None:
         """Look at records only where each relaxation knows where it is."""
-        self.part = awaited(with_findings(self.declared, findings), self.part)
-        self.grower.look(self.part)
+        self.corrected_pieces = awaited(
+            with_findings(self.declared, findings), self.corrected_pieces
+        )
+        self.grower.look(self.corrected_pieces)
 
     def take_as_held(self, late: Mapping[int, float], holding: Holding) -> None:
         """Take inputs as held between samples, each late by so many of them."""
-        self.plain = [holding(record, late) for record in self.plain]
-        self.whole = self.whole.of([holding(record, late) for record in self.wide])
+        self.records = [holding(record, late) for record in self.records]
+        self.pieces = self.pieces.of([holding(record, late) for record in self.wide_records])
         self.look_through(self.findings)
 
     def takes_functions(self) -> bool:
@@ -157,21 +161,23 @@ class Search:
         input has a hidden state, such as a lag, as what comes first is not known then.
         """
         acting = self._through_what_was_found()
-        if len(acting[0].through) == len(self.plain[0].through):
+        if len(acting[0].through) == len(self.records[0].through):
             return False
-        self.plain, through = acting, acting[0].through
-        self.whole = self.whole.of([acting_through(record, through) for record in self.wide])
+        self.records, through = acting, acting[0].through
+        self.pieces = self.pieces.of(
+            [acting_through(record, through) for record in self.wide_records]
+        )
         self.forget()
         return True
 
     def _through_what_was_found(self) -> Sequence[Record]:
         """Return the records with inputs that act through functions among the findings."""
-        acting, taken = self.plain, list[Finding]()
+        acting, taken = self.records, list[Finding]()
         if any(memory.has_state for memory in memories_in(self.findings)):
             return acting
         for finding in self.findings:
             design = with_findings(self.declared, [*taken, finding])
-            tried = with_functions(design, self.plain)
+            tried = with_functions(design, self.records)
             if len(tried[0].through) > len(acting[0].through):
                 acting, taken = tried, [*taken, finding]
         return acting
@@ -183,7 +189,9 @@ class Search:
 
     def judge_rest(self) -> None:
         """Ask whether what is left depends on what was measured."""
-        self.chance_left = structure_chance(self.design, self.part, self.rules, self.rng)
+        self.chance_left = structure_chance(
+            self.design, self.corrected_pieces, self.rules, self.rng
+        )
 
     def withdraw(self, place: int) -> None:
         """Take a finding back, and look at what is left without it and with what it outdid."""
@@ -193,12 +201,12 @@ class Search:
         left = [*excluding(self.findings, gone), *back]
         self.look_through(left)
         # What comes back may be as superfluous as before, if another one than this outdid it.
-        self.findings = prune(self.declared, left, self.part) if back else left
+        self.findings = prune(self.declared, left, self.corrected_pieces) if back else left
         self.judge_rest()
 
     def hold_instead(self) -> None:
         """Take inputs as held between samples instead of late, which was all that was found."""
         memories, self.findings = memories_in(self.findings), []
-        step = self.plain[0].raw_dt
+        step = self.records[0].raw_dt
         self.take_as_held({one.column: one.values[0] / step for one in memories}, hold)
         self.judge_rest()

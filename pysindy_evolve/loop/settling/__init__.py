@@ -1,10 +1,10 @@
 """The end of the loop: what was found is named, fitted for good, and withdrawn where it must be.
 
-`order.py` is where to begin.
+`settle.py` is where to begin.
 
 ===============  =======================================================================
 in order
-order            calls the files below; repeats until no effect is withdrawn
+settle           calls the files below; repeats until no effect is withdrawn
 named rightly
 contest          what could replace each effect, and which of these is named
 refuted          alternatives that free runs rule out

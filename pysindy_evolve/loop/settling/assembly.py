@@ -17,7 +17,7 @@ from ...signals import Record
 from ...terms import Sum, mul
 from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT, entered
-from ..effects.inertia import INERTIA
+from ..effects.names import INERTIA
 from ..evidence.findings import (
     Finding,
     LimitFinding,

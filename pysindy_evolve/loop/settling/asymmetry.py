@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ..effects.names import ASYMMETRIC_FRICTION, CONSTANT_OFFSET, COULOMB_FRICTION
 from ..evidence.findings import Finding
 
 __all__ = ["with_asymmetry"]
-
-FRICTION, OFFSET, BOTH = "Coulomb friction", "constant offset", "asymmetric Coulomb friction"
 
 
 def with_asymmetry(findings: Sequence[Finding]) -> list[Finding]:
@@ -30,12 +29,12 @@ def with_asymmetry(findings: Sequence[Finding]) -> list[Finding]:
     """
     states = {
         name: {f.candidate.state for f in findings if f.candidate.name == name}
-        for name in (FRICTION, OFFSET, BOTH)
+        for name in (COULOMB_FRICTION, CONSTANT_OFFSET, ASYMMETRIC_FRICTION)
     }
-    there = (states[FRICTION] & states[OFFSET]) - states[BOTH]
+    there = (states[COULOMB_FRICTION] & states[CONSTANT_OFFSET]) - states[ASYMMETRIC_FRICTION]
     return [
-        replace(f, together=(BOTH,))
-        if f.candidate.state in there and f.candidate.name in (FRICTION, OFFSET)
+        replace(f, together=(ASYMMETRIC_FRICTION,))
+        if f.candidate.state in there and f.candidate.name in (COULOMB_FRICTION, CONSTANT_OFFSET)
         else f
         for f in findings
     ]

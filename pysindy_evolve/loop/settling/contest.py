@@ -10,7 +10,6 @@ import numpy as np
 from ..effects.candidate import OFFSET, Candidate
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.rivals import Rival, rivals_of
-from ..evidence.scoring import columns_of
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -55,10 +54,9 @@ def plainer(finding: Finding, design: Design, significance: float) -> Finding:
     happened to move together, so either is named only where it has to be. A constant takes no
     place: it absorbs a part of whatever there is.
     """
-    time = len(design.states) + len(design.inputs)
 
     def burden(candidate: Candidate) -> tuple[bool, int]:
-        return time in candidate.variables, len(candidate.variables)
+        return design.time in candidate.variables, len(candidate.variables)
 
     likely = [r for r in finding.rivals if r.p_value > significance]
     bending = [r for r in likely if OFFSET not in r.candidate.terms]
@@ -67,5 +65,4 @@ def plainer(finding: Finding, design: Design, significance: float) -> Finding:
         return finding
     best = min(able, key=lambda rival: (burden(rival.candidate), -rival.p_value))
     rivals = (Rival(finding.candidate, 1.0), *(r for r in finding.rivals if r is not best))
-    columns = columns_of(best.candidate, design)
-    return replace(finding, candidate=best.candidate, columns=columns, rivals=rivals)
+    return replace(finding.with_candidate(best.candidate, design), rivals=rivals)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...equations import Equations
 from ..effects.candidate import Candidate
+from ..effects.names import DEAD_ZONE, SATURATION
 from ..effects.stops import ends_of
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import quick_fit
@@ -43,14 +44,14 @@ def told_by_slopes(declared: Design, findings: Sequence[Finding], part: Segments
     told = []
     for finding in findings:
         candidate = finding.candidate
-        if candidate.name == "saturation" and candidate.shape is not None and finding.columns:
+        if candidate.name == SATURATION and candidate.shape is not None and finding.columns:
             equations = quick_fit(with_findings(declared, findings), part)
             inside, outside = _slopes(candidate, ends_of(candidate.shape), equations, part)
             if abs(inside) < MOST_LEFT * abs(outside):
                 alone = len(candidate.shape.values) == 1
                 meanings = ("half width",) if alone else candidate.shape.meanings
                 shape = replace(candidate.shape, meanings=meanings)
-                zone = replace(candidate, name="dead zone", shape=shape)
+                zone = replace(candidate, name=DEAD_ZONE, shape=shape)
                 finding = replace(finding, candidate=zone)
         told.append(finding)
     return told

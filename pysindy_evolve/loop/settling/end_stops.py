@@ -7,7 +7,6 @@ Of the two, the stop is the one beyond which the force is steeper.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import fitted
 from ..effects.stops import begun_at_same, is_stop
 from ..evidence.findings import Finding, with_findings
-from ..evidence.scoring import columns_of, quick_fit
+from ..evidence.scoring import quick_fit
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -54,7 +53,7 @@ def _on_steep_side(
     if not _is_open(candidate, whole) or _is_on_steep_side(candidate, end, whole, part):
         return finding
     (other,) = begun_at_same(candidate)
-    return replace(finding, candidate=other, columns=columns_of(other, whole))
+    return finding.with_candidate(other, whole)
 
 
 def _is_open(candidate: Candidate, design: Design) -> bool:

@@ -9,13 +9,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...terms import Variable
-from ..effects.candidate import EVOLVED, Candidate
+from ..effects.candidate import Candidate
+from ..effects.names import COUPLING, EVOLVED
 from ..evidence.findings import Finding
 from ..given.design import Design
 
 __all__ = ["with_products_named"]
-
-COUPLING = "coupling"
 
 
 def with_products_named(design: Design, findings: Sequence[Finding]) -> list[Finding]:

@@ -20,7 +20,7 @@ from ..fitting.residual import MAX_GROWTH, jacobian, respond
 from ..fitting.runs import simulation_errors
 from ..given.segments import segments
 
-__all__ = ["LOST", "free_of", "last_runaway"]
+__all__ = ["LOST", "last_free", "last_runaway"]
 
 CLOSE = 20.0  # percent NRMSE: a run that misses no more follows its record all along
 FOLLOWS = 50.0  # percent NRMSE: a run that misses no more follows its record ...
@@ -54,26 +54,29 @@ def last_runaway(
         None if the runs hold, or if deviations grow along a record that no run followed closely. A
         run that followed its record without the effects, and is lost with them, does not hold.
     """
-    free = free_of(findings)
-    if not free or declared.n_algebraic:  # nothing runs
+    last = last_free(findings, declared)
+    if last is None:
         return None
     for record in records:
         before, after = (simulation_errors(e, [record]).max() for e in (declared, corrected))
         if before < CLOSE and after > LOST:  # the machine itself is stable then
-            return free[-1]
+            return last
         if _is_lost(before, after):
-            return None if _is_unstable(corrected, record) else free[-1]
+            return None if _is_unstable(corrected, record) else last
     return None
 
 
-def free_of(findings: Sequence[Finding]) -> list[Finding]:
-    """Return what changes an equation, and may go by itself."""
-    return [
+def last_free(findings: Sequence[Finding], declared: Equations) -> Finding | None:
+    """Return the last that changes an equation, and may go by itself; None where nothing runs."""
+    if declared.n_algebraic:
+        return None
+    free = (
         one
-        for one in findings
+        for one in reversed(findings)
         if not isinstance(one, SensorFinding)  # which changes no equation
         and not is_needed(one, excluding(findings, one))
-    ]
+    )
+    return next(free, None)
 
 
 def _is_lost(before: float, after: float) -> bool:

@@ -61,7 +61,7 @@ def last_untransferred(
         rest = excluding(findings, finding)
         if is_needed(finding, rest) or not set(finding.columns) <= set(design.columns):
             continue
-        if _is_of_time(finding, design) and _differs(finding, design, part, records):
+        if _is_of_time_alone(finding, design) and _differs(finding, design, part, records):
             return finding
         without = with_findings(declared, rest)
         remembers = len(without.paths) < len(design.paths)
@@ -72,11 +72,11 @@ def last_untransferred(
     return None
 
 
-def _is_of_time(finding: Finding, design: Design) -> bool:
+def _is_of_time_alone(finding: Finding, design: Design) -> bool:
     """Tell whether nothing that was measured acts in an effect."""
     if isinstance(finding, MemoryFinding | SensorFinding):
         return False
-    return finding.candidate.variables <= {len(design.states) + len(design.inputs)}
+    return finding.candidate.variables <= {design.time}
 
 
 def _differs(finding: Finding, design: Design, part: Segments, records: np.ndarray) -> bool:

@@ -56,7 +56,7 @@ def last_wandering(
     Finding or None
     """
     for finding, effect in reversed(list(zip(findings, effects, strict=True))):
-        if not _is_of_time(finding, records[0]) or is_needed(finding, excluding(findings, finding)):
+        if not _uses_time(finding, records[0]) or is_needed(finding, excluding(findings, finding)):
             continue
         pieces = [_pieces(finding, effect.coefficients, corrected, record) for record in records]
         if all(map(_is_slow, pieces)) and _chance_of_walk(pieces) > significance:
@@ -64,7 +64,7 @@ def last_wandering(
     return None
 
 
-def _is_of_time(finding: Finding, record: Record) -> bool:
+def _uses_time(finding: Finding, record: Record) -> bool:
     """Tell whether an effect is a term that the time is in."""
     time, candidate = record.n_states + record.n_inputs, finding.candidate
     return bool(finding.columns) and time in candidate.variables and not candidate.is_exchange

@@ -17,7 +17,7 @@ from ..evidence.findings import Finding
 from ..fitting.past import missed_on
 from ..fitting.runs import simulation_errors
 from ..given.rows import scale_of
-from .runaway import LOST, free_of
+from .runaway import LOST, last_free
 
 __all__ = ["last_worsened"]
 
@@ -46,12 +46,12 @@ def last_worsened(
     Finding or None
         None where the derivative is closer with the effects, or the run over any record is.
     """
-    free = free_of(findings)
-    if not free or declared.n_algebraic:
+    last = last_free(findings, declared)
+    if last is None:
         return None
     if not _left(corrected, records) > _left(declared, records):  # nor where one has no value
         return None
-    return None if any(_runs_closer(declared, corrected, one) for one in records) else free[-1]
+    return None if any(_runs_closer(declared, corrected, one) for one in records) else last
 
 
 def _runs_closer(declared: Equations, corrected: Equations, record: Record) -> bool:

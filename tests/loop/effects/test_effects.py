@@ -8,7 +8,7 @@ import pytest
 from pysindy_evolve import DeclaredModel
 from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates, standing
-from pysindy_evolve.loop.effects.vocabulary import VOCABULARY
+from pysindy_evolve.loop.effects.names import VOCABULARY
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import mul, sub, variable
@@ -230,7 +230,9 @@ def test_what_stands_inside_a_sine_is_an_angle_and_acts_on_other_angles_by_their
     found = {
         (c.state, c.terms[0].name(("a", "p", "y", "t")))
         for c in proposed(DeclaredModel(rotors).design())
-        if c.name == "coupling" and not c.alone and "sin" in c.terms[0].name(("a", "p", "y", "t"))
+        if c.name == "coupling"
+        and not c.never_paired
+        and "sin" in c.terms[0].name(("a", "p", "y", "t"))
     }
     assert len(found) == 2 * 1  # the sine of twice the difference in both equations
     assert {state for state, _ in found} == {0, 1}
@@ -244,7 +246,7 @@ def _waves(candidate):
 
 def test_a_difference_is_one_of_like_states():
     sides = {"q": "v", "v": "-k*(q - i) + b*F", "i": "-k*(i - q) + F"}
-    found = [c for c in proposed(design_of(sides)) if c.name == "coupling" and not c.alone]
+    found = [c for c in proposed(design_of(sides)) if c.name == "coupling" and not c.never_paired]
     differences = {(c.state, c.terms[0].variables) for c in found if len(c.terms[0].parts) == 2}
     assert not differences  # neither a position nor a velocity is a current
 

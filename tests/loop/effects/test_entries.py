@@ -49,7 +49,7 @@ def test_a_friction_of_the_cart_is_one_force_in_its_equation_and_in_that_of_the_
     ranges = Ranges.of(np.random.default_rng(0).normal(size=(50, 6)))
     offered = candidates(CART.design(), ranges)
     groups = groups_to_try(offered, range(len(offered)), set(), pairs=True)
-    forces = [[offered[i] for i in g] for g in groups if len(g) == 2 and offered[g[0]].force]
+    forces = [[offered[i] for i in g] for g in groups if len(g) == 2 and offered[g[0]].acts_at]
     assert all(one.name == other.name and one.state != other.state for one, other in forces)
     assert {"Coulomb friction"} <= {one.name for one, _ in forces}
 

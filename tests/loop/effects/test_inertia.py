@@ -6,8 +6,9 @@ from loop_systems import equations_of, measured
 
 import pysindy_evolve as pse
 from pysindy_evolve.export.fractions import as_fractions
-from pysindy_evolve.loop.effects.inertia import INERTIA, inertia_candidate, inertias
+from pysindy_evolve.loop.effects.inertia import inertia_candidate, inertias
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.effects.names import INERTIA
 from pysindy_evolve.loop.evidence.scoring import columns_of, takes_energy
 from pysindy_evolve.loop.given.inertia import InertiaWave, over_inertia
 from pysindy_evolve.loop.given.ranges import Ranges

@@ -7,12 +7,8 @@ from loop_systems import equations_of, multisine
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.modulation import pumping
-from pysindy_evolve.loop.effects.periodic import (
-    FORCING,
-    lines_of,
-    periodic_candidates,
-    ripple_candidates,
-)
+from pysindy_evolve.loop.effects.names import FORCING
+from pysindy_evolve.loop.effects.periodic import lines_of, periodic_candidates, ripple_candidates
 from pysindy_evolve.loop.effects.pumps import other_pumps, partner_pumps
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.terms import mul, variable

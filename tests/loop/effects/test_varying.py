@@ -9,7 +9,7 @@ from loop_systems import equations_of
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET
 from pysindy_evolve.loop.effects.missing import candidates
-from pysindy_evolve.loop.effects.varying import SATURATING
+from pysindy_evolve.loop.effects.names import SATURATING
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import sub, variable
 
@@ -20,7 +20,7 @@ def varying_in(sides, inputs):
     design = pse.DeclaredModel(sides, inputs=inputs).design()
     names = (*design.states, *design.inputs, "t")
     offered = candidates(design, Ranges.about_zero(np.full(len(names), 3.0)))
-    return {(c.state, c.terms[0].name(names)): c for c in offered if c.alone and c.parents}
+    return {(c.state, c.terms[0].name(names)): c for c in offered if c.never_paired and c.parents}
 
 
 def test_each_term_may_change_with_each_state_and_input_and_needs_the_term_beside_it():
@@ -28,7 +28,7 @@ def test_each_term_may_change_with_each_state_and_input_and_needs_the_term_besid
     assert {name for state, name in found if state == 0} == {"T u", "u Ta"}
     by_temperature = found[0, "T u"]
     assert by_temperature.parents == (OFFSET, variable(2))
-    assert by_temperature.alone
+    assert by_temperature.never_paired
 
 
 def test_the_product_of_a_state_and_an_input_keeps_the_name_it_has():

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from pysindy_evolve.loop.effects.candidate import EVOLVED, OFFSET, Candidate
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
+from pysindy_evolve.loop.effects.names import EVOLVED
 from pysindy_evolve.loop.evidence.pairing import groups_to_try, posing_as_offset
 from pysindy_evolve.terms import variable
 
@@ -37,7 +38,7 @@ def test_two_shapes_of_one_name_are_no_pair_unless_they_grew():
 def test_one_force_in_two_equations_is_a_pair_though_each_is_scored_in_no_other():
     friction, offset = (0, (X,)), (0, (OFFSET,))
     offered = [
-        Candidate("friction", state, (term,), alone=True, force=force)
+        Candidate("friction", state, (term,), never_paired=True, acts_at=force)
         for state, term, force in (
             (0, X, friction), (1, Y, friction), (0, Z, offset), (0, Y, friction)
         )

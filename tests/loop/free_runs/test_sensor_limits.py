@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from loop_systems import DT, equations_of, multisine
-from test_named import DT as SLOW
-from test_named import FINE, TANK, found_in, inflow
+from test_named_effects import DT as SLOW
+from test_named_effects import FINE, TANK, found_in, inflow
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.evidence.findings import LimitFinding

@@ -9,7 +9,7 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.growth.climbing import climbed
-from pysindy_evolve.loop.growth.grow import OPERATORS
+from pysindy_evolve.loop.growth.genetic_search import OPERATORS
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.terms import call, constant, mul, power, variable
 

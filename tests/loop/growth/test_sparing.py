@@ -8,7 +8,7 @@ from pysindy_evolve.loop.evidence.ranking import Score
 from pysindy_evolve.loop.evidence.scoring import PRICE, net
 from pysindy_evolve.loop.growth.naming import named, sparing
 from pysindy_evolve.operators import BUILTIN
-from pysindy_evolve.terms import Sum, call, constant, mul, power, variable
+from pysindy_evolve.terms import call, constant, mul, of_term, power, variable
 
 HEIGHT, TILT, THRUST = map(variable, range(3))
 
@@ -28,9 +28,9 @@ LIFT = product(THRUST, call(BUILTIN["cos"], TILT))  # four nodes
 @pytest.mark.parametrize(
     ("term", "spared"),
     [
-        (product(Sum(((1.0, LIFT),)), power(HEIGHT, -2)), 3),
-        (product(Sum(((1.0, LIFT),)), THRUST), 2),  # its square of the thrust is two nodes
-        (product(call(BUILTIN["tanh"], Sum(((1.0, LIFT),))), HEIGHT), 3),
+        (product(of_term(LIFT), power(HEIGHT, -2)), 3),
+        (product(of_term(LIFT), THRUST), 2),  # its square of the thrust is two nodes
+        (product(call(BUILTIN["tanh"], of_term(LIFT)), HEIGHT), 3),
         (LIFT, 3),
         (product(THRUST, power(HEIGHT, -2)), 0),  # a part of it only
         (product(THRUST, call(BUILTIN["sin"], TILT)), 0),
@@ -42,7 +42,7 @@ def test_what_is_held_whole_is_one_node(term, spared):
 
 
 def test_of_several_declared_terms_the_one_counts_that_spares_most():
-    term = product(Sum(((1.0, LIFT),)), power(HEIGHT, 2))
+    term = product(of_term(LIFT), power(HEIGHT, 2))
     assert sparing(term, [product(power(HEIGHT, 2))]) == 1
     assert sparing(term, [product(power(HEIGHT, 2)), LIFT]) == 3
     assert sparing(term, []) == 0
@@ -50,7 +50,7 @@ def test_of_several_declared_terms_the_one_counts_that_spares_most():
 
 def test_spared_nodes_have_no_price():
     rows = np.random.default_rng(0).uniform(0.5, 1.5, (50, 3))
-    term = product(Sum(((1.0, LIFT),)), power(HEIGHT, -2))
+    term = product(of_term(LIFT), power(HEIGHT, -2))
     dear, cheap = (
         named(term, 1, [], rows, np.ones(4, dtype=bool), declared) for declared in ([], [LIFT])
     )

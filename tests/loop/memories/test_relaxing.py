@@ -282,7 +282,7 @@ def test_relaxation_is_scored_in_no_pair():
     proposed = [offset, drag, *relaxed_ways(1, 0, record)]
     groups = [s.group for s in score(design, segments([record], (1,)), proposed)]
     assert (offset, drag) in groups
-    assert all(len(group) == 1 for group in groups if group[0].alone)
+    assert all(len(group) == 1 for group in groups if group[0].never_paired)
 
 
 def test_what_is_remembered_must_lead_late_inputs():

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.candidate import EVOLVED, Candidate
+from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.effects.names import EVOLVED
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.revision.noise_in_runs import without_noise_in_runs

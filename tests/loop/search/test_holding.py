@@ -17,11 +17,11 @@ def test_a_hold_that_no_effect_was_found_beside_is_taken(is_held):
     record, taken = regulated(is_held, 8), {}
     design = pse.DeclaredModel({"q": "v", "v": "b*M"}, inputs=["M"]).design()
 
-    def part_with(findings, late):
+    def pieces_with(findings, late):
         return segments([held_where_it_may_be(record, late)])
 
-    search = SimpleNamespace(declared=design, design=design, findings=[], part_with=part_with)
-    search.part = segments([record])
+    search = SimpleNamespace(declared=design, design=design, findings=[], pieces_with=pieces_with)
+    search.corrected_pieces = segments([record])
     search.take_as_held = lambda late, holding: taken.update(late)
     assert take_holds(search) is is_held
     assert taken == ({0: 0.5} if is_held else {})

@@ -17,7 +17,7 @@ def test_what_a_withdrawn_finding_outdid_comes_back_if_it_is_needed(monkeypatch,
     """A hysteresis took the place of friction; when it fell, the model was called complete."""
     other, hysteresis, friction, elsewhere = finding(0), finding(1), finding(1), finding(0)
     search = SimpleNamespace(findings=[other, hysteresis], outdone=[friction, elsewhere])
-    search.declared = search.part = None
+    search.declared = search.corrected_pieces = None
     search.look_through = lambda findings: setattr(search, "seen_with", findings)
     search.judge_rest = lambda: None
     monkeypatch.setattr(state, "prune", lambda _, found, __: found if is_needed else found[:1])

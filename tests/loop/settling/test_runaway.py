@@ -14,8 +14,8 @@ from pysindy_evolve.loop.given.limits import Limit
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.search.state import Search
-from pysindy_evolve.loop.settling.order import settled
 from pysindy_evolve.loop.settling.runaway import last_runaway
+from pysindy_evolve.loop.settling.settle import settled
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
 

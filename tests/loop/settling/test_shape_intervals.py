@@ -37,7 +37,9 @@ def reported(model, record, name, values, states=(1,)):
     offered = candidates(declared, part.ranges)
     findings = []
     for state in states:
-        of_name = [c for c in offered if (c.name, c.state, c.whole) == (name, state, False)]
+        of_name = [
+            c for c in offered if (c.name, c.state, c.contains_parents) == (name, state, False)
+        ]
         found = of_name[-1].at(values)  # the last is between two bodies, if there are two
         columns = columns_of(found, declared)
         findings.append(Finding(found, columns, 1.0, 0.016, np.zeros(60), step=1))

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...hidden_states.memory import DELAY, Memory
 from ...signals import Record
-from ...signals.holds import HALF
+from ...signals.zero_order_hold import HALF
 from ..effects.candidate import Candidate
 from ..evidence.scoring import LEAD, MARGIN, propose, quick_fit, score
 from ..given.design import Design

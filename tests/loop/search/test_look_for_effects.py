@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pysindy_evolve.loop.search import order
+from pysindy_evolve.loop.search import look_for_effects as in_order
 
 
 class Interrupted(SimpleNamespace):
@@ -28,9 +28,9 @@ def test_an_interrupt_of_the_second_search_loses_nothing(monkeypatch, found_agai
             search.findings = found_again
             raise KeyboardInterrupt("Ctrl-C")
 
-    monkeypatch.setattr(order, "_look", look)
+    monkeypatch.setattr(in_order, "_look", look)
     with pytest.raises(KeyboardInterrupt, match="Ctrl-C"):
-        order.look_for_effects(search)
+        in_order.look_for_effects(search)
     assert search.findings == left
 
 
@@ -45,8 +45,8 @@ def test_holds_that_show_in_the_end_begin_the_search_again(monkeypatch, found, s
         search.looks += 1
         search.findings = found
 
-    monkeypatch.setattr(order, "_look", look)
-    monkeypatch.setattr(order, "take_holds", lambda search: shows)
-    order.look_for_effects(search)
+    monkeypatch.setattr(in_order, "_look", look)
+    monkeypatch.setattr(in_order, "take_holds", lambda search: shows)
+    in_order.look_for_effects(search)
     assert search.looks == looks
     assert search.findings == found

@@ -75,9 +75,9 @@ def _reported(
     search: Search, findings: Sequence[Finding], test: Sequence[Record], is_whole: bool
 ) -> LoopReport:
     """Fit all stages and judge them, on records whose low-pass leaves what was found."""
-    train, judged = search.plain, [held_like(record, search.plain) for record in test]
-    if not search.declared.algebraic and _is_near_cutoff(findings, search.plain):
-        train, judged = search.wide, widened(judged)
+    train, judged = search.records, [held_like(record, search.records) for record in test]
+    if not search.declared.algebraic and _is_near_cutoff(findings, search.records):
+        train, judged = search.wide_records, widened(judged)
     report = make_report(
         search.declared,
         findings,
@@ -100,10 +100,10 @@ def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport)
     """Return what the final fit is not sure of, what differs by record, or does worse."""
     whole = with_findings(search.declared, findings)
     gone = most_doubtful(findings, report.effects, whole)
-    gone = gone or last_untransferred(search.declared, findings, search.part)
+    gone = gone or last_untransferred(search.declared, findings, search.corrected_pieces)
     if gone is not None:
         return gone
-    before, after, records = report.before.model, report.after.model, search.plain
+    before, after, records = report.before.model, report.after.model, search.records
     if search.runs_tell_more:
         level = search.rules.significance
         gone = last_wandering(findings, report.effects, after, records, level)
@@ -131,15 +131,17 @@ def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> b
 def _with_alternatives(search: Search) -> list[Finding]:
     """Return what was found, each with what could stand in its place."""
     found, design, rules = search.findings, search.declared, search.rules
-    acted = search.whole.of([remembered(record, memories_in(found)) for record in search.wide])
+    acted = search.pieces.of(
+        [remembered(record, memories_in(found)) for record in search.wide_records]
+    )
     acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)))
     child = search.rng.spawn(1)[0]
     rivals = contested(design, found, acted, rules.significance, child, search.grower.grown)
     if search.runs_tell_more and not search.remembers_states:
-        rivals = unrefuted(design, rivals, search.plain)
+        rivals = unrefuted(design, rivals, search.records)
     told = told_by_slopes(design, with_asymmetry(rivals), acted)
     named = with_products_named(design, on_steep_side(design, told, acted))
-    if search.part.by_trajectory:
+    if search.corrected_pieces.by_trajectory:
         return named
-    whole = awaited(with_findings(design, named), search.whole)
-    return polished(design, named, search.plain, whole, child.spawn(1)[0])
+    whole = awaited(with_findings(design, named), search.pieces)
+    return polished(design, named, search.records, whole, child.spawn(1)[0])

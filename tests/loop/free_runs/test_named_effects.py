@@ -17,7 +17,7 @@ from pysindy_evolve.loop.fitting.runs import free_run
 from pysindy_evolve.loop.free_runs.drift import drift_of
 from pysindy_evolve.loop.free_runs.judging import matters, share_of_miss
 from pysindy_evolve.loop.free_runs.memory_tuning import tuned_memories
-from pysindy_evolve.loop.free_runs.named import find_by_runs
+from pysindy_evolve.loop.free_runs.named_effects import find_by_runs
 from pysindy_evolve.loop.free_runs.state_limits import drift_from
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of

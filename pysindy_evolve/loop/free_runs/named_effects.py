@@ -22,7 +22,7 @@ from ..given.rules import Rules
 from ..given.segments import segments
 from .drift import Drift, chance_of_terms, gains_of_models, gains_of_terms
 from .judging import best_of, model_of, named_terms, refused, signs_for
-from .state_limits import drift_from, needed, notable, stops_of
+from .state_limits import drift_from, needed, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
 
 __all__ = ["find_by_runs"]
@@ -111,7 +111,7 @@ def _memory_or_term(
     terms = [v for v in named_terms(drift) if not must_be_clear or _is_of_motion(v, drift)]
     by_terms = gains_of_terms(drift, [v.columns for v in terms])
     # Nothing is held against the twins where no term gains enough.
-    sought = [v.columns for v in terms] if np.any(by_terms >= notable(rules)) else []
+    sought = [v.columns for v in terms] if np.any(by_terms >= rules.notable_gain) else []
     in_twins = chance_of_terms(drift, sought, signs)
     gains = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
     return best_of(

@@ -46,9 +46,9 @@ def find_named(search: Search) -> None:
         _take(search, found, before)
         if len(new) > 1 or len(memories_in(search.findings)) == len(memories):
             tune_memories(search)  # or what is wrong with one would be named as another one
-    kept = prune(search.declared, search.findings, search.part)
+    kept = prune(search.declared, search.findings, search.corrected_pieces)
     search.outdone = excluding(search.findings, *kept)
-    search.findings = merged(search.declared, kept, search.part)
+    search.findings = merged(search.declared, kept, search.corrected_pieces)
 
 
 def tune_memories(search: Search) -> None:
@@ -60,7 +60,7 @@ def tune_memories(search: Search) -> None:
         What was found so far.
     """
     if memories_in(search.findings):
-        part = awaited(search.design, search.whole)
+        part = awaited(search.design, search.pieces)
         search.findings = resettled(search.findings, search.design, part)
         search.look_through(search.findings)
 
@@ -69,7 +69,7 @@ def _look_once(search: Search, memories: Sequence[Memory]) -> Sequence[Finding]:
     look = find_with_memories(
         search.declared,
         search.design,
-        search.part,
+        search.corrected_pieces,
         search.rules,
         search.rng,
         memories,
@@ -92,25 +92,25 @@ def _or_grown(search: Search, before: list[Finding], new: list[Finding]) -> list
 
 def _begun(search: Search, findings: list[Finding]) -> list[Finding]:
     """Look through the records as memories make them, begun where their first rows say."""
-    part = awaited(with_findings(search.declared, findings), search.whole)
-    begun = settled_beginning(search.declared, findings, search.plain, part)
-    search.plain, search.whole = begun.plain, search.whole.begun(begun.wide)
+    part = awaited(with_findings(search.declared, findings), search.pieces)
+    begun = settled_beginning(search.declared, findings, search.records, part)
+    search.records, search.pieces = begun.plain, search.pieces.begun(begun.wide)
     search.look_through(begun.findings)
     return list(begun.findings)
 
 
 def _take(search: Search, found: list[Finding], before: list[Finding]) -> None:
     """Keep findings, earlier ones under the names and numbers that they have by now."""
-    found = exchange(search.declared, found, search.part)
-    found = with_numbers(search.declared, found, search.part)
-    search.findings = with_shared_numbers(search.declared, found, search.part)
+    found = exchange(search.declared, found, search.corrected_pieces)
+    found = with_numbers(search.declared, found, search.corrected_pieces)
+    search.findings = with_shared_numbers(search.declared, found, search.corrected_pieces)
     _take_back(search, before)
 
 
 def _take_back(search: Search, before: list[Finding]) -> None:
     """Take back a relaxation or a spring that runs do not need, and what came with it."""
     if _relaxes(search, search.findings, before):
-        needed = needed_by_runs(search.declared, search.findings, search.part.records)
+        needed = needed_by_runs(search.declared, search.findings, search.corrected_pieces.records)
         if len(needed) < len(search.findings):
             search.findings, search.relaxing = before, False
             search.look_through(before)

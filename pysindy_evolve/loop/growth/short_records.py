@@ -16,9 +16,10 @@ import numpy as np
 
 from ...equations import Equations
 from ...operators import Operator
-from ...terms import Product, mul, variable
-from ..effects.candidate import EVOLVED, Candidate
+from ...terms import Product, mul, only_term, variable
+from ..effects.candidate import Candidate
 from ..effects.missing import candidates, fitted
+from ..effects.names import EVOLVED
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, with_columns
 from ..evidence.step import find
@@ -113,7 +114,7 @@ def _proposed(
         anywhere = shifted(design, state, ranges.signed)
         grown = [named(term, state, known, rows[:, :-1], anywhere) for term in terms]
         found += [c for c in grown if c.name == EVOLVED and (state, c.terms[0]) not in present]
-    return [replace(c, parents=(), shape=shape_of(c), alone=True) for c in found]
+    return [replace(c, parents=(), shape=shape_of(c), never_paired=True) for c in found]
 
 
 def _terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
@@ -121,9 +122,9 @@ def _terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
     found = small_terms(operators, x)
     if any(operator.name == "mul" for operator in operators):
         triples = combinations_with_replacement(map(variable, range(x.shape[1])), 3)
-        found += [mul(mul(a, b), c).parts[0][1] for a, b, c in triples]
+        found += [only_term(mul(mul(a, b), c)) for a, b, c in triples]
     return list(dict.fromkeys(found))
 
 
 def _plain(finding: Finding) -> Finding:
-    return replace(finding, candidate=replace(finding.candidate, shape=None, alone=False))
+    return replace(finding, candidate=replace(finding.candidate, shape=None, never_paired=False))

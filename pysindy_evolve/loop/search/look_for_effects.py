@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..evidence.findings import Finding
-from .free_runs import find_in_runs, hold_against_runs
-from .grown import grow_terms
 from .holding import take_holds
-from .named import find_named, tune_memories
+from .look_at_grown_terms import grow_terms
+from .look_at_names import find_named, tune_memories
+from .look_at_runs import find_in_runs, hold_against_runs
 from .state import Search
 
 __all__ = ["look_for_effects"]

@@ -14,8 +14,9 @@ import numpy as np
 from ...breeding.poles import has_pole
 from ...operators import Operator
 from ...terms import variable
-from ..effects.candidate import EVOLVED, OFFSET, Candidate
+from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import candidates, fitted, standing, zeros_of
+from ..effects.names import CONSTANT_OFFSET, EVOLVED
 from ..effects.stops import is_stop
 from ..evidence.findings import Finding, with_columns
 from ..evidence.ranking import Score
@@ -27,7 +28,7 @@ from ..given.design import Design
 from ..given.rows import have_values
 from ..given.rules import Rules
 from ..given.segments import Segments
-from .grow import grow
+from .genetic_search import grow
 
 __all__ = ["TermGrower"]
 
@@ -158,7 +159,7 @@ def _zeros_beside(names: Sequence[Candidate], design: Design) -> list[Candidate]
     """Return the offsets that names may still get, to say where a state is measured from."""
     terms = {(c.state, term) for c in names for term in c.terms}
     zeros = zeros_of(terms, len(design.states)) - terms - standing(design)
-    return [Candidate("constant offset", state, (term,)) for state, term in zeros]
+    return [Candidate(CONSTANT_OFFSET, state, (term,)) for state, term in zeros]
 
 
 def _always(grown: list[Candidate], *_: object) -> list[Candidate]:

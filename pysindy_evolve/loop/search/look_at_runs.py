@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ...hidden_states.memory import preceded
-from ..effects.candidate import EVOLVED
+from ..effects.names import EVOLVED
 from ..evidence.findings import memories_in
 from ..evidence.offers import awaited
 from ..free_runs.comparison import held_against
 from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of
-from ..free_runs.named import find_by_runs
+from ..free_runs.named_effects import find_by_runs
 from ..free_runs.one_for_several import one_for_several
 from ..free_runs.sensor_limits import clipped_sensors
 from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs
@@ -42,10 +42,10 @@ def find_in_runs(search: Search) -> None:
     child = search.rng.spawn(1)[0]
     if search.remembers_states:
         return
-    tuned = numbers_by_runs(search.bare_model, search.findings, search.plain)
-    search.findings = merged(search.declared, tuned, search.part)
+    tuned = numbers_by_runs(search.bare_model, search.findings, search.records)
+    search.findings = merged(search.declared, tuned, search.corrected_pieces)
     look, pasts = find_by_runs(
-        search.declared, search.findings, search.plain, search.wide, search.rules, child
+        search.declared, search.findings, search.records, search.wide_records, search.rules, child
     )
     search.rejected = look.rejected or search.rejected
     known, more = search.findings, list(look.found[len(search.findings) :])
@@ -56,8 +56,8 @@ def find_in_runs(search: Search) -> None:
             return
         search.findings = untraded([*known, *new])
         if pasts:
-            search.plain = [*map(preceded, search.plain, pasts)]
-            search.whole = search.whole.begun([*map(preceded, search.wide, pasts)])
+            search.records = [*map(preceded, search.records, pasts)]
+            search.pieces = search.pieces.begun([*map(preceded, search.wide_records, pasts)])
         search.look_through(search.findings)
         _ask_kinds_again(search, child)
 
@@ -79,7 +79,7 @@ def hold_against_runs(search: Search) -> None:
 
 def _ask_kinds_again(search: Search, rng: np.random.Generator) -> None:
     """Ask of what kind the memories are that were found before what runs showed."""
-    before, part = memories_in(search.findings), awaited(search.design, search.whole)
+    before, part = memories_in(search.findings), awaited(search.design, search.pieces)
     level = search.rules.significance
     search.findings = of_kinds_again(search.findings, search.design, part, level, rng)
     if memories_in(search.findings) != before:
@@ -93,8 +93,8 @@ def _find_unnamed(search: Search) -> None:
     look = find_unnamed(
         search.declared,
         search.findings,
-        search.plain,
-        search.wide,
+        search.records,
+        search.wide_records,
         search.small_terms(),
         search.rules,
         child,
@@ -107,45 +107,47 @@ def _find_unnamed(search: Search) -> None:
 
 def _drop_superfluous(search: Search) -> None:
     """Drop what grown terms made superfluous, once each has the name that is right by now."""
-    found = exchange(search.declared, search.findings, search.part)
-    kept = prune(search.declared, found, search.part)
+    found = exchange(search.declared, search.findings, search.corrected_pieces)
+    kept = prune(search.declared, found, search.corrected_pieces)
     if not search.remembers_states:
-        kept = without_outlived(search.declared, kept, search.plain, search.wide)
+        kept = without_outlived(search.declared, kept, search.records, search.wide_records)
     if len(memories_in(kept)) < len(memories_in(search.findings)):
         search.look_through(kept)
-    search.findings = thinned(search.declared, kept, search.part)
+    search.findings = thinned(search.declared, kept, search.corrected_pieces)
 
 
 def _hold_against_rivals(search: Search) -> None:
     if search.remembers_states:
-        found = with_numbers_of_runs(search.declared, search.findings, search.part.records)
-        search.findings = needed_by_runs(search.declared, found, search.part.records)
+        found = with_numbers_of_runs(
+            search.declared, search.findings, search.corrected_pieces.records
+        )
+        search.findings = needed_by_runs(search.declared, found, search.corrected_pieces.records)
         return
     model = search.bare_model
     grown = [c for c in search.grower.grown if c.name == EVOLVED]
     small = search.small_terms()
-    found = shared_by_runs(model, search.findings, search.plain)
-    pool = Pool(grown, small, search.part, -np.log1p(-search.rules.min_share))
-    found = one_for_several(model, found, pool, search.plain)
-    found = two_for_one(model, found, search.plain, search.part, search.rules)
-    kept = held_against(model, found, pool, search.plain, search.rules)
-    kept = shared_by_runs(model, kept, search.plain)  # what won may have partners
-    search.findings = prune(search.declared, kept, search.part)
+    found = shared_by_runs(model, search.findings, search.records)
+    pool = Pool(grown, small, search.corrected_pieces, search.rules.notable_gain)
+    found = one_for_several(model, found, pool, search.records)
+    found = two_for_one(model, found, search.records, search.corrected_pieces, search.rules)
+    kept = held_against(model, found, pool, search.records, search.rules)
+    kept = shared_by_runs(model, kept, search.records)  # what won may have partners
+    search.findings = prune(search.declared, kept, search.corrected_pieces)
 
 
 def _doubt_inputs(search: Search) -> None:
     child = search.rng.spawn(1)[0]
     found = without_errors_in_inputs(
-        search.declared, search.findings, search.wide, search.part, child
+        search.declared, search.findings, search.wide_records, search.corrected_pieces, child
     )
     if not search.remembers_states:
-        found = without_noise_in_runs(search.declared, found, search.plain, child)
-    search.findings = prune(search.declared, found, search.part)
+        found = without_noise_in_runs(search.declared, found, search.records, child)
+    search.findings = prune(search.declared, found, search.corrected_pieces)
 
 
 def _find_clipped_sensors(search: Search) -> None:
     if search.has_room:
         model = model_of(search.declared, search.findings)
         search.findings = clipped_sensors(
-            model, search.findings, search.plain, search.rules, search.rng
+            model, search.findings, search.records, search.rules, search.rng
         )

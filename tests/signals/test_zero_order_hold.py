@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.signals.holds import HALF, hold
+from pysindy_evolve.signals.zero_order_hold import HALF, hold
 
 T = np.arange(0.0, 20.0, 0.02)
 U = np.column_stack([np.sin(2.0 * T), np.cos(T)])

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..evidence.structure import may_have_structure, structure_chance
-from ..growth.short import find_small, is_better
-from .named import find_named
+from ..growth.short_records import find_small, is_better
+from .look_at_names import find_named
 from .state import Search
 
 __all__ = ["grow_terms"]
@@ -21,7 +21,7 @@ def grow_terms(search: Search) -> None:
     search : Search
         What was found so far; what grows is added.
     """
-    if search.part.by_trajectory:
+    if search.corrected_pieces.by_trajectory:
         _grow_by_trajectory(search)
         return
     n_searches = 1 if search.findings else _n_searches(search)
@@ -47,7 +47,7 @@ def _grow_by_trajectory(search: Search) -> None:
     """Let a small term come in where no name did, or where it does better than all of them."""
     if not search.operators or search.rules.max_effects == 0:
         return
-    declared, part = search.declared, search.part
+    declared, part = search.declared, search.corrected_pieces
     found = find_small(declared, part, search.rules, search.operators, search.rng)
     if found and is_better(declared, found, search.findings, part):
         search.findings = []

@@ -9,12 +9,12 @@ import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.loop.given.held import held_like, held_where_it_may_be
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.memories.holds import (
+from pysindy_evolve.loop.memories.hold_or_memory import (
     hold_beside_another,
     holds_alone,
     memory_beside_hold,
 )
-from pysindy_evolve.signals.holds import hold
+from pysindy_evolve.signals.zero_order_hold import hold
 
 STEP = 10.0  # sampling time of the oven
 OVEN = pse.DeclaredModel({"T": "b*P - a*(T - 20)"}, inputs=["P"])

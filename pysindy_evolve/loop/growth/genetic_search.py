@@ -16,8 +16,9 @@ from ...evolution import evolve
 from ...operators import Operator
 from ...terms import Product
 from ...threads import one_thread
-from ..effects.candidate import EVOLVED, Candidate, bare
+from ..effects.candidate import Candidate, bare
 from ..effects.missing import candidates
+from ..effects.names import EVOLVED
 from ..evidence.scoring import columns_of, net, score
 from ..evidence.spectral import spectral_rows, spectral_weights
 from ..fitting.residual import forces
@@ -110,7 +111,7 @@ def _from_elsewhere(design: Design) -> Iterator[Candidate]:
         for part, state in product(column.parts, design.open_states):
             if part.variables and not column.parts[state].parts:
                 one = Candidate(EVOLVED, state, (bare(part),))
-                yield replace(one, spared=one.size - 1)
+                yield replace(one, free_nodes=one.size - 1)
 
 
 @one_thread()

@@ -1,0 +1,110 @@
+"""The names of all effects, each written once, as code compares them.
+
+A saturation is also a state that stops at a limit; delays, lags and hidden states are also memories
+of inputs. Their names stand where those are defined.
+"""
+
+from __future__ import annotations
+
+from ...hidden_states.memory import DELAY, LAG, VESSEL
+from ..given.limits import LIMITED
+
+__all__ = [
+    "ASYMMETRIC_FRICTION",
+    "CONSTANT_OFFSET",
+    "COULOMB_FRICTION",
+    "COUPLING",
+    "CUBIC_STIFFNESS",
+    "DEAD_ZONE",
+    "DRIFT",
+    "EVOLVED",
+    "FORCING",
+    "GRAVITY",
+    "HARMONIC",
+    "HIDDEN_STATE",
+    "HYSTERESIS",
+    "INERTIA",
+    "INPUT_GAIN",
+    "INPUT_NONLINEARITY",
+    "LINEAR_STIFFNESS",
+    "NONLINEAR_DAMPING",
+    "POSITION_FRICTION",
+    "QUADRATIC_DRAG",
+    "QUADRATIC_STIFFNESS",
+    "QUINTIC_STIFFNESS",
+    "RIPPLE",
+    "SATURATING",
+    "SATURATION",
+    "STRIBECK_FRICTION",
+    "VALVE",
+    "VISCOUS_DAMPING",
+    "VOCABULARY",
+    "order_of",
+]
+
+COULOMB_FRICTION = "Coulomb friction"
+ASYMMETRIC_FRICTION = "asymmetric Coulomb friction"
+STRIBECK_FRICTION = "Stribeck friction"
+POSITION_FRICTION = "position-dependent friction"
+VISCOUS_DAMPING = "viscous damping"
+QUADRATIC_DRAG = "quadratic drag"
+NONLINEAR_DAMPING = "nonlinear damping"
+LINEAR_STIFFNESS = "linear stiffness"
+QUADRATIC_STIFFNESS = "quadratic stiffness"
+CUBIC_STIFFNESS = "cubic stiffness"
+QUINTIC_STIFFNESS = "quintic stiffness"
+DEAD_ZONE = "dead zone"
+GRAVITY = "gravity"
+HARMONIC = "second harmonic"
+CONSTANT_OFFSET = "constant offset"
+COUPLING = "coupling"
+INPUT_NONLINEARITY = "input nonlinearity"
+INPUT_GAIN = "input gain"
+SATURATING = "saturating rate"
+VALVE = "valve flow"
+DRIFT = "drift"
+FORCING = "periodic forcing"
+RIPPLE = "position-periodic ripple"
+INERTIA = "position-dependent inertia"
+HYSTERESIS = "hysteresis"
+SATURATION = LIMITED
+HIDDEN_STATE = VESSEL
+EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
+
+VOCABULARY = (
+    COULOMB_FRICTION,
+    ASYMMETRIC_FRICTION,
+    STRIBECK_FRICTION,
+    POSITION_FRICTION,
+    VISCOUS_DAMPING,
+    QUADRATIC_DRAG,
+    NONLINEAR_DAMPING,
+    LINEAR_STIFFNESS,
+    QUADRATIC_STIFFNESS,
+    CUBIC_STIFFNESS,
+    QUINTIC_STIFFNESS,
+    DEAD_ZONE,
+    SATURATION,
+    GRAVITY,
+    HARMONIC,
+    CONSTANT_OFFSET,
+    COUPLING,
+    INPUT_NONLINEARITY,
+    INPUT_GAIN,
+    SATURATING,
+    VALVE,
+    DRIFT,
+    FORCING,
+    RIPPLE,
+    INERTIA,
+    DELAY,
+    LAG,
+    HYSTERESIS,
+    HIDDEN_STATE,
+    EVOLVED,
+)
+
+
+def order_of(name: str) -> int:
+    """Return the place of a name in the vocabulary, simple effects first; unknown ones are last."""
+    return VOCABULARY.index(name) if name in VOCABULARY else len(VOCABULARY)
