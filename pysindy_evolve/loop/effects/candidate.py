@@ -74,13 +74,13 @@ class Candidate:
     shape : Shape, optional
         Numbers in the terms that lie on a grid, and are tuned once the effect is found.
     whole : bool
-        Whether its parents are in it, as a weight has a mean: where it says all that they say, they
-        may go.
+        Whether its terms already contain its parents, as a cosine contains a constant. If it then
+        explains all that they do, they are dropped.
     refines : tuple of str
         Effects than which it must do better by more than chance, see refinement.py.
     alone : bool
-        Whether it is scored in no pair: it bends so far that any other effect beside it would seem
-        to be worth something, or there are too many of its kind.
+        Whether it is scored in no pair: it is so flexible that any partner would seem useful, or
+        there are too many of its kind.
     passive : bool
         Whether it can only take energy, so that the coefficient of its one term is negative.
     partners : tuple of Candidate

@@ -56,8 +56,8 @@ class LoopReport:
     rejected : Rejected, optional
         The best of what was tried last and did not pass; None if nothing was left to try.
     chance_left : float
-        Of a residual of the corrected model that is predicted so well by what was measured, if it
-        were random; 1 where it is not predicted, or was not asked.
+        p-value of the test for structure in the residual of the corrected model; 1 if no structure
+        was seen or the test was not made.
     found_held : tuple of int
         Inputs that turned out to be held from one sample to the next, which no record said.
     shows_motion : bool

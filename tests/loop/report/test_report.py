@@ -459,7 +459,7 @@ def test_a_parameter_of_which_nothing_is_left_is_mentioned(report):
     gone = dict(report.after.parameters) | {"c": -1e-3}
     said = " ".join(str(replace(report, after=replace(report.after, parameters=gone))).split())
     was = format_number(report.before.parameters["c"])
-    assert f"little is left of a declared term: c from {was} to -0.001. An effect" in said
+    assert f"little is left of a declared term: c from {was} to -0.001. They explain" in said
     assert "little is left" not in str(report)
 
 
