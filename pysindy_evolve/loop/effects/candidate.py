@@ -77,7 +77,7 @@ class Candidate:
         Whether its terms already contain its parents, as a cosine contains a constant. If it then
         explains all that they do, they are dropped.
     refines : tuple of str
-        Effects than which it must do better by more than chance, see refinement.py.
+        Effects that it must beat by more than chance, see refinement.py.
     alone : bool
         Whether it is scored in no pair: it is so flexible that any partner would seem useful, or
         there are too many of its kind.

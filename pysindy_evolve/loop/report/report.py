@@ -61,7 +61,7 @@ class LoopReport:
     found_held : tuple of int
         Inputs that turned out to be held from one sample to the next, which no record said.
     shows_motion : bool
-        False if the derivatives of the user were smoothed so much that no effect was looked for.
+        False if the user's derivatives were smoothed so much that no effect was looked for.
     """
 
     verdict: str

@@ -90,7 +90,7 @@ class Search:
 
     @property
     def design(self) -> Design:
-        """The model with what was found until now."""
+        """The model with what was found so far."""
         return with_findings(self.declared, self.findings)
 
     @property

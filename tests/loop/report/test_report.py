@@ -578,4 +578,4 @@ def test_a_wave_with_a_phase_of_zero_is_not_said_to_be_unknown(name, said):
 @pytest.mark.parametrize(("end", "said"), [(0.0, 1), (0.1, 0)])
 def test_an_interval_that_ends_at_zero_is_explained(end, said):
     lines = lines_of("Stribeck friction", [2.0, -3.0], [[1.0, 3.0], [-6.0, -end]])
-    assert sum("zero itself was refuted" in line for line in lines) == said
+    assert sum("zero itself was ruled out" in line for line in lines) == said
