@@ -55,9 +55,9 @@ class EvolvingLibrary(TermColumns):
     random_state : int, numpy.random.RandomState, numpy.random.Generator or None
         Seed. The same seed gives the same equation, whatever `n_jobs` is.
     n_jobs : int, optional
-        Number of states whose terms are grown at a time, as in joblib. Where that is one, Ctrl-C
-        ends the search with the best equations so far, and states that it had not come to get
-        those of one generation; several processes end without one.
+        Number of states whose terms are grown at a time, as in joblib. With one, Ctrl-C ends the
+        search with the best equations so far, and states not reached yet get one generation each;
+        with several processes Ctrl-C ends without a result.
     progress : bool, default=False
         Show a progress bar for each state.
 

@@ -421,7 +421,7 @@ def test_an_interrupted_report_ends_with_130_and_a_message(capsys, monkeypatch):
     monkeypatch.setattr(cli, "demo", lambda given: False)
     code, _, err = run(capsys, "demo")
     assert code == 130
-    assert "what is printed was found until then" in err
+    assert "what is printed was found before that" in err
 
 
 def test_an_interrupted_fit_prints_what_it_found_and_ends_with_130(capsys, monkeypatch, oscillator):
@@ -435,7 +435,7 @@ def test_an_interrupted_fit_prints_what_it_found_and_ends_with_130(capsys, monke
     monkeypatch.setattr(library, "evolve", cut_short)
     code, out, err = run(capsys, "fit", oscillator, "--position", "q", "--generations", "5")
     assert (code, out.startswith("Equations")) == (130, True)
-    assert "what is printed was found until then" in err
+    assert "what is printed was found before that" in err
 
 
 def test_a_warning_is_one_line_without_source(capsys, monkeypatch):

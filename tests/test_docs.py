@@ -11,6 +11,7 @@ from numpydoc.validate import validate
 
 import pysindy_evolve
 from pysindy_evolve import datasets
+from pysindy_evolve.loop.effects.vocabulary import VOCABULARY
 
 # The numpydoc checks a public docstring must pass: it exists and begins with one sentence (GL08,
 # SS03), every parameter is described, in order, and none that does not exist (PR01-PR04, PR07),
@@ -171,3 +172,8 @@ def test_every_error_of_the_package_is_in_the_table_of_errors(repository):
             if part not in page:
                 unlisted.setdefault(path.name, []).append(constraint)
     assert unlisted == {}
+
+
+def test_every_effect_has_a_row_on_the_page_of_effects(repository):
+    page = (repository / "docs" / "effects.md").read_text(encoding="utf-8")
+    assert [name for name in VOCABULARY if f"\n| {name} |" not in page] == []

@@ -19,11 +19,12 @@ from .dictionary import Dictionary
 __all__ = ["tune", "tune_beside", "tune_constants"]
 
 SMALL = 3  # terms of an equation
-N_FORMS = 24  # of which a term is tuned beside plain ones, once
+N_FORMS = 24  # forms of which one term each is tuned beside plain terms, in the first generation
 N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
 TUNING_ROWS = 800  # are enough to tune one or two constants
 LARGEST = 1e150  # of a value, so that its square is one as well
-LEAST_BEND = 0.3  # of an argument, or of a divisor over its size: with less, sin(w x) is w x
+# Span of an argument, or relative span of a divisor, below which sin(w x) is as good as w x.
+LEAST_BEND = 0.3
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)  # a coarse look around before the local search
 
 

@@ -61,8 +61,8 @@ def watch(
             raise
         interrupted = True
         warn(
-            f"The search was interrupted after {len(history)} generations; "
-            "the best equation so far is kept.",
+            f"EvolvingLibrary.fit was interrupted after {len(history)} generations; the best "
+            "equation so far is kept. Fit again to let the search end by itself.",
         )
     finally:
         shown.close()

@@ -71,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             complain(f"{PROGRAM} {given.command}: error: {_message(error)}")
             return FAILED
     if not finished:
-        complain(f"{PROGRAM}: interrupted; what is printed was found until then.")
+        complain(f"{PROGRAM}: interrupted; what is printed was found before that.")
     return 0 if finished else INTERRUPTED
 
 

@@ -68,7 +68,7 @@ def friction_drive(
     noise : float
         Standard deviation of the white noise of the encoder, m.
     resolution : float
-        Step of the encoder, m; 0 is none.
+        Step of the encoder, m; 0 for none.
     duration : float
         Length of each record, s, at 1 kHz.
     random_state : int, optional

@@ -137,8 +137,8 @@ def _run(search: Search) -> bool:
         if not search.findings:
             raise
         warn(
-            "close_loop was interrupted; the report is made of what was found until now. A second "
-            "Ctrl-C ends that, too, without one.",
+            "close_loop was interrupted. The report is being made from what was found so far; "
+            "press Ctrl-C again to stop without a report.",
         )
         return False
     return True

@@ -31,7 +31,7 @@ LEAST_READINGS = 2  # at a limit, beyond what a crest of a rounded signal holds 
 CREST = 5  # ... which holds at most so many times the readings of the levels next to it
 NEXT_LEVELS = 3
 AS_LONG = 0.25  # times the longest stay at a limit: a machine stops for longer here than there
-MOST = 0.5  # share of the readings; a sensor that shows its limit more often is none
+MOST = 0.5  # share of the readings; readings that stay at an extreme more often are no limit
 # Of the time before a gap, so much in lengths of a gap is looked at: a crest of a sine then covers
 # 0.7 of the way of the time before, what comes to rest a third.
 SHARE_OF_GAP = 0.25

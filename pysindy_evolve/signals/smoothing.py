@@ -26,8 +26,8 @@ __all__ = ["Smoothed", "is_noisy", "smooth_states", "time_step"]
 PROBES, PROBE = 8, 512  # stretches of so many rows tell whether there is noise at all
 LEAST_ROWS = 256  # fewer rows have no spectrum to speak of
 COHERENT = 0.9  # of x and x_dot, from which on rows are taken for an even time series
-# Radians a row, for most of what is loud: six rows a period. The next value of a map, in the place
-# of a slope, is no slope that slow: its phase is off by 30 degrees, so it is not coherent.
+# Radians a row, for most of what is loud: six rows a period. If x_dot is really the next value of a
+# map, its phase is off by 30 degrees or more there, and the test of coherence fails.
 FASTEST = np.pi / 3.0
 LOUD = 0.5  # share of the power of x_dot in the frequencies that the sampling time is found from
 

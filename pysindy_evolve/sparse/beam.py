@@ -101,7 +101,7 @@ def _values(
 def _exchanged(
     gram: Gram, support: tuple[int, ...], penalty: np.ndarray, n_effective: float, value: float
 ) -> dict[tuple[int, ...], float]:
-    """Exchange one term at a time for a better one, until there is none."""
+    """Exchange one term at a time for a better one, until no better one is left."""
     better: dict[tuple[int, ...], float] = {}
     for _ in range(len(support)):
         children = {}

@@ -67,5 +67,8 @@ class MeasuredSet:
         """Return the record of that name."""
         records = {record.name: record for record in (*self.train, *self.test)}
         if name not in records:
-            raise KeyError(f"records must be one of {sorted(records)}; got {name!r}.")
+            raise KeyError(
+                f"MeasuredSet[name] must be one of {sorted(records)}; got {name!r}. "
+                "Choose one of them."
+            )
         return records[name]

@@ -126,7 +126,7 @@ def _frequencies_in(design: Design) -> list[float]:
 
 
 def _pumped(state: int, design: Design, wave: Shape) -> list[Candidate]:
-    """Return each term of an equation times a wave; a term of the time is none."""
+    """Return each term of an equation times a wave; terms that hold the time are left out."""
     parts = (part for part in parts_of(design, state) if design.time not in part.variables)
     return [_pump(state, design.time, part, wave) for part in parts]
 

@@ -1,6 +1,6 @@
-"""What is on offer in a look: the vocabulary, and what else leads all of it.
+"""What is on offer in a look: the vocabulary, and rarer effects where one of them beats all of it.
 
-That is what remembers a state, and the stops that only the ends of a stroke meet.
+The rarer ones are what remembers a state, and the stops that only the ends of a stroke meet.
 Each look at a record and its twins then takes no longer than it must, and what a memory could
 explain of the noise does not change what other effects are worth.
 """
@@ -149,7 +149,7 @@ def _begins_with_more(ways: Sequence[Candidate], design: Design, part: Segments)
 
 
 def _worth_it(ways: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
-    """Return what follows a state and does better than nothing, with the best of them tuned.
+    """Return the followers of a state that gain anything, plus the best of each kind tuned.
 
     A narrow resonance does not show between two places of the grid; and where the best relaxation
     is shorter, or the best frequency higher, than a record can tell, there is none.

@@ -32,7 +32,7 @@ ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the
 EXPLAINED = 1.0 / 3.0
 FARTHER = 2.0  # times the held-out squares of an effect, from which on a rival is outdone
 STEADY = 0.1  # of its mean, that a term varies by if it is a constant
-ENOUGH = 3  # names in a row that twins refute: those that come less close need none
+ENOUGH = 3  # names in a row that twins refute; then the search for rivals stops: the rest fit worse
 MORE = 2  # nodes that another form of a grown term may have
 
 

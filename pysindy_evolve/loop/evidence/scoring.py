@@ -54,14 +54,14 @@ LOOKS = 16  # at each number of a shape
 Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
 
 MARGIN = 0.02  # of the log error: names do not change for less
-PRICE = 0.1  # log error that a grown term must gain for each of its nodes: nobody can read ten
-# Of the log error: what a state of its own and its numbers must be worth. A filter makes the sign
-# of a speed look as if it remembered; with less, a pendulum lost its drag to a hysteresis.
+PRICE = 0.1  # log error that a grown term must gain for each node: one of ten nodes must gain 1.0
+# Of the log error: extra gain asked of an effect that brings a hidden state. A filter makes the
+# sign of a speed look as if it remembered; with less, a pendulum lost its drag to a hysteresis.
 LEAD = 0.1
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
-    """Fit a design on segments by its derivative, or by the trajectory if that is the witness."""
+    """Fit a design on segments by its derivative, or by the trajectory if that is what scores."""
     return design.equations(_coefficients(design, part))
 
 

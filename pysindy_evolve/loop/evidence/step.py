@@ -80,12 +80,13 @@ def find(
     worthy = [s for s in able if _is_one_of(zeros, s) or _matters(s, shares, rules)]
     gaining = able[:1]
     names = (*design.states, *design.inputs, "t")
-    # A first look that finds nothing worth it is tested all the same: "complete" needs evidence.
+    # The first look is tested even if its best effect is too small: "complete" needs evidence.
     if not worthy and (design.columns != declared.columns or not gaining):
         light = [Rejected(s, shares.of(s), variables=names) for s in gaining]
         return Look(rejected=light[0] if light else None)
     best = _without_numbers(plainest(worthy or gaining), worthy, shares)
-    # What fails on the grid may show only between its places; tuning every twin would take long.
+    # Off the grid an effect may gain far more. Only then the twins are tuned too, which takes long;
+    # otherwise the score on the grid is compared with theirs.
     tunes = best.value >= searched[0].value + ERROR_HALVED
     statistic = partial(_best_score, design=design, proposer=proposer, tunes=tunes)
     observed = best.value if tunes else min(best.value, searched[0].value)

@@ -1,4 +1,4 @@
-"""Which view of the records bears witness: the spectrum of the derivative, or the trajectory.
+"""How candidates are scored: by the spectrum of the derivative, or by the trajectory.
 
 The spectral view takes the noise from what all candidates together leave. That needs more numbers
 than there are candidates. A record holds two numbers a cycle of what is looked at, however often it
@@ -27,7 +27,7 @@ __all__ = ["witnessed"]
 
 
 def witnessed(design: Design, records: Sequence[Record]) -> Segments:
-    """Cut records into pieces, and say whether their trajectories are to be the witness.
+    """Cut records into pieces, and say whether candidates are scored by their trajectories.
 
     Parameters
     ----------

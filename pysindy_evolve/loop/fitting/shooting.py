@@ -31,7 +31,7 @@ N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model 
 FAITHFUL = 0.5  # standard deviations by which a run may miss
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little
 N_STEPS = 20  # a fit that noise has led far astray needs many
-SETTLED = 1e-3  # relative gain of a step after which no other one is taken: the runs are dear
+SETTLED = 1e-3  # relative gain of a step after which no other one is taken: runs cost much time
 
 Loss = Callable[[np.ndarray], float]
 

@@ -1,4 +1,4 @@
-r"""The trajectory as witness: for records that hold few independent numbers.
+r"""Scores by the trajectory: for records that hold few independent numbers.
 
 The derivative of fifty frames of a video is mostly noise, and what all candidates together leave of
 so few numbers says nothing about that noise. But an equation y^(m) = f(x) also holds when it is

@@ -138,7 +138,7 @@ class Trial:
         return respond(slopes, driven, dt, self.scale, keep, jumps)
 
     def change(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return the Gauss-Newton step of coefficients and starts; None if there is none."""
+        """Return the Gauss-Newton step of coefficients and starts; None if runs grow too fast."""
         rows = self.rows()
         if rows is None or not np.isfinite(rows.response).all():
             return None

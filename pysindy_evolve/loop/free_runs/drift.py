@@ -162,7 +162,9 @@ def gains_of_models(drift: Drift, models: Sequence[Model]) -> np.ndarray:
 
 
 def chance_of_models(drift: Drift, models: Sequence[Model], signs: np.ndarray) -> np.ndarray:
-    """Return the largest gain of all models in each twin, fitted to what the twins share.
+    """Return the largest gain of all models in each twin.
+
+    Each model is fitted once, to the noise-free run that all twins share.
 
     Parameters
     ----------
@@ -190,7 +192,7 @@ def chance_of_models(drift: Drift, models: Sequence[Model], signs: np.ndarray) -
 def gains_of_terms(
     drift: Drift, groups: Sequence[tuple[Column, ...]], n_replaced: int = 0
 ) -> np.ndarray:
-    """Return log(error without / error with) groups of columns, each beside the present model.
+    """Return log(error without a group / error with it) for each group of columns.
 
     To first order in their coefficients, so that no other runs are needed.
 

@@ -145,7 +145,8 @@ def best_of(
     rules : Rules
         When an effect counts.
     must_be_clear : bool
-        Whether a term must be clear, and show in what is new as well.
+        Whether a term must halve the error, or leave little more than noise, and also show in the
+        whitened misses.
 
     Returns
     -------
@@ -228,8 +229,8 @@ def _judged(
 ) -> list[Judged]:
     """Return variants with their gains and chances.
 
-    What is new must show them as well: what an input answers to may look like a memory. Only a term
-    beside what is slow shows in nothing but the whole miss.
+    A variant must also gain on whitened misses, or feedback could feign it. A term found beside a
+    slow memory is exempt.
     """
     views = gains_of_models(drift, [variant.model for variant in heads])
     views[0] = gains

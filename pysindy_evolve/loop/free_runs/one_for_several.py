@@ -64,8 +64,8 @@ def one_for_several(
 def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
     """Return each effect with all that came after it in its equation, and with each one of them.
 
-    Of two names each is known to engineers by itself; so one at least is a grown term, or comes
-    twice, as powers of one variable do that add up to a curve, or there are three.
+    Two different names are left alone. A group counts if it holds a grown term, one name twice, as
+    powers of one variable that add up to a curve, or three names.
     """
     groups = []
     for place, first in enumerate(findings):

@@ -95,7 +95,10 @@ def _moved(one: Contender, model: Model, drift: Drift) -> Contender | None:
 
 
 def _shape_of(candidate: Candidate, design: Design) -> Shape | None:
-    """Return the numbers of an effect; an angle of the model in a named one has none before it."""
+    """Return the numbers of an effect.
+
+    A named effect of an angle in radians has no frequency to tune.
+    """
     is_named = candidate.name != EVOLVED and candidate.shape is None
     if is_named and all(waves_angles(term, design) for term in candidate.terms if term.variables):
         return None

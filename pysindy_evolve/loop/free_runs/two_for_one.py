@@ -77,7 +77,7 @@ def two_for_one(
 def _best_pairs(design: Design, own: Candidate, part: Segments) -> list[tuple[Candidate, ...]]:
     """Return the few pairs of names that explain most, and no less than an effect does.
 
-    Where it is one of the best pair itself, it is right, and the other one was not shown.
+    If the effect is itself in the best pair, it is kept: its partner alone was not found.
     """
     offered = [c for c in candidates(design, part.ranges) if c.state == own.state]
     scores = score(design, part, list(dict.fromkeys([*offered, own])), pairs=True)

@@ -48,7 +48,7 @@ def find_unnamed(
     wide : sequence of Record
         The same with a higher cutoff, for the derivative.
     small : sequence of Candidate
-        Terms that may be it.
+        Terms to try.
     rules : Rules
         When an effect counts.
     rng : numpy.random.Generator

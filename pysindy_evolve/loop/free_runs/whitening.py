@@ -1,7 +1,7 @@
 """Take out of the misses of free runs what the misses before them say.
 
 In a closed loop the input answers what disturbed the output, so that the misses of a free run are a
-function of the input even where nothing is missing. What is new in each sample is none: nothing
+function of the input even where nothing is missing. What is new in each sample is not: nothing
 that came before knows it (prediction errors, Ljung 1999, System Identification, section 13.4).
 """
 

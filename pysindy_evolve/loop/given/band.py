@@ -19,7 +19,7 @@ from ...signals.spectral import SpectralFilter
 __all__ = ["Band", "driven", "straightened"]
 
 WIDER = 2.0  # cutoff of the inputs of runs, in cutoffs of the states ...
-OVER = 1.5  # ... and at most such that, so many cutoffs on, the sampling rate still resolves it
+OVER = 1.5  # ... and at most half the sampling rate over this
 SHORTEST = 4  # samples; no parabola continues what is shorter
 
 

@@ -35,9 +35,11 @@ class Given:
     train, test : list of Record
         To fit on, and to judge on.
     wide : list of Record
-        To fit on, with the higher cutoff of the search; a target explains nothing there.
+        To fit on, with the higher cutoff of the search; x is zero there for an algebraic target,
+        which must not explain itself.
     shows_motion : bool
-        Whether derivatives of the user are smooth enough, but not so much that the motion is gone.
+        False if the derivatives that the user gave are smoothed so strongly that no effect can be
+        seen.
     """
 
     design: Design
@@ -47,7 +49,7 @@ class Given:
     shows_motion: bool = True
 
     def believed(self) -> Given:
-        """Return it with readings at a limit taken as measurements, for the state ends there."""
+        """Return the same with clipped readings taken as true values: the state itself stops."""
         train, test, wide = (
             [replace(record, seen=None) for record in records]
             for records in (self.train, self.test, self.wide)

@@ -19,7 +19,7 @@ def held_inputs(records: Sequence[Record]) -> dict[int, float]:
 def held_where_it_may_be(record: Record, late: Mapping[int, float]) -> Record:
     """Return a record with those inputs held that may be: others were driven smoothly.
 
-    Or they may have jumped, where a user made the record and nobody knows its raw inputs.
+    A record made by a user has no raw inputs, so any of its inputs may be held.
     """
     unknown = record.preparation is None
     held = {k: share for k, share in late.items() if unknown or may_be_held(record, k)}

@@ -91,7 +91,7 @@ def widened(records: list[Record]) -> list[Record]:
     """Prepare records again with a higher cutoff, for a search that looks well below it.
 
     Terms are evaluated on filtered states, but the target is filtered after the machine evaluated
-    them. What the two differ by near the cutoff is a function of the state, and looks like physics.
+    them. Near the cutoff the difference depends on the state and could be mistaken for an effect.
     """
     made = [record.preparation for record in records]
     steps = {m.dt for m in made if m is not None}

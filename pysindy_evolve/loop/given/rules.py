@@ -38,7 +38,7 @@ class Rules:
     refine : {"auto", "derivative", "simulation"}
         Error that final coefficients minimize.
     by_trajectory : bool
-        Whether the trajectories of the records bear witness, see witness.py.
+        Whether candidates are scored by the trajectories of the records, see witness.py.
     n_looks : float
         Looks that share the significance between them: each has this part of it.
 
@@ -86,8 +86,8 @@ class Rules:
     def at(self, n_found: int) -> Rules:
         """Return the rules for the next look at names, after so many effects.
 
-        A trajectory is looked at for names and for small terms alone. The first of them has four
-        fifths of the chance; what may stand beside it shares the chance that anything false does.
+        A trajectory is looked at for names and for small terms alone. The first name gets four
+        fifths of the significance; each further one a third of all of it.
         """
         return replace(self, n_looks=1.25) if self.by_trajectory and n_found == 0 else self
 

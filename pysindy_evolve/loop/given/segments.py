@@ -55,9 +55,9 @@ class Segments:
     places : tuple of (int, int)
         Record and first row of each piece.
     records : tuple of Record
-        All that was cut, also where only some of the pieces are left.
+        All records, including those of pieces that were left out.
     by_trajectory : bool
-        Whether the trajectories of the records bear witness, and not their derivatives.
+        Whether candidates are scored by the trajectories of the records, not their derivatives.
     limits : ndarray of shape (2, n_states), optional
         Where the sensors of the states end, units of x; None where all states were seen.
     seen : ndarray of bool of shape (n_segments, n, n_states), optional
@@ -113,7 +113,7 @@ class Segments:
         return unit * min(N_FOLDS, n_units) // n_units
 
     def tracked(self) -> Segments:
-        """Return the pieces of records whose trajectories bear witness."""
+        """Return the pieces of records, to be scored by their trajectories."""
         return replace(self, by_trajectory=True)
 
     def after(self, rows: Sequence[int]) -> Segments:

@@ -1,4 +1,4 @@
-"""Records of the user whose derivatives were smoothed more than their states.
+"""Records made by a user whose derivatives were smoothed more than their states.
 
 A derivative from a local polynomial (Savitzky and Golay) falls short of the slope of the state that
 it is the derivative of, the more the faster the motion: its gain is 1 - b f^2 at a frequency f, and

@@ -1,4 +1,4 @@
-"""Grown terms on short records, whose trajectories bear witness.
+"""Grown terms on short records, scored by their trajectories.
 
 A search would have to be tested on pieces that it has not seen, and a short record has none to
 spare. So a fixed list of small terms is looked through instead, in the record and in each twin, as
@@ -53,7 +53,7 @@ def find_small(
     declared : Design
         The model at the start.
     part : Segments
-        Pieces of the training records, whose trajectories bear witness.
+        Pieces of the training records, to be scored by their trajectories.
     rules : Rules
         Significance and twins.
     operators : sequence of Operator
@@ -83,7 +83,7 @@ def is_better(
     found, names : sequence of Finding
         The term, and the effects with names.
     part : Segments
-        Pieces of the training records, whose trajectories bear witness.
+        Pieces of the training records, to be scored by their trajectories.
 
     Returns
     -------

@@ -32,8 +32,8 @@ from .genetic_search import grow
 
 __all__ = ["TermGrower"]
 
-# Times the log error that names gain, or two of them that of a grown term: the same effect filtered
-# does a little better.
+# A grown term must gain this many times as much as a name, and two names as much as a grown term: a
+# filtered copy of the same effect gains a little by itself.
 BETTER = 1.25
 USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
 MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary

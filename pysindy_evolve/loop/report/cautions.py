@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["cautions"]
 
 WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
-GREW = 0.1  # percent of the standard deviation: a smaller rise is none
+GREW = 0.1  # percent of the standard deviation: a smaller rise does not count
 TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
 
 
@@ -114,16 +114,16 @@ def _held(report: LoopReport) -> list[str]:
     """Name the inputs that are held from one sample to the next, and delays that may be that."""
     names = [report.equations.inputs[column] for column in report.found_held]
     taken = [
-        f"{name} is taken to be held from each sample to the next (zero-order hold), which is how "
-        "it was recorded and no effect of the machine."
+        f"{name} is taken to be held from each sample to the next (zero-order hold). That is how "
+        "it was recorded, and not an effect of the machine."
         for name in names
     ]
     exact = held_delays(report)
     late = [
         f"The input delay of {format_expression(one.term).partition('(')[0]} is "
         f"{'half a sampling time' if one in exact else f'{share:.2g} sampling times'}. An input "
-        "that is held from one sample to the next (zero-order hold) acts late by half of one, and "
-        "no part of the machine need be slow for that: prepare(..., held=True) says so."
+        "that is held from one sample to the next (zero-order hold) acts half a sample late by "
+        "itself; the machine need not be slow. If the input is held, give prepare(..., held=True)."
         for one, share in short_delays(report)
     ]
     return [*taken, *late]
@@ -154,8 +154,8 @@ def _turned(report: LoopReport) -> list[str]:
         )
     if gone:
         said.append(
-            f"Beside the effects little is left of a declared term: {', '.join(gone)}. An effect "
-            "says what it said, and more; the model may do without that term."
+            f"With the effects, little is left of a declared term: {', '.join(gone)}. They explain "
+            "what it explained, and more; the model may not need that term."
         )
     return said
 
@@ -183,7 +183,7 @@ def _lines(report: LoopReport) -> list[str]:
 def _sessions(report: LoopReport) -> list[str]:
     """Say which residuals have another mean in each record."""
     return [
-        f"The residual of d{state}/dt has another mean in each training record "
+        f"The residual of d{state}/dt has a different mean in each training record "
         f"({', '.join(map(format_number, means))}): something that stays within a record differs "
         "between them, such as a load or the zero of a sensor, which no fixed term can be."
         for state, means in offsets_by_record(report).items()
@@ -198,9 +198,9 @@ def _numbers(report: LoopReport) -> list[str]:
     own = "; ".join(f"{name} is {', '.join(map(format_number, n))}" for name, n in found.items())
     what = "it was" if len(found) == 1 else "they were"
     return [
-        f"Fitted to each training record by itself, {own}. With numbers of their own the records "
-        "leave at least a fifth less of the squares of their errors: perhaps "
-        f"{what} not the same while they were made."
+        f"Fitted to each training record by itself, {own}. With a value for each record the sum of "
+        "the squared errors is at least a fifth smaller: perhaps "
+        f"{what} not the same in all records."
     ]
 
 

@@ -74,7 +74,7 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
         if low < 0.0 < high and not _is_phase(effect):
             lines.append("the interval contains zero: its sign is not known apart from other terms")
         elif 0.0 in (low, high):  # as far as it reaches, see settling/shape_intervals.py
-            lines.append("hardly told apart from the numbers inside it; zero itself was refuted")
+            lines.append("hardly told apart from the numbers inside it; zero itself was ruled out")
     return lines
 
 

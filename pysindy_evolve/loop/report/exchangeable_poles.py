@@ -37,7 +37,7 @@ def exchangeable_poles(report: LoopReport) -> list[str]:
         f"The time constant of the lag, {format_number(lag.values[0])}, and that of "
         f"{model.states[place]} itself, {format_number(-1.0 / rate)}, can change places: the "
         f"inputs move {model.states[place]} as before then, and only what is known of the machine "
-        "tells which is whose."
+        "tells which is which."
         for lag, place in places
         if place is not None and (rate := _rate_of(model.inner.sums[place], place)) < 0.0
     ]

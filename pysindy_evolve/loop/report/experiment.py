@@ -205,7 +205,7 @@ def _best(judge: _Judge, other: Design, effect: Effect, rival: Alternative) -> E
         if then >= ENOUGH:
             break
     if best is None:  # the recorded motion itself is among them
-        raise RuntimeError("no motion can be derived from the record")
+        raise RuntimeError("LoopReport.suggest_experiment found no motion. Report this as a bug.")
     then, motion, total = best
     return _described(judge, other, effect, rival, (motion, now, then), total)
 

@@ -21,12 +21,10 @@ RUNAWAY = 100.0  # percent of the standard deviation: the run has lost the recor
 BY_START = 0.5  # of the miss of a free run that noise in its first state makes: it says little
 
 RANDOM = (
-    "To each effect that was tried, what remains looks like a random force. If no such force acts, "
+    "What remains looks like a random force to every effect that was tried. If no such force acts, "
     "something is missing that is not among these effects, or not clear in this record."
 )
-UNSOUGHT = (
-    "The search did not come to its end: an effect that it had not looked for yet may explain this."
-)
+UNSOUGHT = "The search stopped early: an effect that was not tried yet may explain this."
 SHORT = (
     "The training data is too short to search for terms: beside effects with names only small ones "
     "were tried. Measure longer, or more often."
@@ -75,7 +73,7 @@ def _of_run(report: LoopReport, miss: float) -> list[str]:
     if miss < RUNAWAY:
         return [f"The free run still misses the record by {percent(miss)}. {_why(report)}"]
     left = (
-        "The free run leaves the record by more than the record varies. Such a run amplifies "
-        "the smallest difference, or something is still missing: judge by the derivative."
+        "The free run leaves the record by more than the record varies. Either it amplifies the "
+        "smallest difference, or something is still missing: judge by the derivative."
     )
     return [left, *_of_rates(report)]

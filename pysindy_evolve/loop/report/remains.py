@@ -26,8 +26,8 @@ def remains(report: LoopReport) -> list[str]:
         said.append(
             "A general model, polynomials of all variables and the recent past of the inputs, "
             "predicts the residual better than it does in twins: something is there that depends "
-            "on what was measured. A delay, a memory, a variable that was not measured, or columns "
-            f"that were not smoothed alike may be it.{slow_rest(report)}"
+            "on what was measured. Possible causes: a delay, a memory, an unmeasured variable, or "
+            f"columns that were filtered differently.{slow_rest(report)}"
         )
     said += cautions(report)
     if not report.finished:

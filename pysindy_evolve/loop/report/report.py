@@ -56,12 +56,12 @@ class LoopReport:
     rejected : Rejected, optional
         The best of what was tried last and did not pass; None if nothing was left to try.
     chance_left : float
-        Of a residual of the corrected model that is predicted so well by what was measured, if it
-        were random; 1 where it is not predicted, or was not asked.
+        p-value of the test for structure in the residual of the corrected model; 1 if no structure
+        was seen or the test was not made.
     found_held : tuple of int
         Inputs that turned out to be held from one sample to the next, which no record said.
     shows_motion : bool
-        False if the derivatives of the user were smoothed so much that no effect was looked for.
+        False if the user's derivatives were smoothed so much that no effect was looked for.
     """
 
     verdict: str

@@ -20,7 +20,7 @@ __all__ = ["slow_drifts", "slow_rest"]
 
 SLOWEST = 8  # half waves in a record: what makes fewer changes over more than an eighth of it
 MOST = 0.5  # share of what is left of a derivative
-QUICKER = "the loop looks for quicker ones only. A longer record would tell."
+QUICKER = "the loop looks for faster ones only. A longer record would show it."
 
 
 def slow_drifts(report: LoopReport) -> list[str]:
@@ -43,7 +43,7 @@ def slow_rest(report: LoopReport) -> str:
         return ""
     return (
         f" Most of what is left of {' and '.join(slow)} changes over more than {_longest(report)}, "
-        "an eighth of the record, as a sensor or a force does that wanders, or a state that nobody "
+        "an eighth of the record, like a wandering sensor or force, or a state that nobody "
         f"measured: {QUICKER}"
     )
 

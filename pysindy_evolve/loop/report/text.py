@@ -176,8 +176,8 @@ def p_of_rivals(report: LoopReport) -> list[str]:
     """Say what the p of alternatives is; another form of an effect itself is shown without."""
     named = any(rival.name != effect.name for effect in report.effects for rival in effect.rivals)
     said = (
-        "The p beside what cannot be told from an effect is how often chance speaks as much "
-        "against an alternative that is the cause."
+        "p of an alternative: how often chance alone would count against it as strongly if it were "
+        "the true cause."
     )
     return [said] if named else []
 

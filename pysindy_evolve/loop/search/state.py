@@ -60,7 +60,7 @@ class Search:
     findings: list[Finding] = field(default_factory=list)
     outdone: list[Finding] = field(default_factory=list)  # what later findings made superfluous
     rejected: Rejected | None = None  # the last one
-    chance_left: float = 1.0  # that what is left only seems to depend on what was measured
+    chance_left: float = 1.0  # p-value of the test for structure in the final residual
     relaxing: bool = True  # whether to look for relaxations, and springs that remember
     corrected_pieces: Segments = field(init=False)
     grower: TermGrower = field(init=False)
@@ -90,7 +90,7 @@ class Search:
 
     @property
     def design(self) -> Design:
-        """The model with what was found until now."""
+        """The model with what was found so far."""
         return with_findings(self.declared, self.findings)
 
     @property
@@ -140,7 +140,7 @@ class Search:
         return off_limits(part, limits) if findings else part
 
     def wait(self, findings: Sequence[Finding]) -> None:
-        """Look at records only where each relaxation knows where it is."""
+        """Give no weight to the rows in which a hidden state has not settled yet."""
         self.corrected_pieces = awaited(
             with_findings(self.declared, findings), self.corrected_pieces
         )

@@ -197,7 +197,7 @@ def _entry(design: Design, finding: Finding) -> str:
     """Say where an effect acts, if it enters its equation as a declared force does."""
     terms, state = finding.candidate.terms, finding.candidate.state
     if finding.candidate.name == INERTIA:
-        return "in the inertia, whose mean counts as one; all forces stand over it"
+        return "in the inertia, whose mean counts as one and divides all forces"
     place = entered(design, state, terms[0]) if len(terms) == 1 and finding.columns else None
     if place is None:
         return ""

@@ -97,7 +97,11 @@ def _reported(
 
 
 def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport) -> Finding | None:
-    """Return what the final fit is not sure of, what differs by record, or does worse."""
+    """Return the finding to withdraw, if any.
+
+    Its interval holds zero, it differs between the records, a random walk would do as well, or runs
+    or derivatives are worse with it.
+    """
     whole = with_findings(search.declared, findings)
     gone = most_doubtful(findings, report.effects, whole)
     gone = gone or last_untransferred(search.declared, findings, search.corrected_pieces)

@@ -1,4 +1,4 @@
-"""Effects that are another one in each record: a forcing whose phase differs, a load, a zero.
+"""Effects whose coefficients differ from record to record: the phase of a forcing, a load, a zero.
 
 What depends on nothing but the time is fitted to all records with one number, and so it explains a
 part of each even where every record has its own. No fixed term can be that. Nor is a state that

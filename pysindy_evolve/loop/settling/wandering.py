@@ -89,8 +89,8 @@ def _is_slow(pieces: Sequence[np.ndarray]) -> bool:
 def _chance_of_walk(records: Sequence[Sequence[np.ndarray]]) -> float:
     """Return the chance that a random walk with noise follows an effect as closely.
 
-    It is that of each walk, weighed by its restricted likelihood: of a faint one not even the
-    likeliest strength is near the true one, and where that is none, any trend would be more.
+    It is that of each walk, weighed by its restricted likelihood. The likeliest strength of a faint
+    walk is often zero, and with it alone any trend would look significant.
     """
     grams, logdets, n_free = np.zeros((2, 2)), np.zeros(1), -1
     for pieces in records:

@@ -25,7 +25,7 @@ from ...substitution import acting
 
 __all__ = ["Path", "follow"]
 
-FAITHFUL = 0.5  # a path that strays further, in standard deviations, is none
+FAITHFUL = 0.5  # standard deviations; a path that strays further is not used
 SHORTEST = 64  # raw samples of a piece; below, little is left of the model
 FADE = 4  # pieces fade into one another over this part of their length
 TOLERANCES = (1e-10, 1e-7)  # of a simulation step: well below the noise, which may be rounding

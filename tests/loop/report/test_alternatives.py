@@ -14,7 +14,7 @@ def test_the_p_of_an_alternative_is_explained_where_one_is_shown(report):
     term = effect.term
     other = Alternative("cubic stiffness", effect.state, term, 0.012, (), np.array([2.0]), 2 * term)
     form = replace(other, name=effect.name)
-    explained = "how often chance speaks as much against an alternative that is the cause"
+    explained = "chance alone would count against it as strongly if it were the true cause"
     for rivals, is_explained in (((other, form), True), ((form,), False), ((), False)):
         said = " ".join(str(replace(report, effects=(replace(effect, rivals=rivals),))).split())
         assert ("(p = 0.012)" in said) == is_explained

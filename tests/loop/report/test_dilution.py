@@ -38,4 +38,4 @@ def test_what_runs_bear_out_is_not_doubted():
     q = np.exp(-0.05 * t) * np.cos(3.0 * t)
     declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})
     report = pse.close_loop(declared, pse.prepare(t, q + 1e-3 * np.sin(977.0 * t)), max_effects=0)
-    assert "noise of the sensors, and makes" not in " ".join(str(report).split())
+    assert "noise of the sensors, which makes" not in " ".join(str(report).split())

@@ -21,14 +21,14 @@ def test_a_load_that_differs_between_records_is_not_complete():
     report = report_of((2.0, -3.0, 0.5))
     assert report.verdict == "untraced"
     assert not report.effects
-    assert "has another mean in each training record" in " ".join(str(report).split())
+    assert "has a different mean in each training record" in " ".join(str(report).split())
 
 
 @pytest.mark.slow
 def test_a_load_that_is_the_same_is_an_offset():
     report = report_of((2.0, 2.0, 2.0))
     assert [effect.name for effect in report.effects] == ["constant offset"]
-    assert "another mean" not in str(report)
+    assert "different mean" not in str(report)
 
 
 @pytest.mark.slow

@@ -461,7 +461,7 @@ def test_a_parameter_of_which_nothing_is_left_is_mentioned(report):
     gone = dict(report.after.parameters) | {"c": -1e-3}
     said = " ".join(str(replace(report, after=replace(report.after, parameters=gone))).split())
     was = format_number(report.before.parameters["c"])
-    assert f"little is left of a declared term: c from {was} to -0.001. An effect" in said
+    assert f"little is left of a declared term: c from {was} to -0.001. They explain" in said
     assert "little is left" not in str(report)
 
 
@@ -580,4 +580,4 @@ def test_a_wave_with_a_phase_of_zero_is_not_said_to_be_unknown(name, said):
 @pytest.mark.parametrize(("end", "said"), [(0.0, 1), (0.1, 0)])
 def test_an_interval_that_ends_at_zero_is_explained(end, said):
     lines = lines_of("Stribeck friction", [2.0, -3.0], [[1.0, 3.0], [-6.0, -end]])
-    assert sum("zero itself was refuted" in line for line in lines) == said
+    assert sum("zero itself was ruled out" in line for line in lines) == said
