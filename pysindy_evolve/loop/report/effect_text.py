@@ -20,8 +20,16 @@ from .interval_text import interval, value_within
 if TYPE_CHECKING:
     from .effect import Alternative, Effect
 
-__all__ = ["evidence", "named_together", "numbers_inside", "sentence", "with_sign"]
-__all__ += ["without_rivals"]
+__all__ = [
+    "called",
+    "evidence",
+    "named_together",
+    "numbers_inside",
+    "sentence",
+    "whose_share",
+    "with_sign",
+    "without_rivals",
+]
 
 WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine
 
@@ -40,7 +48,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines.append(f"it acts {effect.entry}")
     paths = sayings(effect.expressions, [str(symbol) for symbol in symbols], _sure(effect))
     lines += _laid_out(paths, wide) or numbers_inside(effect)
-    of_what = "variance of the free runs' error" if effect.by_runs else "residual variance"
+    of_what = whose_share(effect)
     chance = f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
     if round(100 * effect.explained) > 0:
         lines.append(f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; {chance}")
@@ -54,6 +62,13 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     else:
         lines.append(without_rivals(effect))
     return [*lines, *named_together(effect)]
+
+
+def whose_share(effect: Effect) -> str:
+    """Say what an effect removes a share of."""
+    if effect.of_sensor:
+        return "variance between the free runs and the readings"
+    return "variance of the free runs' error" if effect.by_runs else "residual variance"
 
 
 def _quantities(effect: Effect) -> list[str]:

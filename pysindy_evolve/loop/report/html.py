@@ -14,7 +14,14 @@ import numpy as np
 from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
-from .effect_text import called, named_together, numbers_inside, with_sign, without_rivals
+from .effect_text import (
+    called,
+    named_together,
+    numbers_inside,
+    whose_share,
+    with_sign,
+    without_rivals,
+)
 from .remains import remains
 from .text import added_up, free_parameters, table_cells, verdict_of
 from .units import check_units, with_unit
@@ -91,7 +98,7 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "coefficients": _coefficients(effect, symbols),
         "numbers": numbers_inside(effect),
         "share": f"{100 * effect.explained:.0f}",
-        "of_what": "free runs' error variance" if effect.by_runs else "residual variance",
+        "of_what": whose_share(effect),
         "p": f"{effect.p_value:.2g}",
         "n_twins": len(effect.twin_scores),
         "twins": _twins(effect.name, effect.twin_scores, effect.score, effect.is_limit),

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["remains"]
 
 TRACE = 1e-3  # share of the error below which nobody asks which effect it was
+LIKELY = 0.5  # p-value from which on a candidate is what chance shows anyway
 
 
 def remains(report: LoopReport) -> list[str]:
@@ -26,8 +27,9 @@ def remains(report: LoopReport) -> list[str]:
         said.append(
             "A general model, polynomials of all variables and the recent past of the inputs, "
             "predicts the residual better than it does in twins: something is there that depends "
-            "on what was measured. Possible causes: a delay, a memory, an unmeasured variable, or "
-            f"columns that were filtered differently.{slow_rest(report)}"
+            "on what was measured. Possible causes: a delay, a memory, an unmeasured variable, "
+            "columns that were filtered differently, or, in a closed loop, noise of a sensor that "
+            f"the controller passed on to an input.{slow_rest(report)}"
         )
     said += cautions(report)
     if not report.finished:
@@ -53,13 +55,18 @@ def _last_look(report: LoopReport) -> str:
     if not is_tested and best.share < TRACE:
         least = percent(100 * TRACE)
         return f"No other effect would remove {least} of the error that could be explained."
-    where = f"in the equation of {_states(report)}"
     again = "a further " if any(best.name == effect.name for effect in report.effects) else ""
-    said = f"The strongest candidate that did not pass is {again}{best.name} {where}: "
+    name = f"{again}{best.name} in the equation of {_states(report)}"
     n_twins = len(best.twin_scores)
+    better = f"{round(best.p_value * (1 + n_twins)) - 1} of {n_twins}" if is_tested else ""
+    if is_tested and best.p_value >= LIKELY:
+        return (
+            f"No other effect stands out: {better} twins, in which nothing is missing, show one as "
+            f"good as the best one here, {name} ({_chance(best, report)})."
+        )
+    said = f"The strongest candidate that did not pass is {name}: "
     if is_tested:
-        better = round(best.p_value * (1 + n_twins)) - 1
-        said += f"{better} of {n_twins} twins, in which nothing is missing, show an effect as good "
+        said += f"{better} twins, in which nothing is missing, show an effect as good "
         said += f"({_chance(best, report)})"
     if is_tested and not best.p_value <= best.level:
         return f"{said}."

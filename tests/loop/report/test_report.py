@@ -82,7 +82,7 @@ def test_complete_report_says_so_and_shows_one_equation(complete):
     assert text.startswith("Verdict: complete: nothing is missing that this data can show.")
     assert "Corrected model" not in text
     assert not re.search(r"^1\. ", text, flags=re.MULTILINE)
-    assert "The strongest candidate that did not pass is" in text
+    assert "No other effect stands out: " in text
 
 
 def test_free_parameters_have_the_values_of_the_equation_that_they_stand_below(report):
@@ -308,6 +308,14 @@ def test_an_effect_that_is_no_chance_but_too_small_is_said_to_be_that(complete):
         "0 of 199 twins, in which nothing is missing, show an effect as good (p = 0.005)," in said
     )
     assert ", but it would remove 1 % of the error that could be explained, less than" in said
+
+
+@pytest.mark.parametrize(("p_value", "is_named"), [(0.4, True), (0.6, False)])
+def test_what_most_twins_show_as_well_is_no_strong_candidate(complete, p_value, is_named):
+    tried = replace(complete.rejected, p_value=p_value, twin_scores=np.zeros(99))
+    said = " ".join(str(replace(complete, rejected=tried)).split())
+    assert ("The strongest candidate that did not pass is" in said) is is_named
+    assert ("No other effect stands out: 59 of 99 twins" in said) is not is_named
 
 
 @pytest.mark.parametrize(("share", "is_named"), [(9e-4, False), (2e-3, True)])
@@ -563,7 +571,13 @@ def lines_of(name, coefficients, intervals):
     known = {"confidence_intervals": np.array(intervals)}
     values = {"coefficients": np.array(coefficients), "quantities": (), "entry": ""}
     rest = {"numbers": {}, "number_intervals": np.empty((0, 2)), "by_runs": False, "explained": 0.5}
-    rest |= {"p_value": 0.01, "twin_scores": np.zeros(9), "rivals": (), "contested": True}
+    rest |= {
+        "of_sensor": False,
+        "p_value": 0.01,
+        "twin_scores": np.zeros(9),
+        "rivals": (),
+        "contested": True,
+    }
     rest |= {"together": (), "written": (), "expressions": (variable(0), power(variable(0), 2))}
     symbols = [sympy.Symbol("q", real=True)]
     return evidence(SimpleNamespace(name=name, **known, **values, **rest), symbols)
