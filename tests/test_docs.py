@@ -11,7 +11,7 @@ from numpydoc.validate import validate
 
 import pysindy_evolve
 from pysindy_evolve import datasets
-from pysindy_evolve.loop.effects.vocabulary import VOCABULARY
+from pysindy_evolve.loop.effects.names import VOCABULARY
 
 # The numpydoc checks a public docstring must pass: it exists and begins with one sentence (GL08,
 # SS03), every parameter is described, in order, and none that does not exist (PR01-PR04, PR07),

@@ -18,7 +18,7 @@ from functools import partial
 import numpy as np
 
 from ...operators import BUILTIN
-from ...terms import Sum, call, mul, only_term, power, sub, variable
+from ...terms import Call, Sum, call, mul, only_term, power, sub, variable
 from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape, bare
 from .hysteresis import rounded_sign
@@ -156,7 +156,11 @@ def acting_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
 
 
 def _holds_difference(side: Sum, own: int, other: int) -> bool:
-    """Tell whether two variables enter a side with opposite coefficients."""
+    """Tell whether two variables enter a side, or a function in it, with opposite coefficients."""
     weights = {term: c for c, term in side.parts}
     one, two = only_term(variable(own)), only_term(variable(other))
-    return weights.get(one, 0.0) != 0.0 and weights.get(one) == -weights.get(two, 0.0)
+    if weights.get(one, 0.0) != 0.0 and weights.get(one) == -weights.get(two, 0.0):
+        return True
+    atoms = (atom for _, term in side.parts for atom, _ in term.factors)
+    inside = (each for atom in atoms if isinstance(atom, Call) for each in atom.args)
+    return any(_holds_difference(each, own, other) for each in inside)

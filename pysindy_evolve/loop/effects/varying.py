@@ -65,7 +65,8 @@ def saturating(
     over K + x, of a level x that stays above zero. Beside it the declared one may vanish. What eats
     grows by what is eaten, so the same rate may stand in two equations. One that saturates already
     may do so with a further level: who eats is sated, and keeps others from it. Or not the level
-    counts, but what there is of it for each: a declared rate over x + K y.
+    counts, but what there is of it for each: a declared rate over x + K y. Or prey hides, so that a
+    rate times x / (K^2 + x^2) begins with its square.
     """
     if design.position_of(effect.state) is not None:
         return
@@ -73,8 +74,8 @@ def saturating(
         acting = sorted(part.variables - {design.time}) if len(part.variables) > 1 else []
         levels = [one for one in acting if 2.0 * middle[one] > scales[one]]
         for one in levels:
-            builds = (_over, _crowded) if _saturates(part, one) else (_over,)
-            for build in builds:
+            crowded = (_crowded,) if _saturates(part, one) else ()
+            for build in (_over, _hidden, *crowded):
                 yield from _sated(effect, partial(build, part, one), one, float(scales[one]))
         for one, other in combinations(levels, 2):
             ratio = float(scales[other] / scales[one])
@@ -136,6 +137,15 @@ def _root(drop: Sum) -> Sum:
 def _over(part: Sum, level: int, half: float) -> Sum:
     """Return a rate over a constant and a level."""
     return div(part, add(constant(half), variable(level)))
+
+
+def _hidden(part: Sum, level: int, half: float) -> Sum:
+    """Return a rate that goes by the square of a level where there is little, as of prey in cover.
+
+    Type III of Holling, Mem. Entomol. Soc. Can. 97 (1965), DOI 10.4039/entm9745fv.
+    """
+    x = variable(level)
+    return div(mul(part, x), add(constant(half**2), power(x, 2)))
 
 
 def _for_each(part: Sum, level: int, other: int, half: float) -> Sum:

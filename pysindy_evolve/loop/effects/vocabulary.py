@@ -205,7 +205,7 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
 def _stribecks(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
     for share in STRIBECK_SPEEDS if speed > 0.0 else ():
         shape = Shape((share * speed,), (partial(_stribeck, v),), meanings=("Stribeck speed",))
-        yield effect(STRIBECK_FRICTION, shape=shape, parents=(_sgn(v),))
+        yield effect(STRIBECK_FRICTION, shape=shape, parents=(bare(_sgn(v)),))
 
 
 def _springs(effect: CandidateMaker, q: Sum, reach: float) -> Iterator[Candidate]:

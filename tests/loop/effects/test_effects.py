@@ -7,7 +7,7 @@ import pytest
 
 from pysindy_evolve import DeclaredModel
 from pysindy_evolve.loop.effects.candidate import OFFSET
-from pysindy_evolve.loop.effects.missing import candidates, standing
+from pysindy_evolve.loop.effects.missing import candidates, standing, with_parents
 from pysindy_evolve.loop.effects.names import VOCABULARY
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.ranges import Ranges
@@ -106,9 +106,19 @@ def test_stribeck_friction_needs_coulomb_friction_first():
     design = design_of(ONE_MASS)
     own = [c for c in proposed(design) if c.variables == {1}]  # not beside an input
     (friction,) = (c for c in own if c.name == "Coulomb friction")
-    stribeck = [c for c in proposed(design) if c.name == "Stribeck friction"]
+    stribeck = [c for c in own if c.name == "Stribeck friction"]
     assert stribeck
     assert all(c.parents == friction.terms for c in stribeck)
+
+
+def test_stribeck_friction_of_a_slip_needs_the_coulomb_friction_of_that_slip():
+    """A belt moves with a measured speed below a mass, as a brake does below its pad."""
+    for friction, offered in (("f*sgn(v - w)", True), ("f*sgn(v)", False)):
+        model = DeclaredModel({"q": "v", "v": f"-k*q - {friction}"}, inputs=["w"])
+        design = model.design()
+        able = with_parents(candidates(design, Ranges.about_zero(np.full(4, 3.0))), design)
+        stribeck = [c.variables for c in able if c.name == "Stribeck friction"]
+        assert (frozenset({1, 2}) in stribeck) is offered
 
 
 def test_effects_that_stand_in_the_equation_are_not_proposed_again():

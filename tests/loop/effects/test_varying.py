@@ -74,7 +74,7 @@ def test_a_product_saturates_with_what_stays_above_zero_in_it():
     found = [c for c in candidates(design, ranges) if c.name == SATURATING]
     assert {(c.state, c.variables) for c in found} == {(s, frozenset({0, 1})) for s in (0, 1)}
     places = [c.shape.values[0] for c in found if c.state == 1]
-    assert places == pytest.approx([0.6, 2.0, 6.0], rel=0.01)
+    assert places == pytest.approx([0.6, 2.0, 6.0] * 2, rel=0.01)  # sated, and with hidden prey
     assert found[0].at([3.0]).terms[0].name(("N", "S", "t")) == "-S/(3 + N) + N S/(3 + N)"
 
 
@@ -86,6 +86,13 @@ def test_what_saturates_already_may_do_so_with_a_further_level():
     rates = {c.at([3.0]).terms[0] for c in candidates(design, ranges) if c.name == SATURATING}
     crowded = "N P/(3 + 6 N + P)"
     assert crowded in {term.name(("N", "P", "t")) for term in rates}
+
+
+def test_what_hides_is_eaten_by_the_square_of_it_where_there_is_little():
+    design = pse.DeclaredModel({"N": "r*N - g*N*P"}, inputs=["P"]).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
+    found = {c.at([2.0]).terms[0] for c in candidates(design, ranges) if c.name == SATURATING}
+    assert "N^2 P/(4 + N^2)" in {term.name(("N", "P", "t")) for term in found}
 
 
 def test_a_rate_may_go_by_what_there_is_for_each():
