@@ -25,7 +25,7 @@ from ...terms import (
 )
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
-from .names import COUPLING
+from .names import COUPLING, INPUT_GAIN
 
 __all__ = [
     "UNITS",
@@ -35,7 +35,6 @@ __all__ = [
     "centrifugal",
     "centripetal",
     "is_wave_of",
-    "outward",
     "swing_of",
     "units_of",
     "waves_angles",
@@ -146,20 +145,26 @@ def centripetal(
             square = power(other, 2)
             yield effect(COUPLING, mul(square, call(BUILTIN["sin"], variable(angle))))
             yield effect(COUPLING, mul(square, call(BUILTIN["cos"], variable(angle))))
-            yield effect(COUPLING, mul(mul(own, other), outward(angle, turning)))
+            yield effect(COUPLING, mul(mul(own, other), _outward(angle, turning)))
 
 
 def centrifugal(
     effect: CandidateMaker, design: Design, position: int, turning: frozenset[int]
 ) -> Iterator[Candidate]:
-    """Go through what the speed of another axis does: to an arm that it swings out, or a slide."""
-    for rate in design.velocities:
-        if rate != effect.state:
-            square = power(variable(rate), 2)
-            yield effect(COUPLING, mul(square, outward(position, turning)))
+    """Go through what the speed of another axis does: to an arm that it swings out, or a slide.
+
+    That axis is a state, or an input that acts nowhere else in the equation.
+    """
+    sides = design.sides_of(effect.state)
+    axes = [rate for rate in design.velocities if rate != effect.state]
+    inputs = range(len(design.states), design.time)
+    idle = [u for u in inputs if not any(u in side.variables for side in sides)]
+    for rate in (*axes, *idle):
+        name = COUPLING if rate in axes else INPUT_GAIN
+        yield effect(name, mul(power(variable(rate), 2), _outward(position, turning)))
 
 
-def outward(position: int, turning: frozenset[int]) -> Sum:
+def _outward(position: int, turning: frozenset[int]) -> Sum:
     """Return what the square of a speed of rotation acts with on a position, or on an angle.
 
     A mass on a turntable is driven out by w^2 r, one in a hoop that turns by w^2 sin(q) cos(q).

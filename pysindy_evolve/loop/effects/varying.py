@@ -75,7 +75,7 @@ def saturating(
         levels = [one for one in acting if 2.0 * middle[one] > scales[one]]
         for one in levels:
             crowded = (_crowded,) if _saturates(part, one) else ()
-            for build in (_over, _hidden, *crowded):
+            for build in (_over, _in_cover, *crowded):
                 yield from _sated(effect, partial(build, part, one), one, float(scales[one]))
         for one, other in combinations(levels, 2):
             ratio = float(scales[other] / scales[one])
@@ -139,7 +139,7 @@ def _over(part: Sum, level: int, half: float) -> Sum:
     return div(part, add(constant(half), variable(level)))
 
 
-def _hidden(part: Sum, level: int, half: float) -> Sum:
+def _in_cover(part: Sum, level: int, half: float) -> Sum:
     """Return a rate that goes by the square of a level where there is little, as of prey in cover.
 
     Type III of Holling, Mem. Entomol. Soc. Can. 97 (1965), DOI 10.4039/entm9745fv.

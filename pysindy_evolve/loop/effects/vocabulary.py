@@ -23,7 +23,6 @@ from .angles import (
     between_angles,
     centrifugal,
     centripetal,
-    outward,
     swing_of,
     units_of,
 )
@@ -153,8 +152,6 @@ def _of_rate(
         yield from _inputs(effect, u, states, reach, float(middle[column]))
         if position is None:
             yield from losses(effect, design, column)
-        elif not any(column in side.variables for side in design.sides_of(state)):
-            yield effect(INPUT_GAIN, mul(power(u, 2), outward(position, turning)))
     yield from _relative(effect, design, state, apart)
     yield from leveling(effect, design, scales)
     yield from radial(effect, design, turning)
@@ -203,7 +200,7 @@ def _frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candida
 
 
 def _stribecks(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
-    for share in STRIBECK_SPEEDS if speed > 0.0 else ():
+    for share in STRIBECK_SPEEDS:
         shape = Shape((share * speed,), (partial(_stribeck, v),), meanings=("Stribeck speed",))
         yield effect(STRIBECK_FRICTION, shape=shape, parents=(bare(_sgn(v)),))
 
@@ -306,6 +303,8 @@ def _between(
 
 
 def _slips(effect: CandidateMaker, slip: Sum, reach: float) -> Iterator[Candidate]:
+    if reach == 0.0:  # one is a copy of the other
+        return
     yield effect(COULOMB_FRICTION, _sgn(slip))
     yield from gripping(effect, COULOMB_FRICTION, slip, reach)
     yield from _stribecks(effect, slip, reach)

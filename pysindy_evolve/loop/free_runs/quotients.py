@@ -73,8 +73,8 @@ def as_quotients(candidate: Candidate, design: Design, part: Segments) -> list[C
         return []
     ((_, product),) = terms[0].parts
     place = _Place.of(product, candidate.state, design, part.rows)
-    closest = map(place.closest, _families(product, part.rows) if place.is_known else ())
-    forms = dict.fromkeys(bare(term) for term in closest if term is not None)
+    found = _closest(product, place, part.rows) if place.is_known else ()
+    forms = dict.fromkeys(bare(term) for term in found if place.missed(term) <= CLOSE)
     has_offset = (candidate.state, OFFSET) in standing(design)
     offsets: list[tuple[Sum, ...]] = [()] if has_offset else [(), (OFFSET,)]
     return [
@@ -103,15 +103,15 @@ class _Place:
         """Whether the term, and all beside it, has a value everywhere."""
         return bool(np.isfinite(self.wanted).all() and np.isfinite(self.beside).all())
 
-    def closest(self, family: Family) -> Sum | None:
-        """Return the one of a family that comes closest to the term; None if none comes close."""
-        missed = [self._missed(family(x)) for x in np.exp(GRID)]
+    def closest(self, family: Family) -> Sum:
+        """Return the one of a family that comes closest to the term."""
+        missed = [self.missed(family(x)) for x in np.exp(GRID)]
         # Far away all are alike, so a search over the whole range may end in nothing there.
         around = GRID[np.argmin(missed)] + np.array([-1.0, 1.0]) * (GRID[1] - GRID[0])
-        best = minimize_scalar(lambda x: self._missed(family(np.exp(x))), bounds=around)
-        return family(float(np.exp(best.x))) if best.fun <= CLOSE else None
+        best = minimize_scalar(lambda x: self.missed(family(np.exp(x))), bounds=around)
+        return family(float(np.exp(best.x)))
 
-    def _missed(self, term: Sum) -> float:
+    def missed(self, term: Sum) -> float:
         """Return the part of the term beside the others that another one misses, RMS."""
         values = term.evaluate(self.rows)
         if not np.isfinite(values).all():
@@ -129,8 +129,8 @@ class _Place:
         return float(np.linalg.norm(self.wanted - fitted))
 
 
-def _families(product: Product, rows: np.ndarray) -> Iterator[Family]:
-    """Go through the product with each curved function replaced by quotients.
+def _closest(product: Product, place: _Place, rows: np.ndarray) -> Iterator[Sum]:
+    """Go through the product with each curved function replaced by close quotients, or by powers.
 
     One of a single variable is replaced with and without all else that depends on that alone.
     """
@@ -141,12 +141,15 @@ def _families(product: Product, rows: np.ndarray) -> Iterator[Family]:
         beside = _without(product, {atom})
         if atom.operator.name == "exp":
             highest = float(inside.evaluate(rows).max())
-            yield from (partial(_over_distance, beside, inside, highest, n) for n in POWERS)
+            distant = (partial(_over_distance, beside, inside, highest, n) for n in POWERS)
+            yield from map(place.closest, distant)
         if len(atom.variables) == 1:
             (index,) = atom.variables
             alike = {one for one, _ in product.factors if one.variables == atom.variables}
             for left in dict.fromkeys((beside, _without(product, alike))):
-                yield from _of_one_variable(left, index, float(np.abs(rows[:, index]).max()))
+                largest = float(np.abs(rows[:, index]).max())
+                yield from map(place.closest, _quotients(left, index, largest))
+                yield from (mul(left, power(variable(index), n)) for n in EXPONENTS)
 
 
 def _curved(product: Product) -> list[Call]:
@@ -160,16 +163,10 @@ def _without(product: Product, gone: Collection[Atom]) -> Sum:
     return of_term(Product(tuple(one for one in product.factors if one[0] not in gone)))
 
 
-def _of_one_variable(left: Sum, index: int, largest: float) -> Iterator[Family]:
-    """Go through quotients of a variable, and its powers, times what else there is."""
+def _quotients(left: Sum, index: int, largest: float) -> Iterator[Family]:
+    """Go through quotients of a variable times what else there is."""
     for above, n in EVEN if largest > 0.0 else ():
         yield partial(_over_even, mul(left, power(variable(index), above)), index, largest, n)
-    yield from (partial(_power, left, index, n) for n in EXPONENTS)
-
-
-def _power(left: Sum, index: int, n: int, _: float) -> Sum:
-    """Return a term times a power of a variable, in which there is no number."""
-    return mul(left, power(variable(index), n))
 
 
 def _over_distance(left: Sum, inside: Sum, highest: float, n: int, distance: float) -> Sum:
