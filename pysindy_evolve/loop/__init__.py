@@ -1,8 +1,8 @@
 """The loop: declared model and measurement in, corrected equation and its evidence out.
 
-`close.py` is what a user calls. It gives a `Search` to `search/look_for_effects.py`, where the
-looks stand in their order, and what that found to `settling/settle.py`, where it is fitted for good
-and what does not hold is withdrawn. Each folder may use those above it in this table:
+`close.py` is what a user calls. It gives the records to `search/look_for_effects.py`, where the
+looks stand in their order, and what these `Found` to `settling/settle.py`, where it is fitted for
+good and what does not hold is withdrawn. Each folder may use those above it in this table:
 
 =============  ====================================================================
 given          the declared model, the records, pieces of them, the rules

@@ -20,8 +20,8 @@ from .given.declared import DeclaredModel
 from .given.rules import Rules, generator
 from .growth.genetic_search import OPERATORS
 from .report.report import LoopReport
+from .search.found import Found
 from .search.look_for_effects import look_for_effects
-from .search.state import Search
 from .settling.settle import settled
 
 __all__ = ["close_loop"]
@@ -123,22 +123,23 @@ def close_loop(
     looked_for = max_effects if given.shows_motion else 0
     rules = replace(rules, by_trajectory=part.by_trajectory, max_effects=looked_for)
     basis = resolve(operators, "close_loop") if operators else ()
-    search = Search(given.design, given.train, part, rules, basis, rng)
-    is_whole = _run(search) and len(search.findings) < rules.max_effects
-    report = settled(search, given.test, is_whole)
+    start = Found(given.design, given.train, part, rules, basis)
+    found, is_finished = _search(start, rng)
+    report = settled(found, given.test, is_finished and found.has_room, rng)
     return replace(report, shows_motion=given.shows_motion)
 
 
-def _run(search: Search) -> bool:
+def _search(found: Found, rng: np.random.Generator) -> tuple[Found, bool]:
     """Search, and tell whether the search came to its end; an interrupt keeps what was found."""
     try:
-        look_for_effects(search)
+        for step in look_for_effects(found, rng):
+            found = step
     except KeyboardInterrupt:
-        if not search.findings:
+        if not found.findings:
             raise
         warn(
             "close_loop was interrupted. The report is being made from what was found so far; "
             "press Ctrl-C again to stop without a report.",
         )
-        return False
-    return True
+        return found, False
+    return found, True

@@ -7,6 +7,7 @@ as one fixed candidate among few, so the size of the search does not enter the c
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -30,13 +31,29 @@ from ..given.rules import Rules
 from ..given.segments import Segments
 from .genetic_search import grow
 
-__all__ = ["TermGrower"]
+__all__ = ["Grown", "TermGrower"]
 
 # A grown term must gain this many times as much as a name, and two names as much as a grown term: a
 # filtered copy of the same effect gains a little by itself.
 BETTER = 1.25
 USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
 MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary
+
+
+@dataclass
+class Grown:
+    """Terms that grew on records, as these were read then.
+
+    Attributes
+    ----------
+    first : list of Candidate, optional
+        What grew on the residual of the declared model, once that was looked at.
+    terms : list of Candidate
+        All that grew.
+    """
+
+    first: list[Candidate] | None = None
+    terms: list[Candidate] = field(default_factory=list)
 
 
 class TermGrower:
@@ -52,8 +69,8 @@ class TermGrower:
         When a term counts.
     operators : sequence of Operator
         Basis functions; without any, nothing grows.
-    rng : numpy.random.Generator
-        Source of all randomness.
+    grown : Grown
+        What grew on these records before; what grows now is added.
     """
 
     def __init__(
@@ -62,39 +79,35 @@ class TermGrower:
         part: Segments,
         rules: Rules,
         operators: Sequence[Operator],
-        rng: np.random.Generator,
+        grown: Grown,
     ) -> None:
         self.declared, self.rules = declared, rules
-        self.operators, self.rng = operators, rng
-        self.look(part)
-        self.pool: list[Candidate] | None = None
-        self.grown: list[Candidate] = []
-
-    def look(self, part: Segments) -> None:
-        """Search in every other of these pieces, and test on those between."""
+        self.operators, self.grown = operators, grown
         self.seen, self.fresh = part.every_other(0), part.every_other(1)
 
-    def better(self, design: Design, found: Sequence[Finding]) -> list[Finding]:
+    def better(
+        self, design: Design, found: Sequence[Finding], rng: np.random.Generator
+    ) -> list[Finding]:
         """Return what does clearly better on fresh segments than named effects.
 
         That is a grown term, or a leak k (x - x0) unless a grown one does clearly better than it.
         """
-        if self.pool is None:
-            self.pool = self._grow(self.declared)
+        if self.grown.first is None:
+            self.grown.first = self._grow(self.declared, rng)
         names = [finding.candidate for finding in found]
         ours = score(design, self.fresh, [*names, *_zeros_beside(names, design)], pairs=True)
         named_scores = [len(s.group) * net(s) for s in ours if set(names) <= set(s.group)]
         bar = BETTER * max(named_scores, default=0.0)
-        fresh = [c for c in self.pool if c.name == EVOLVED or is_stop(c)]
+        fresh = [c for c in self.grown.first if c.name == EVOLVED or is_stop(c)]
         best = max(score(design, self.fresh, fresh, pairs=False), key=net, default=None)
         leak = self._leak(design, names[0].state)
         if leak is not None and 2.0 * net(leak) > max(bar, net(best) / BETTER if best else 0.0):
-            return self._test(design, list(leak.group))
+            return self._test(design, list(leak.group), rng)
         if best is None or net(best) <= bar:
             return []
         if BETTER * net(best) <= self._of_two_names(design, best.group[0].state):
             return []
-        return self._test(design, list(best.group))
+        return self._test(design, list(best.group), rng)
 
     def _leak(self, design: Design, state: int) -> Score | None:
         """Return what a state and an offset gain together in its equation of the first order."""
@@ -118,16 +131,16 @@ class TermGrower:
         scores = score(design, self.fresh, offered, pairs=True)
         return (one for one in scores if len(one.group) == 2)
 
-    def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
+    def find(self, design: Design, rng: np.random.Generator, n_searches: int = 1) -> list[Finding]:
         """Grow terms on what a design leaves, and return the best one that passes."""
-        grown = [c for _ in range(n_searches) for c in self._grow(design)]
-        return self._test(design, list(dict.fromkeys(grown)))
+        grown = [c for _ in range(n_searches) for c in self._grow(design, rng)]
+        return self._test(design, list(dict.fromkeys(grown)), rng)
 
-    def _grow(self, design: Design) -> list[Candidate]:
+    def _grow(self, design: Design, rng: np.random.Generator) -> list[Candidate]:
         if not self.operators or self.seen.by_trajectory or len(self.fresh.z) < MIN_FRESH:
             return []
         known = fitted(design)  # what is known may be wrong
-        grown = grow(self.declared, design, self.seen, self.operators, self.rng, self.rules.n_jobs)
+        grown = grow(self.declared, design, self.seen, self.operators, rng, self.rules.n_jobs)
         fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
         rows, records = self.seen.rows, self.seen.records
         new = [
@@ -135,22 +148,26 @@ class TermGrower:
             for c in fresh
             if have_values(c.terms, records) and not any(has_pole(t, rows) for t in c.terms)
         ]
-        self.grown += new
+        self.grown.terms += new
         return new
 
-    def _test(self, design: Design, grown: list[Candidate]) -> list[Finding]:
+    def _test(
+        self, design: Design, grown: list[Candidate], rng: np.random.Generator
+    ) -> list[Finding]:
         # Pairs too: 3 sin(v) - 4 sin(v)^3 is sin(3 v), and neither term gains anything alone.
         scores = [s for s in score(design, self.fresh, grown, pairs=True) if net(s) > 0.0]
         useful = [s for s in scores if view_gain(design, s.group, self.fresh) > USEFUL]
         given = partial(_always, list(dict.fromkeys(c for s in useful for c in s.group)))
-        look = find(self.declared, design, self.fresh, self.rules, self.rng, given)
+        look = find(self.declared, design, self.fresh, self.rules, rng, given)
         found = list(look.found)
-        return found if found and self._are_certain(design, found) else []
+        return found if found and self._are_certain(design, found, rng) else []
 
-    def _are_certain(self, design: Design, found: Sequence[Finding]) -> bool:
+    def _are_certain(
+        self, design: Design, found: Sequence[Finding], rng: np.random.Generator
+    ) -> bool:
         """Tell whether all records together know the sign of each coefficient."""
         richer = with_columns(design, found)
-        low, high = derivative_intervals(richer, self.fresh.records, self.rng).T
+        low, high = derivative_intervals(richer, self.fresh.records, rng).T
         own = slice(len(design.columns), None)
         return bool(np.all(low[own] * high[own] > 0.0))
 

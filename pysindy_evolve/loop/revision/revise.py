@@ -21,7 +21,7 @@ __all__ = ["exchange", "merged", "prune"]
 
 
 def exchange(
-    declared: Design, findings: list[Finding], part: Segments, *, latest: bool = False
+    declared: Design, findings: Sequence[Finding], part: Segments, *, latest: bool = False
 ) -> list[Finding]:
     """Replace an earlier effect, or the latest too, where another one does better by now.
 
@@ -52,7 +52,7 @@ def exchange(
     return findings
 
 
-def merged(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
+def merged(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
     """Put one effect in the place of two that do no better together.
 
     Gravity on an arm about the horizontal is first seen as an offset, for most of its cosine is
@@ -63,11 +63,11 @@ def merged(declared: Design, findings: list[Finding], part: Segments) -> list[Fi
         if one is not None:
             rest = excluding(findings, first, second)
             return merged(declared, [*rest, one], part)
-    return findings
+    return list(findings)
 
 
 def _in_place_of(
-    first: Finding, second: Finding, declared: Design, findings: list[Finding], part: Segments
+    first: Finding, second: Finding, declared: Design, findings: Sequence[Finding], part: Segments
 ) -> Finding | None:
     pair = (first.candidate, second.candidate)
     rest = excluding(findings, first, second)
@@ -119,7 +119,7 @@ def _is_single(
     )
 
 
-def prune(declared: Design, findings: list[Finding], part: Segments) -> list[Finding]:
+def prune(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
     """Drop effects that later ones made superfluous, unless one of those needs them."""
     for finding in list(findings):
         rest = excluding(findings, finding)

@@ -1,14 +1,18 @@
-"""The search for what a model lacks: its state, its looks, and their order.
+"""The search for what a model lacks: its looks, their order, and what they have found.
 
 `look_for_effects.py` is where to begin. It calls the looks in the order of this table.
 
 ===================  ====================================================================
 look_for_effects     calls all looks in their order, and begins again where it must
-state                what a search has found so far, and the records as they look with it
+found                what a search has found so far, and the records as they look with it
 looks
 look_at_names        names of the vocabulary, and memories of inputs
 holding              inputs that turn out to be held between their samples
+input_functions      inputs that jump, and act through functions that were found
 look_at_runs         what only free runs show, and what they say of all that was found
 look_at_grown_terms  terms without a name, where no name explains what is left
 ===================  ====================================================================
+
+Nothing here changes: a look takes what was `Found`, and yields what is known after each of its
+steps, so that an interrupt leaves the last of them.
 """

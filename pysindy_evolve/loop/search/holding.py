@@ -16,73 +16,71 @@ from ..memories.hold_or_memory import (
     in_pieces,
     memory_beside_hold,
 )
-from .state import Search
+from .found import Found
 
-__all__ = ["take_holds", "without_holds"]
+__all__ = ["with_holds", "without_holds"]
 
 
-def take_holds(search: Search) -> bool:
-    """Take inputs as held that are, and tell whether any is.
+def with_holds(found: Found) -> Found | None:
+    """Return the records with inputs taken as held, where they are; all findings are forgotten.
 
     Parameters
     ----------
-    search : Search
-        Has found what it could until now.
+    found : Found
+        What was found so far.
 
     Returns
     -------
-    bool
+    Found or None
+        None where no further input is held.
     """
-    if search.declared.algebraic:
-        return False
-    late = holds_alone(search.design, search.corrected_pieces) or _hidden_holds(search)
-    if late:
-        search.take_as_held(late, held_where_it_may_be)
-    return bool(late)
+    if found.declared.algebraic:
+        return None
+    late = holds_alone(found.design, found.corrected_pieces) or _hidden_holds(found)
+    return found.with_held(late, held_where_it_may_be).emptied() if late else None
 
 
-def without_holds(search: Search, found: list[Finding]) -> list[Finding]:
-    """Take inputs as held where that does as well as a memory, and return what is left.
+def without_holds(found: Found, new: list[Finding]) -> tuple[Found, list[Finding]]:
+    """Take inputs as held where that does as well as a memory.
 
     Parameters
     ----------
-    search : Search
-        Its records are taken as held.
-    found : list of Finding
+    found : Found
+        What was found before.
+    new : list of Finding
         What a look found.
 
     Returns
     -------
-    list of Finding
-        Empty where inputs are taken as held instead, so that all has to be looked at again.
+    tuple of (Found, list of Finding)
+        What was found before, on records taken as held, and what remains of the new findings:
+        nothing where inputs are taken as held instead, so that all has to be looked at again.
     """
     left = []
-    for finding in found:
+    for finding in new:
         if isinstance(finding, MemoryFinding) and not isinstance(finding.memory, Traded):
-            late, memory = memory_beside_hold(
-                finding.memory, search.design, search.corrected_pieces
-            )
+            late, memory = memory_beside_hold(finding.memory, found.design, found.corrected_pieces)
             if late > 0.0:
-                search.take_as_held({finding.memory.column: late}, held_where_it_may_be)
+                found = found.with_held({finding.memory.column: late}, held_where_it_may_be)
             if memory is None:
-                return []
+                return found, []
             finding = replace(finding, memory=memory)
         left.append(finding)
-    return left
+    return found, left
 
 
-def _hidden_holds(search: Search) -> dict[int, float]:
+def _hidden_holds(found: Found) -> dict[int, float]:
     """Return holds that show beside another effect than one that was found, or one more."""
-    columns = free_to_be_held(search.corrected_pieces.records)
+    columns = free_to_be_held(found.corrected_pieces.records)
     if not columns:
         return {}
-    found = [finding for finding in search.findings if finding.columns]
-    left = [search.findings, *(excluding(search.findings, one) for one in found)]
-    designs = [with_findings(search.declared, findings) for findings in left]
-    part, late = in_pieces(search.corrected_pieces), {}
+    with_terms = [finding for finding in found.findings if finding.columns]
+    sets = [found.findings, *(excluding(found.findings, one) for one in with_terms)]
+    designs = [with_findings(found.declared, findings) for findings in sets]
+    part, late = in_pieces(found.corrected_pieces), {}
     for column in columns:
-        part_held = awaited(search.design, search.pieces_with(search.findings, {column: HALF}))
-        held = in_pieces(part_held)
+        held_pieces = awaited(found.design, found.pieces_with(found.findings, {column: HALF}))
+        held = in_pieces(held_pieces)
         if any(hold_beside_another(column, design, part, held) for design in designs):
             late[column] = HALF
     return late

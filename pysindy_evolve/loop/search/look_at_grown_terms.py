@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
+
 from ..evidence.structure import may_have_structure, structure_chance
 from ..growth.short_records import find_small, is_better
+from .found import Found
 from .look_at_names import find_named
-from .state import Search
 
 __all__ = ["grow_terms"]
 
@@ -13,43 +17,50 @@ N_SEARCHES = 5  # for grown terms, where they are the only hope: one search may 
 LIKELY = 0.2  # chance that the residual has no structure, up to which there is such a hope
 
 
-def grow_terms(search: Search) -> None:
+def grow_terms(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Add terms without a name until none passes.
 
     Parameters
     ----------
-    search : Search
-        What was found so far; what grows is added.
+    found : Found
+        What was found so far.
+    rng : numpy.random.Generator
+        Source of all randomness.
+
+    Yields
+    ------
+    Found
+        After each step.
     """
-    if search.corrected_pieces.by_trajectory:
-        _grow_by_trajectory(search)
+    if found.pieces.by_trajectory:
+        yield from _grow_by_trajectory(found, rng)
         return
-    n_searches = 1 if search.findings else _n_searches(search)
-    while search.has_room and _may_lack_more(search):
-        found = search.grower.find(search.design, n_searches)
-        if not found:
+    n_searches = 1 if found.findings else _n_searches(found, rng)
+    while found.has_room and _may_lack_more(found):
+        new = found.grower.find(found.design, rng, n_searches)
+        if not new:
             break
-        search.findings = [*search.findings, *search.numbered(found)]
+        found = found.with_findings([*found.findings, *found.numbered(new)])
+        yield found
 
 
-def _may_lack_more(search: Search) -> bool:
+def _may_lack_more(found: Found) -> bool:
     # Growing takes longest, and beside what was found finds nothing where a generic model does not.
-    return not search.findings or may_have_structure(search.design, search.grower.seen)
+    return not found.findings or may_have_structure(found.design, found.grower.seen)
 
 
-def _n_searches(search: Search) -> int:
+def _n_searches(found: Found, rng: np.random.Generator) -> int:
     # Not on the pieces that grown terms are tested on: their number would depend on those.
-    chance = structure_chance(search.declared, search.grower.seen, search.rules, search.rng)
+    chance = structure_chance(found.declared, found.grower.seen, found.rules, rng)
     return N_SEARCHES if chance <= LIKELY else 1
 
 
-def _grow_by_trajectory(search: Search) -> None:
+def _grow_by_trajectory(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Let a small term come in where no name did, or where it does better than all of them."""
-    if not search.operators or search.rules.max_effects == 0:
+    if not found.operators or found.rules.max_effects == 0:
         return
-    declared, part = search.declared, search.corrected_pieces
-    found = find_small(declared, part, search.rules, search.operators, search.rng)
-    if found and is_better(declared, found, search.findings, part):
-        search.findings = []
-        search.findings = search.numbered(found)
-        find_named(search)
+    declared, part = found.declared, found.corrected_pieces
+    new = find_small(declared, part, found.rules, found.operators, rng)
+    if new and is_better(declared, new, found.findings, part):
+        bare = found.with_findings([])
+        yield from find_named(bare.with_findings(bare.numbered(new)), rng)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ...hidden_states.memory import Memory
-from ..evidence.findings import Finding, excluding, memories_in, with_findings
+import numpy as np
+
+from ..evidence.findings import Finding, excluding, memories_in
 from ..evidence.offers import awaited
 from ..memories.chains import untraded
 from ..memories.find import find_with_memories, resettled
@@ -14,110 +15,137 @@ from ..revision.beginnings import settled_beginning
 from ..revision.hidden_numbers import needed_by_runs, smooth_in, with_numbers
 from ..revision.revise import exchange, merged, prune
 from ..revision.sharing import with_shared_numbers
+from .found import Found
 from .holding import without_holds
-from .state import Search
 
 __all__ = ["find_named", "tune_memories"]
 
 
-def find_named(search: Search) -> None:
+def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Add what has a name, or remembers, one after the other until none passes.
 
     Parameters
     ----------
-    search : Search
-        What was found so far; what this look finds is added.
+    found : Found
+        What was found so far.
+    rng : numpy.random.Generator
+        Source of all randomness.
+
+    Yields
+    ------
+    Found
+        After each step, and before what takes long.
     """
-    while search.has_room:
-        before, memories = search.findings, memories_in(search.findings)
-        new = search.numbered(_look_once(search, memories))
+    while found.has_room:
+        known = found
+        found, new = _look_once(found, rng)
         if not new:
             break
         if memories_in(new):
-            kept = without_holds(search, new)
+            found, kept = without_holds(found, new)
             if not kept:  # it was how the input was recorded, and no memory of the machine
                 continue
-            found = _begun(search, untraded([*before, *kept]))
+            found = _begun(found, untraded([*found.findings, *kept]))
         else:
-            found = _or_grown(search, before, new)
-        if len(found) <= len(before):  # a memory goes where records begin otherwise
-            search.findings = found
-            break
-        _take(search, found, before)
-        if len(new) > 1 or len(memories_in(search.findings)) == len(memories):
-            tune_memories(search)  # or what is wrong with one would be named as another one
-    kept = prune(search.declared, search.findings, search.corrected_pieces)
-    search.outdone = excluding(search.findings, *kept)
-    search.findings = merged(search.declared, kept, search.corrected_pieces)
+            found = found.with_findings([*found.findings, *new])
+            if not _relaxes(found, known):
+                yield found  # growing takes long, and may be interrupted
+            found = _or_grown(found, known, new, rng)
+        if len(found.findings) <= len(known.findings):
+            break  # a memory goes where records begin otherwise
+        found = _if_needed(_exchanged(found), known)
+        if len(new) > 1 or len(memories_in(found.findings)) == len(memories_in(known.findings)):
+            found = _tuned(found)  # or what is wrong with one would be named as another one
+        yield found
+    yield _pruned(found)
 
 
-def tune_memories(search: Search) -> None:
+def tune_memories(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Tune the memories that were found beside all else that was.
 
     Parameters
     ----------
-    search : Search
+    found : Found
         What was found so far.
+    rng : numpy.random.Generator
+        Not used: looks are called alike.
+
+    Yields
+    ------
+    Found
+        Once.
     """
-    if memories_in(search.findings):
-        part = awaited(search.design, search.pieces)
-        search.findings = resettled(search.findings, search.design, part)
-        search.look_through(search.findings)
+    yield _tuned(found)
 
 
-def _look_once(search: Search, memories: Sequence[Memory]) -> Sequence[Finding]:
+def _look_once(found: Found, rng: np.random.Generator) -> tuple[Found, list[Finding]]:
+    memories = memories_in(found.findings)
     look = find_with_memories(
-        search.declared,
-        search.design,
-        search.corrected_pieces,
-        search.rules,
-        search.rng,
+        found.declared,
+        found.design,
+        found.corrected_pieces,
+        found.rules,
+        rng,
         memories,
-        relaxing=search.relaxing and not memories,
-        springs=search.relaxing,
+        relaxing=found.relaxing and not memories,
+        springs=found.relaxing,
     )
-    search.rejected = look.rejected or search.rejected
-    return look.found
+    return found.rejecting(look.rejected), found.numbered(look.found)
 
 
-def _or_grown(search: Search, before: list[Finding], new: list[Finding]) -> list[Finding]:
-    """Return all findings with new ones, or with what grows and does clearly better."""
-    both, design = [*before, *new], search.design
-    # Growing takes long, and may be interrupted.
-    search.findings = before if _relaxes(search, both, before) else both
-    search.wait(both)
-    grown = search.grower.better(design, new)
-    return [*before, *(replace(finding, step=new[0].step) for finding in grown or new)]
+def _or_grown(
+    found: Found, known: Found, new: Sequence[Finding], rng: np.random.Generator
+) -> Found:
+    """Return new findings beside those known, or what grows in their place if clearly better."""
+    grown = found.grower.better(known.design, new, rng)
+    if not grown:
+        return found
+    step = new[0].step
+    return found.with_findings([*known.findings, *(replace(one, step=step) for one in grown)])
 
 
-def _begun(search: Search, findings: list[Finding]) -> list[Finding]:
-    """Look through the records as memories make them, begun where their first rows say."""
-    part = awaited(with_findings(search.declared, findings), search.pieces)
-    begun = settled_beginning(search.declared, findings, search.records, part)
-    search.records, search.pieces = begun.plain, search.pieces.begun(begun.wide)
-    search.look_through(begun.findings)
-    return list(begun.findings)
+def _begun(found: Found, findings: list[Finding]) -> Found:
+    """Take up memories, in records that begin where their first rows say."""
+    part = awaited(found.with_findings(findings).design, found.pieces)
+    begun = settled_beginning(found.declared, findings, found.records, part)
+    return found.begun(begun.plain, begun.wide).with_findings(begun.findings)
 
 
-def _take(search: Search, found: list[Finding], before: list[Finding]) -> None:
-    """Keep findings, earlier ones under the names and numbers that they have by now."""
-    found = exchange(search.declared, found, search.corrected_pieces)
-    found = with_numbers(search.declared, found, search.corrected_pieces)
-    search.findings = with_shared_numbers(search.declared, found, search.corrected_pieces)
-    _take_back(search, before)
+def _exchanged(found: Found) -> Found:
+    """Return the findings under the names and with the numbers that fit best by now."""
+    findings = exchange(found.declared, found.findings, found.corrected_pieces)
+    findings = with_numbers(found.declared, findings, found.corrected_pieces)
+    return found.with_findings(
+        with_shared_numbers(found.declared, findings, found.corrected_pieces)
+    )
 
 
-def _take_back(search: Search, before: list[Finding]) -> None:
-    """Take back a relaxation or a spring that runs do not need, and what came with it."""
-    if _relaxes(search, search.findings, before):
-        needed = needed_by_runs(search.declared, search.findings, search.corrected_pieces.records)
-        if len(needed) < len(search.findings):
-            search.findings, search.relaxing = before, False
-            search.look_through(before)
+def _if_needed(found: Found, known: Found) -> Found:
+    """Return what was found, unless it relaxes or is a spring and runs do not need it."""
+    if not _relaxes(found, known):
+        return found
+    needed = needed_by_runs(found.declared, found.findings, found.corrected_pieces.records)
+    if len(needed) == len(found.findings):
+        return found
+    return replace(known, relaxing=False, rejected=found.rejected)
 
 
-def _relaxes(search: Search, findings: list[Finding], before: list[Finding]) -> bool:
+def _tuned(found: Found) -> Found:
+    if not memories_in(found.findings):
+        return found
+    part = awaited(found.design, found.pieces)
+    return found.with_findings(resettled(found.findings, found.design, part))
+
+
+def _pruned(found: Found) -> Found:
+    """Drop what later findings made superfluous, and put one effect in the place of two."""
+    kept = prune(found.declared, found.findings, found.corrected_pieces)
+    outdone = tuple(excluding(found.findings, *kept))
+    left = found.with_findings(merged(found.declared, kept, found.corrected_pieces))
+    return replace(left, outdone=outdone)
+
+
+def _relaxes(found: Found, known: Found) -> bool:
     """Tell whether a relaxation or a spring came in, which needs more proof than others."""
-    sides = (with_findings(search.declared, those) for those in (findings, before))
-    now, known = (len(smooth_in(side)) for side in sides)
-    return now > known
+    now, then = (len(smooth_in(side.design)) for side in (found, known))
+    return now > then

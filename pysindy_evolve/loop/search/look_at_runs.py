@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from ...hidden_states.memory import preceded
 from ..effects.names import EVOLVED
-from ..evidence.findings import memories_in
 from ..evidence.offers import awaited
 from ..free_runs.comparison import held_against
 from ..free_runs.contenders import Pool
@@ -25,129 +25,141 @@ from ..revision.noise_in_runs import without_noise_in_runs
 from ..revision.revise import exchange, merged, prune
 from ..revision.superseded import without_outlived
 from ..revision.thinning import thinned
+from .found import Found
 from .holding import without_holds
-from .state import Search
 
 __all__ = ["find_in_runs", "hold_against_runs"]
 
 
-def find_in_runs(search: Search) -> None:
+def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Add what has a name, or remembers, and shows in nothing but free runs.
 
     Parameters
     ----------
-    search : Search
-        What was found so far; what this look finds is added.
+    found : Found
+        What was found so far.
+    rng : numpy.random.Generator
+        Source of all randomness.
+
+    Yields
+    ------
+    Found
+        In the end.
     """
-    child = search.rng.spawn(1)[0]
-    if search.remembers_states:
+    if not found.runs_tell_more:
         return
-    tuned = numbers_by_runs(search.bare_model, search.findings, search.records)
-    search.findings = merged(search.declared, tuned, search.corrected_pieces)
+    child = rng.spawn(1)[0]
+    if found.remembers_states:
+        return
+    tuned = numbers_by_runs(found.bare_model, found.findings, found.records)
+    found = found.with_findings(merged(found.declared, tuned, found.corrected_pieces))
     look, pasts = find_by_runs(
-        search.declared, search.findings, search.records, search.wide_records, search.rules, child
+        found.declared, found.findings, found.records, found.wide_records, found.rules, child
     )
-    search.rejected = look.rejected or search.rejected
-    known, more = search.findings, list(look.found[len(search.findings) :])
+    found = found.rejecting(look.rejected)
+    more = list(look.found[len(found.findings) :])
     if more:
-        new = without_holds(search, more)
+        found, new = without_holds(found, more)
         if not new:  # it was how the input was recorded
-            find_in_runs(search)
+            yield from find_in_runs(found, rng)
             return
-        search.findings = untraded([*known, *new])
-        if pasts:
-            search.records = [*map(preceded, search.records, pasts)]
-            search.pieces = search.pieces.begun([*map(preceded, search.wide_records, pasts)])
-        search.look_through(search.findings)
-        _ask_kinds_again(search, child)
+        findings = untraded([*found.findings, *new])
+        found = (found.after(pasts) if pasts else found).with_findings(findings)
+        found = _of_kinds_again(found, child)
+    yield found
 
 
-def hold_against_runs(search: Search) -> None:
+def hold_against_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Hold all that was found against free runs, and add what these show besides.
 
     Parameters
     ----------
-    search : Search
+    found : Found
         What was found so far.
+    rng : numpy.random.Generator
+        Source of all randomness.
+
+    Yields
+    ------
+    Found
+        After each step.
     """
-    _find_unnamed(search)
-    _drop_superfluous(search)
-    _hold_against_rivals(search)
-    _doubt_inputs(search)
-    _find_clipped_sensors(search)
-
-
-def _ask_kinds_again(search: Search, rng: np.random.Generator) -> None:
-    """Ask of what kind the memories are that were found before what runs showed."""
-    before, part = memories_in(search.findings), awaited(search.design, search.pieces)
-    level = search.rules.significance
-    search.findings = of_kinds_again(search.findings, search.design, part, level, rng)
-    if memories_in(search.findings) != before:
-        search.look_through(search.findings)
-
-
-def _find_unnamed(search: Search) -> None:
-    child = search.rng.spawn(1)[0]
-    if search.remembers_states:
+    if not found.runs_tell_more:
         return
+    steps = (_with_unnamed, _without_superfluous, _held_against_rivals, _without_noise, _clipped)
+    for step in steps:
+        found = step(found, rng)
+        yield found
+
+
+def _of_kinds_again(found: Found, rng: np.random.Generator) -> Found:
+    """Ask of what kind the memories are that were found before what runs showed."""
+    part = awaited(found.design, found.pieces)
+    level = found.rules.significance
+    return found.with_findings(of_kinds_again(found.findings, found.design, part, level, rng))
+
+
+def _with_unnamed(found: Found, rng: np.random.Generator) -> Found:
+    """Add terms without a name, such as products of hidden states, that only runs show."""
+    child = rng.spawn(1)[0]
+    if found.remembers_states:
+        return found
     look = find_unnamed(
-        search.declared,
-        search.findings,
-        search.records,
-        search.wide_records,
-        search.small_terms(),
-        search.rules,
+        found.declared,
+        found.findings,
+        found.records,
+        found.wide_records,
+        found.small_terms(),
+        found.rules,
         child,
     )
-    search.rejected, known = look.rejected or search.rejected, search.findings
-    search.findings = list(look.found)
-    if len(search.findings) > len(known):
-        _ask_kinds_again(search, child)
+    more = found.rejecting(look.rejected).with_findings(look.found)
+    return _of_kinds_again(more, child) if len(look.found) > len(found.findings) else more
 
 
-def _drop_superfluous(search: Search) -> None:
+def _without_superfluous(found: Found, rng: np.random.Generator) -> Found:
     """Drop what grown terms made superfluous, once each has the name that is right by now."""
-    found = exchange(search.declared, search.findings, search.corrected_pieces)
-    kept = prune(search.declared, found, search.corrected_pieces)
-    if not search.remembers_states:
-        kept = without_outlived(search.declared, kept, search.records, search.wide_records)
-    if len(memories_in(kept)) < len(memories_in(search.findings)):
-        search.look_through(kept)
-    search.findings = thinned(search.declared, kept, search.corrected_pieces)
+    findings = exchange(found.declared, found.findings, found.corrected_pieces)
+    kept = prune(found.declared, findings, found.corrected_pieces)
+    if not found.remembers_states:
+        kept = without_outlived(found.declared, kept, found.records, found.wide_records)
+    left = found.with_findings(kept)
+    return left.with_findings(thinned(left.declared, kept, left.corrected_pieces))
 
 
-def _hold_against_rivals(search: Search) -> None:
-    if search.remembers_states:
-        found = with_numbers_of_runs(
-            search.declared, search.findings, search.corrected_pieces.records
-        )
-        search.findings = needed_by_runs(search.declared, found, search.corrected_pieces.records)
-        return
-    model = search.bare_model
-    grown = [c for c in search.grower.grown if c.name == EVOLVED]
-    small = search.small_terms()
-    found = shared_by_runs(model, search.findings, search.records)
-    pool = Pool(grown, small, search.corrected_pieces, search.rules.notable_gain)
-    found = one_for_several(model, found, pool, search.records)
-    found = two_for_one(model, found, search.records, search.corrected_pieces, search.rules)
-    kept = held_against(model, found, pool, search.records, search.rules)
-    kept = shared_by_runs(model, kept, search.records)  # what won may have partners
-    search.findings = prune(search.declared, kept, search.corrected_pieces)
+def _held_against_rivals(found: Found, rng: np.random.Generator) -> Found:
+    """Let each effect hold its place against those that come closest to it."""
+    declared, records = found.declared, found.records
+    if found.remembers_states:
+        acted = found.corrected_pieces.records
+        findings = with_numbers_of_runs(declared, found.findings, acted)
+        return found.with_findings(needed_by_runs(declared, findings, acted))
+    model, part, rules = found.bare_model, found.corrected_pieces, found.rules
+    grown = [c for c in found.grown.terms if c.name == EVOLVED]
+    findings = shared_by_runs(model, found.findings, records)
+    pool = Pool(grown, found.small_terms(), part, rules.notable_gain)
+    findings = one_for_several(model, findings, pool, records)
+    findings = two_for_one(model, findings, records, part, rules)
+    findings = held_against(model, findings, pool, records, rules)
+    findings = shared_by_runs(model, findings, records)  # what won may have partners
+    return found.with_findings(prune(declared, findings, part))
 
 
-def _doubt_inputs(search: Search) -> None:
-    child = search.rng.spawn(1)[0]
-    found = without_errors_in_inputs(
-        search.declared, search.findings, search.wide_records, search.corrected_pieces, child
+def _without_noise(found: Found, rng: np.random.Generator) -> Found:
+    """Drop what errors in the readings of inputs, or their noise in runs, explain as well."""
+    child = rng.spawn(1)[0]
+    declared, part = found.declared, found.corrected_pieces
+    findings = without_errors_in_inputs(declared, found.findings, found.wide_records, part, child)
+    if not found.remembers_states:
+        findings = without_noise_in_runs(declared, findings, found.records, child)
+    return found.with_findings(prune(declared, findings, part))
+
+
+def _clipped(found: Found, rng: np.random.Generator) -> Found:
+    """Add the ends of the ranges of sensors, at which only the readings stop."""
+    if not found.has_room:
+        return found
+    model = model_of(found.declared, found.findings)
+    return found.with_findings(
+        clipped_sensors(model, found.findings, found.records, found.rules, rng)
     )
-    if not search.remembers_states:
-        found = without_noise_in_runs(search.declared, found, search.records, child)
-    search.findings = prune(search.declared, found, search.corrected_pieces)
-
-
-def _find_clipped_sensors(search: Search) -> None:
-    if search.has_room:
-        model = model_of(search.declared, search.findings)
-        search.findings = clipped_sensors(
-            model, search.findings, search.records, search.rules, search.rng
-        )

@@ -2,64 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
-from ..evidence.findings import Finding
-from .holding import take_holds
+import numpy as np
+
+from .found import Found
+from .holding import with_holds
+from .input_functions import through_functions
 from .look_at_grown_terms import grow_terms
 from .look_at_names import find_named, tune_memories
 from .look_at_runs import find_in_runs, hold_against_runs
-from .state import Search
 
 __all__ = ["look_for_effects"]
 
+Look = Callable[[Found, np.random.Generator], Iterator[Found]]
 
-def look_for_effects(search: Search) -> None:
+
+def look_for_effects(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Find effects until none passes: names, what only runs show, then terms without a name.
 
     Parameters
     ----------
-    search : Search
-        Knows the model and the records, and keeps what is found, also if it is interrupted.
+    found : Found
+        The model and the records.
+    rng : numpy.random.Generator
+        Source of all randomness.
+
+    Yields
+    ------
+    Found
+        What is known after each step: an interrupt leaves the last one.
     """
-    _look(search)
-    before = search.findings
-    if search.takes_functions() or _holds_show(search):
-        _again(search, before, _look)
-    search.judge_rest()
+    for step in _look(found, rng):
+        found = step
+        yield found
+    again = through_functions(found) or with_holds(found)
+    if again is not None:
+        for step in _again(again, _look, rng):
+            found = step
+            yield found
+    yield found.judged(rng)
 
 
-def _holds_show(search: Search) -> bool:
-    """Tell whether inputs turn out to be held by the model as it is now; forget all findings."""
-    if not take_holds(search):
-        return False
-    search.forget()
-    return True
+def _look(found: Found, rng: np.random.Generator) -> Iterator[Found]:
+    looks = (_name, _name_on_held, find_in_runs, grow_terms, hold_against_runs)
+    return _in_turn(found, looks, rng)
 
 
-def _again(search: Search, before: list[Finding], look: Callable[[Search], None]) -> None:
+def _name(found: Found, rng: np.random.Generator) -> Iterator[Found]:
+    return _in_turn(found, (find_named, tune_memories), rng)
+
+
+def _name_on_held(found: Found, rng: np.random.Generator) -> Iterator[Found]:
+    """Name again where inputs are held: mostly that shows by now, and what follows takes longer."""
+    held = with_holds(found)
+    return iter(()) if held is None else _again(held, _name, rng)
+
+
+def _in_turn(found: Found, looks: tuple[Look, ...], rng: np.random.Generator) -> Iterator[Found]:
+    """Look in several ways, each beside what those before it found."""
+    for look in looks:
+        for step in look(found, rng):
+            found = step
+            yield found
+
+
+def _again(found: Found, look: Look, rng: np.random.Generator) -> Iterator[Found]:
     """Look from the beginning; an interrupt that comes too early leaves what was known before."""
-    try:
-        look(search)
-    except KeyboardInterrupt:
-        if not search.findings:
-            search.findings = before
-            search.look_through(before)
-        raise
-
-
-def _look(search: Search) -> None:
-    _name(search)
-    before = search.findings
-    if _holds_show(search):  # mostly they do by now, and what follows takes longer
-        _again(search, before, _name)
-    if search.runs_tell_more:
-        find_in_runs(search)
-    grow_terms(search)
-    if search.runs_tell_more:
-        hold_against_runs(search)
-
-
-def _name(search: Search) -> None:
-    find_named(search)
-    tune_memories(search)
+    for step in look(found, rng):
+        found = step
+        if found.findings:
+            yield found
+    yield found

@@ -22,7 +22,7 @@ REFUTED = 0.2
 
 def contested(
     declared: Design,
-    findings: list[Finding],
+    findings: Sequence[Finding],
     part: Segments,
     significance: float,
     rng: np.random.Generator,

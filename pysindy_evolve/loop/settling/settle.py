@@ -20,7 +20,7 @@ from ..report.held_delays import is_hold_only
 from ..report.record_offsets import offsets_by_record
 from ..report.report import LoopReport
 from ..report.shared_lines import shared_lines
-from ..search.state import Search
+from ..search.found import Found
 from .assembly import make_report
 from .asymmetry import with_asymmetry
 from .contest import contested
@@ -40,76 +40,84 @@ __all__ = ["settled"]
 FLAT = 0.5  # of the cutoff, up to which a low-pass leaves what there is
 
 
-def settled(search: Search, test: Sequence[Record], is_whole: bool) -> LoopReport:
+def settled(
+    found: Found, test: Sequence[Record], is_whole: bool, rng: np.random.Generator
+) -> LoopReport:
     """Report what a search found, one effect less as long as one does not stand.
 
     Parameters
     ----------
-    search : Search
-        Has run; it is told what falls, and looks again at what is left.
+    found : Found
+        What the search found.
     test : sequence of Record
         Records to judge on, which decide nothing.
     is_whole : bool
         Whether the search came to its end.
+    rng : numpy.random.Generator
+        Source of all randomness.
 
     Returns
     -------
     LoopReport
     """
     while True:
-        findings = _with_alternatives(search)
-        report = _reported(search, findings, test, is_whole)
+        findings = _with_alternatives(found, rng)
+        report = _reported(found, findings, test, is_whole, rng)
         if is_hold_only(report):
-            search.hold_instead()
+            found = found.held_instead().judged(rng)
             continue
-        gone = _what_falls(search, findings, report)
+        gone = _what_falls(found, findings, report)
         if gone is None:
             break
-        search.withdraw(findings.index(gone))
-    whole = with_findings(search.declared, findings)
-    known = with_numbers_known(report, findings, whole, search.rules, search.rng.spawn(1)[0])
+        found = found.without(found.findings[findings.index(gone)]).judged(rng)
+    whole = with_findings(found.declared, findings)
+    known = with_numbers_known(report, findings, whole, found.rules, rng.spawn(1)[0])
     return replace(known, verdict="untraced") if _differs_by_record(known) else known
 
 
 def _reported(
-    search: Search, findings: Sequence[Finding], test: Sequence[Record], is_whole: bool
+    found: Found,
+    findings: Sequence[Finding],
+    test: Sequence[Record],
+    is_whole: bool,
+    rng: np.random.Generator,
 ) -> LoopReport:
     """Fit all stages and judge them, on records whose low-pass leaves what was found."""
-    train, judged = search.records, [held_like(record, search.records) for record in test]
-    if not search.declared.algebraic and _is_near_cutoff(findings, search.records):
-        train, judged = search.wide_records, widened(judged)
+    train, judged = found.records, [held_like(record, found.records) for record in test]
+    if not found.declared.algebraic and _is_near_cutoff(findings, found.records):
+        train, judged = found.wide_records, widened(judged)
     report = make_report(
-        search.declared,
+        found.declared,
         findings,
         train,
         judged,
-        search.verdict,
+        found.verdict,
         is_whole,
-        search.rules,
-        search.rng,
+        found.rules,
+        rng,
     )
     return replace(
         report,
-        rejected=search.rejected,
-        chance_left=search.chance_left,
-        found_held=tuple(sorted(set(search.held) - set(test[0].held))),
+        rejected=found.rejected,
+        chance_left=found.chance_left,
+        found_held=tuple(sorted(set(found.held) - set(test[0].held))),
     )
 
 
-def _what_falls(search: Search, findings: Sequence[Finding], report: LoopReport) -> Finding | None:
+def _what_falls(found: Found, findings: Sequence[Finding], report: LoopReport) -> Finding | None:
     """Return the finding to withdraw, if any.
 
     Its interval holds zero, it differs between the records, a random walk would do as well, or runs
     or derivatives are worse with it.
     """
-    whole = with_findings(search.declared, findings)
+    whole = with_findings(found.declared, findings)
     gone = most_doubtful(findings, report.effects, whole)
-    gone = gone or last_untransferred(search.declared, findings, search.corrected_pieces)
+    gone = gone or last_untransferred(found.declared, findings, found.corrected_pieces)
     if gone is not None:
         return gone
-    before, after, records = report.before.model, report.after.model, search.records
-    if search.runs_tell_more:
-        level = search.rules.significance
+    before, after, records = report.before.model, report.after.model, found.records
+    if found.runs_tell_more:
+        level = found.rules.significance
         gone = last_wandering(findings, report.effects, after, records, level)
     gone = gone or last_runaway(findings, before, after, records)
     return gone or last_worsened(findings, before, after, records)
@@ -132,20 +140,20 @@ def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> b
     return any(frequency_of(finding.candidate) > FLAT * cutoff for finding in findings)
 
 
-def _with_alternatives(search: Search) -> list[Finding]:
+def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:
     """Return what was found, each with what could stand in its place."""
-    found, design, rules = search.findings, search.declared, search.rules
-    acted = search.pieces.of(
-        [remembered(record, memories_in(found)) for record in search.wide_records]
+    findings, design, rules = found.findings, found.declared, found.rules
+    acted = found.pieces.of(
+        [remembered(record, memories_in(findings)) for record in found.wide_records]
     )
-    acted = awaited(with_findings(design, found), off_limits(acted, limits_in(found)))
-    child = search.rng.spawn(1)[0]
-    rivals = contested(design, found, acted, rules.significance, child, search.grower.grown)
-    if search.runs_tell_more and not search.remembers_states:
-        rivals = unrefuted(design, rivals, search.records)
+    acted = awaited(found.design, off_limits(acted, limits_in(findings)))
+    child = rng.spawn(1)[0]
+    rivals = contested(design, findings, acted, rules.significance, child, found.grown.terms)
+    if found.runs_tell_more and not found.remembers_states:
+        rivals = unrefuted(design, rivals, found.records)
     told = told_by_slopes(design, with_asymmetry(rivals), acted)
     named = with_products_named(design, on_steep_side(design, told, acted))
-    if search.corrected_pieces.by_trajectory:
+    if found.pieces.by_trajectory:
         return named
-    whole = awaited(with_findings(design, named), search.pieces)
-    return polished(design, named, search.records, whole, child.spawn(1)[0])
+    whole = awaited(with_findings(design, named), found.pieces)
+    return polished(design, named, found.records, whole, child.spawn(1)[0])

@@ -13,7 +13,7 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.limits import Limit
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.search.state import Search
+from pysindy_evolve.loop.search.found import Found
 from pysindy_evolve.loop.settling.runaway import last_runaway
 from pysindy_evolve.loop.settling.settle import settled
 from pysindy_evolve.operators import BUILTIN
@@ -68,10 +68,9 @@ def test_only_what_drives_the_run_over_the_training_data_away_is_withdrawn(recor
     train, test = record[: len(record) // 2], record[len(record) // 2 :]
     design, part = design_of(YIELDING.model, [train]), segments([train], (1,))
     rules, rng = Rules(0.05, 59, 0.05, 8), np.random.default_rng(0)
-    search = Search(design, [train], part, rules, (), rng)
-    search.findings = findings_of(design, Candidate("spring", 1, (term,)))
-    search.look_through(search.findings)
-    report = settled(search, [test], True)
+    found = Found(design, [train], part, rules, ())
+    found = found.with_findings(findings_of(design, Candidate("spring", 1, (term,))))
+    report = settled(found, [test], True, rng)
     assert [effect.name for effect in report.effects] == ["spring"] * is_kept
     assert np.isfinite(report.after.simulation_error).all()
 
