@@ -13,10 +13,12 @@ dead_zones       a dead zone of an input, told from its saturation
 end_stops        on which side of its position a stop acts
 products         grown terms that are products of states, renamed couplings
 fitted for good
-judge            errors of a model on held-out records
+judge            fits a model, and takes its errors on held-out records
+stages           the declared model, and the model after each step, fitted and judged
 bias             removes from coefficients what sensor noise adds to them
 quantities       delays, time constants and limits, with their intervals
 shape_intervals  intervals of the numbers inside effects
+described        effects in words, with the share of the error that each explains
 assembly         the report, made from all stages together
 withdrawn
 doubtful         an effect whose interval contains zero

@@ -1,0 +1,124 @@
+"""The stages from the declared model to the corrected one, each fitted and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+import numpy as np
+
+from ...hidden_states.memory import Memory
+from ...signals import Record
+from ..evidence.findings import Finding, memories_in, with_findings
+from ..fitting.fit import Fit
+from ..given.design import Design
+from ..given.rules import Rules
+from ..report.effect import Errors
+from ..report.unidentified import unidentified
+from .judge import judge
+
+__all__ = ["Stage", "fitted_stages"]
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """The model after a step: fitted on all training rows, judged on held-out records.
+
+    Attributes
+    ----------
+    new : tuple of Finding
+        What this step found; nothing in the first stage, which is the declared model.
+    findings : tuple of Finding
+        All that was found up to this step.
+    design : Design
+        The model with them.
+    fitted : Fit
+        Its coefficients.
+    errors : Errors
+        Its errors.
+    """
+
+    new: tuple[Finding, ...]
+    findings: tuple[Finding, ...]
+    design: Design
+    fitted: Fit
+    errors: Errors
+
+    @property
+    def memories(self) -> tuple[Memory, ...]:
+        """What the inputs go through before they act."""
+        return memories_in(self.findings)
+
+    @property
+    def is_fitted_to_runs(self) -> bool:
+        """Whether free runs alone tell some number of it."""
+        return _needs_runs(self.findings)
+
+
+def fitted_stages(
+    declared: Design,
+    findings: Sequence[Finding],
+    train: Sequence[Record],
+    test: Sequence[Record],
+    rules: Rules,
+    rng: np.random.Generator,
+    *,
+    is_complete: bool,
+) -> list[Stage]:
+    """Fit and judge the declared model, and the model after each step.
+
+    Parameters
+    ----------
+    declared : Design
+        The model at the start.
+    findings : sequence of Finding
+        What was found, in the order of the steps.
+    train, test : sequence of Record
+        To fit on, and to judge on.
+    rules : Rules
+        What the coefficients minimize.
+    rng : numpy.random.Generator
+        Source of all randomness.
+    is_complete : bool
+        Whether the declared model lacks nothing, so that it is the final one as well.
+
+    Returns
+    -------
+    list of Stage
+        The declared model comes first.
+    """
+    unknown = {name for group in unidentified(declared, train) for name in group}
+    fitted, errors = judge(declared, train, test, rules, rng, final=is_complete)
+    errors = _with_parameters(errors, declared, fitted, unknown, sure=is_complete)
+    stages = [Stage((), (), declared, fitted, errors)]
+    for _, group in groupby(findings, key=lambda finding: finding.step):
+        new = tuple(group)
+        known = (*stages[-1].findings, *new)
+        design, memories = with_findings(stages[-1].design, new), memories_in(known)
+        is_last, by_runs = known[-1] is findings[-1], _needs_runs(known)
+        fitted, errors = judge(
+            design, train, test, rules, rng, memories, final=is_last, by_runs=by_runs
+        )
+        sure = is_last and not (by_runs and memories)
+        errors = _with_parameters(errors, declared, fitted, unknown, sure=sure)
+        stages.append(Stage(new, known, design, fitted, errors))
+    return stages
+
+
+def _needs_runs(findings: Sequence[Finding]) -> bool:
+    return any(finding.by_runs and not finding.columns for finding in findings)
+
+
+def _with_parameters(
+    errors: Errors, declared: Design, fitted: Fit, unknown: Set[str], *, sure: bool = False
+) -> Errors:
+    """Return errors with the declared parameters, which are the first columns of every design.
+
+    Unless records do not tell them, final ones have intervals.
+    """
+    names = [column.name for column in declared.columns]
+    values = {name: float(c) for name, c in zip(names, fitted.coef, strict=False)}
+    pairs = zip(names, fitted.intervals, strict=False) if sure else ()
+    intervals = {name: interval for name, interval in pairs if name not in unknown}
+    return replace(errors, parameters=values, parameter_intervals=intervals)
