@@ -21,7 +21,7 @@ ADD, MUL, DIV = (BUILTIN[name] for name in ("add", "mul", "div"))
 
 
 def to_prefix(term: Product) -> list[Node]:
-    """Write a term as a prefix tree, in any operators: the canonical form has its own.
+    """Write a term as a prefix tree, with mul, div and add even if the search lacks them.
 
     Parameters
     ----------
@@ -33,10 +33,10 @@ def to_prefix(term: Product) -> list[Node]:
     list of Operator or Sum
         Operators, each before its arguments, and leaves.
     """
-    above = [node for atom, n in term.factors for node in [_of_atom(atom)] * max(n, 0)]
-    below = [node for atom, n in term.factors for node in [_of_atom(atom)] * max(-n, 0)]
-    top: list[Node] = _joined(MUL, above) if above else [constant(1.0)]
-    return [DIV, *top, *_joined(MUL, below)] if below else top
+    numerator = [node for atom, n in term.factors for node in [_of_atom(atom)] * max(n, 0)]
+    denominator = [node for atom, n in term.factors for node in [_of_atom(atom)] * max(-n, 0)]
+    top: list[Node] = _joined(MUL, numerator) if numerator else [constant(1.0)]
+    return [DIV, *top, *_joined(MUL, denominator)] if denominator else top
 
 
 def from_prefix(nodes: Sequence[Node], memo: Memo) -> Sum:
@@ -52,7 +52,7 @@ def from_prefix(nodes: Sequence[Node], memo: Memo) -> Sum:
     Returns
     -------
     Sum
-        The terms that the tree falls into at its sums, with their coefficients.
+        The terms of the tree with their coefficients.
     """
     stack: list[Sum] = []
     for node in reversed(nodes):
