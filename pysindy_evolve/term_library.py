@@ -91,7 +91,7 @@ class TermColumns(BaseFeatureLibrary):
         theta = np.empty((len(flat), self.n_output_features_))
         if self.base_library_ is not None:
             theta[:, :n_base] = np.asarray(self.base_library_.transform(x)).reshape(-1, n_base)
-        for rows in chunks(0, len(flat)):  # so that intermediate values are never all there
+        for rows in chunks(0, len(flat)):  # in chunks, to save memory
             cache: Cache = {}
             piece = np.asfortranarray(flat[rows])
             for j, term in enumerate(self.terms_, n_base):

@@ -21,7 +21,7 @@ sums        Sum
 operations
 arithmetic  sums added, multiplied, divided and raised to a power
 calls       operators applied to sums
-canonical   the one form of a product: powers collected, sgn and abs simplified
+canonical   canonical form of a product: powers collected, sgn and abs simplified
 lowest      fractions in lowest terms
 ==========  ===================================================================
 """

@@ -24,7 +24,7 @@ def lowest(term: Product) -> Product:
     Returns
     -------
     Product
-        With other values by a constant factor only.
+        Equal to the given term up to a constant factor.
 
     Examples
     --------
