@@ -115,7 +115,7 @@ class Genetics:
         self, n: int, known: set[Product], make: Callable[[], list[Product]]
     ) -> list[Product]:
         found: list[Product] = []
-        for _ in range(4 * n):  # bounded, as a small namespace may not hold n new terms
+        for _ in range(4 * n):  # bounded, as a small space of terms may not hold n new ones
             if len(found) >= n:
                 break
             for term in make():
