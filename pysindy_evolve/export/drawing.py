@@ -1,7 +1,7 @@
 """Lays a tree of labels out on a page and draws it; the only file here that needs matplotlib.
 
-All lengths are inches of the page, so that boxes fit their labels. A tree that would be wider than
-a page lies on its side.
+All lengths are inches on the page, so that boxes fit their labels. A tree that would be wider than
+a page is drawn on its side.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ def _place(
 ) -> tuple[_Placed, tuple[list[float], list[float]]]:
     """Place a node at across = 0 with its children centered under it.
 
-    Returned with it is its contour: the smallest and the largest place that it takes across, level
-    by level, so that neighbors move together until their contours touch (Reingold and Tilford).
+    Also return its contour: the smallest and the largest position across that it takes, level by
+    level. Neighbors move together until their contours touch (Reingold and Tilford).
     """
     children: list[_Placed] = []
     low: list[float] = []
@@ -109,7 +109,7 @@ def _extent_sideways(node: Node) -> float:
 def _steps(root: Node, upright: bool) -> list[float]:
     """Return the distance from each level to the next: between centers, or between left edges.
 
-    The more children fan out from one node, the more room their lines get.
+    It grows with the largest number of children of one node, for their lines.
     """
     widths, fans = [0.0] * (root.depth + 1), [0] * (root.depth + 1)
     stack = [(root, 0)]
@@ -149,7 +149,7 @@ def _center(one: _Placed, upright: bool) -> tuple[float, float]:
 
 
 def _frame(ax: Any, placed: _Placed, upright: bool) -> float:
-    """Center the tree in the axes; return how much smaller than planned it has to be."""
+    """Center the tree in the axes; return the factor, at most 1, by which it has to shrink."""
     left, right, bottom, top = _limits(placed, upright)
     box = ax.get_window_extent().transformed(ax.figure.dpi_scale_trans.inverted())
     scale = float(min(box.width / (right - left), box.height / (top - bottom), 1.0))

@@ -1,4 +1,4 @@
-"""The results of `benchmarks/peers`, other packages on the same rows, as a table beside table 5."""
+"""Results of other packages on the same data, from `benchmarks/peers`, as a table like table 5."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ def read(path: Path) -> list[Table]:
     if not path.exists():
         return []
     rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines() if line]
-    problems = [one for one in TITLES if any(row["problem"] == one for row in rows)]
-    return [_table(one, [row for row in rows if row["problem"] == one]) for one in problems]
+    problems = [title for title in TITLES if any(row["problem"] == title for row in rows)]
+    return [_table(title, [row for row in rows if row["problem"] == title]) for title in problems]
 
 
 def _table(problem: str, rows: Sequence[Row]) -> Table:

@@ -10,7 +10,7 @@ from .crossing import advance, start_signs
 
 __all__ = ["simulate_pieces"]
 
-TOLERANCE = 1e-5  # error of a sample interval, relative to the state; below that of any sensor
+TOLERANCE = 1e-5  # error of a sample interval, relative to the state: enough beside a sensor
 MAX_SUBSTEPS = 20
 
 
