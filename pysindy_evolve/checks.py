@@ -232,7 +232,7 @@ def step(call: str, value: Any) -> float:
 
 
 def feature_names(names: Sequence[str], n_columns: int) -> None:
-    """Raise unless there is a name for each column; PySINDy itself takes any number of them."""
+    """Raise unless there is a name for each column; PySINDy itself accepts any number of names."""
     if len(names) != n_columns:
         raise ValueError(
             "SINDy.fit(feature_names=...) must name each state and each input; got "

@@ -4,7 +4,7 @@
 symbol  shape                 meaning
 ======  ====================  ========================================================
 x       (n, n_variables)      states and inputs
-target  (n,)                  what the equation must give: one column of x_dot
+target  (n,)                  left-hand side of the equation: one column of x_dot
 theta   (m, p)                dictionary on the m rows of a sample, columns of unit RMS
 ======  ====================  ========================================================
 
@@ -65,7 +65,7 @@ def evolve(
     x : ndarray of shape (n, n_variables)
         Variables, in the user's units.
     target : ndarray of shape (n,)
-        What the equation must give.
+        Left-hand side of the equation.
     operators : sequence of Operator
         Basis functions.
     rng : numpy.random.Generator

@@ -28,7 +28,7 @@ __all__ = ["forget", "note_pair", "note_shape", "repeated", "target"]
 
 @dataclass
 class _Notes:
-    """What one library saw in one thread since its last fit or transform."""
+    """The arrays that one library was shown in one thread since its last fit or transform."""
 
     shown: list[np.ndarray] = field(default_factory=list)
     pairs: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)

@@ -141,7 +141,7 @@ class EvolvingLibrary(TermColumns):
         x_full : ndarray of shape (n_samples, n_features), or list of them
             States and inputs of each trajectory.
         y : ndarray of shape (n_samples,) or (n_samples, n_targets), or list of them
-            What the terms must give, such as x_dot. ``ps.SINDy`` does not pass it: there it is
+            Target of the terms, such as x_dot. ``ps.SINDy`` does not pass it: there it is
             taken from the arrays that ``SINDy`` shows the library before, see `handover`.
 
         Returns

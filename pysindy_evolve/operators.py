@@ -1,8 +1,8 @@
 """The table of basis functions: name, arity, numpy form, sympy form.
 
-Nothing here is protected: ``div`` divides, ``log`` takes logarithms, ``sqrt`` takes roots. A term
-that gives a value that is not finite is rejected by the search, never patched, so that what is
-scored is what is printed, simulated and exported.
+No operator is protected: ``div`` divides, ``log`` takes logarithms, ``sqrt`` takes roots. The
+search rejects a term with a value that is not finite and never patches it, so that the same term is
+scored, printed, simulated and exported.
 """
 
 from __future__ import annotations

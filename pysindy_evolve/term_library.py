@@ -1,4 +1,4 @@
-"""Libraries of known terms: `TermLibrary`, a fixed one, and what it shares with an evolving one."""
+"""`TermLibrary`, a fixed library of terms, and the base class that it shares with evolving ones."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["TermColumns", "TermLibrary"]
 
 
 class TermColumns(BaseFeatureLibrary):
-    """What fixed and evolving libraries share: columns of a base library, then terms."""
+    """Base of fixed and evolving libraries: columns of a base library, then terms."""
 
     terms_: tuple[Product, ...]
     base_library_: BaseFeatureLibrary | None = None

@@ -72,8 +72,8 @@ def tune(
             columns = columns / np.where(size > 0.0, size, 1.0)
             if not np.isfinite(columns).all():
                 return y
-            left = y - columns @ np.linalg.lstsq(columns, y, rcond=1e-10)[0]
-        return left if np.isfinite(left).all() else y
+            remainder = y - columns @ np.linalg.lstsq(columns, y, rcond=1e-10)[0]
+        return remainder if np.isfinite(remainder).all() else y
 
     def error(constants: np.ndarray) -> float:
         value = residual(constants)

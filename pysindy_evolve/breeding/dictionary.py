@@ -1,10 +1,10 @@
-"""The dictionary of one generation: terms evaluated on a sample, and what each of them costs.
+"""The dictionary of one generation: terms evaluated on a sample, and the price of each.
 
 ======  ====================  ========================================================
 symbol  shape                 meaning
 ======  ====================  ========================================================
 x       (n, n_variables)      states and inputs
-target  (n,)                  what the equation must give: one column of x_dot
+target  (n,)                  left-hand side of the equation: one column of x_dot
 fixed   (n, n_fixed)          columns that are always in the equation
 theta   (m, p)                terms on the m rows of a sample, columns of unit RMS
 ======  ====================  ========================================================
@@ -46,7 +46,7 @@ class Problem:
     x : ndarray of shape (n, n_variables)
         Variables, in the user's units.
     target : ndarray of shape (n,)
-        What the equation must give.
+        Left-hand side of the equation.
     fixed : ndarray of shape (n, n_fixed)
         Columns that are always in the equation.
     project : callable, optional
@@ -100,9 +100,9 @@ class Problem:
         if self.project is None:
             return theta, y
         finite = np.isfinite(theta)
-        both = self.project(np.column_stack([np.where(finite, theta, 0.0), y]))
-        both[:, :-1][:, ~finite.all(axis=0)] = np.nan
-        return both[:, :-1], both[:, -1]
+        projected = self.project(np.column_stack([np.where(finite, theta, 0.0), y]))
+        projected[:, :-1][:, ~finite.all(axis=0)] = np.nan
+        return projected[:, :-1], projected[:, -1]
 
     def blocks(self, terms: Sequence[Product], n_blocks: int) -> list[Gram]:
         """Return Gram matrices of consecutive blocks of all rows, fixed columns first."""
@@ -131,8 +131,8 @@ class Dictionary:
     @property
     def is_exact(self) -> bool:
         """Whether all terms together leave nothing of the target but rounding."""
-        left = self.residual(np.arange(len(self.terms)))
-        return bool(left @ left <= PERFECT * (self.y @ self.y))
+        remainder = self.residual(np.arange(len(self.terms)))
+        return bool(remainder @ remainder <= PERFECT * (self.y @ self.y))
 
     def residual(self, support: np.ndarray) -> np.ndarray:
         """Return the residual of the fixed columns and the terms of a support: (m,)."""
@@ -173,14 +173,14 @@ def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
     scale = np.sqrt(np.where(good & (power > 0.0), power, 1.0) / len(y))
     theta = theta[:, good] / scale[good]
     terms = [term for term, ok in zip(terms, good[n_fixed:], strict=True) if ok]
-    left = gram(theta, y).without(n_fixed)
-    keep = _different(left, terms)
+    projected = gram(theta, y).without(n_fixed)
+    keep = _different(projected, terms)
     return Dictionary(
         problem,
         tuple(terms[j] for j in keep),
         theta[:, [*range(n_fixed), *(n_fixed + j for j in keep)]],
         y,
-        left.select(keep),
+        projected.select(keep),
         scale[good][n_fixed:][keep],
     )
 
@@ -219,10 +219,10 @@ def _children(node: Product | Atom) -> Iterator[Product | Atom]:
         yield from node.args
 
 
-def _different(left: Gram, terms: Sequence[Product]) -> list[int]:
-    power = np.diag(left.xx) / left.n
-    size = np.sqrt(np.maximum(power, SPANNED)) * np.sqrt(left.n)
-    correlation = np.abs(left.xx / np.outer(size, size))
+def _different(projected: Gram, terms: Sequence[Product]) -> list[int]:
+    power = np.diag(projected.xx) / projected.n
+    size = np.sqrt(np.maximum(power, SPANNED)) * np.sqrt(projected.n)
+    correlation = np.abs(projected.xx / np.outer(size, size))
     skeletons = [term.skeleton if term.constants else None for term in terms]
     keep: list[int] = []
     for j in np.flatnonzero(power > SPANNED):

@@ -1,4 +1,4 @@
-"""Terms as prefix trees and back: what crossover and mutation cut and join.
+"""Converts terms to prefix trees, which crossover and mutation cut and join, and back.
 
 In prefix order an operator comes before its arguments: q sgn(v) is mul, q, sgn, v. A node is an
 operator, or a leaf: a sum that is one variable or one number.
@@ -71,7 +71,7 @@ def _of_atom(atom: Atom) -> list[Node]:
     if isinstance(atom, Variable):
         return [variable(atom.index)]
     if isinstance(atom, Call):
-        return [atom.operator, *(node for one in atom.args for node in _of_sum(one))]
+        return [atom.operator, *(node for argument in atom.args for node in _of_sum(argument))]
     return _of_sum(atom)
 
 

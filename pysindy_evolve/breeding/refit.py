@@ -117,9 +117,9 @@ def _grams(
 
 def _leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
     (whole,) = problem.blocks(terms, 1)
-    left = whole.without(problem.fixed.shape[1])
-    coef = least_squares(left, np.arange(len(left.xy)))
-    return rss(left, coef) <= parsimony.PERFECT * whole.yy
+    projected = whole.without(problem.fixed.shape[1])
+    coef = least_squares(projected, np.arange(len(projected.xy)))
+    return rss(projected, coef) <= parsimony.PERFECT * whole.yy
 
 
 def _residual(problem: Problem, terms: Sequence[Product], coef: Sequence[float]) -> np.ndarray:

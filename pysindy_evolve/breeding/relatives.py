@@ -66,7 +66,7 @@ def _simple_atoms(term: Product) -> Iterator[Atom]:
             yield atom
             continue
         sums = atom.args if isinstance(atom, Call) else (atom,)
-        inner = [a for one in sums for _, part in one.parts for a in _simple_atoms(part)]
+        inner = [a for total in sums for _, part in total.parts for a in _simple_atoms(part)]
         yield from inner
         if isinstance(atom, Call) and atom.operator.arity == 1:
             yield from (Call(atom.operator, (as_sum(a),)) for a in inner if isinstance(a, Variable))

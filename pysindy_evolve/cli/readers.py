@@ -116,7 +116,7 @@ def cutoff(text: str) -> str | float | None:
 def folder(text: str) -> Path:
     """Read the name of a folder, which need not exist yet."""
     path = Path(text)
-    taken = next((one for one in (path, *path.parents) if one.is_file()), None)
+    taken = next((parent for parent in (path, *path.parents) if parent.is_file()), None)
     if taken is not None:
         raise argparse.ArgumentTypeError(f"must be a folder; got the file {str(taken)!r}")
     return path

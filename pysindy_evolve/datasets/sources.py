@@ -114,7 +114,7 @@ def locate(file: str, folder: str | os.PathLike[str] | None) -> Path | None:
     folders = [Path.cwd().parent / "shared" / "data", beside_sources / "shared" / "data"]
     if os.environ.get(ENVIRONMENT_VARIABLE):
         folders.insert(0, Path(os.environ[ENVIRONMENT_VARIABLE]))
-    return next((one / file for one in folders if (one / file).is_file()), None)
+    return next((base / file for base in folders if (base / file).is_file()), None)
 
 
 def fetch(repository: str, commit: str, path: str) -> Path:

@@ -34,7 +34,7 @@ class _Extremes:
         return self._of_two(self.smaller, expression.args)
 
     def _of_two(self, name: str, arguments: Sequence[Any]) -> str:
-        first, *rest = (str(self._print(one)) for one in arguments)  # type: ignore[attr-defined]
+        first, *rest = (str(self._print(argument)) for argument in arguments)  # type: ignore[attr-defined]
         for other in rest:
             first = f"{name}({first}, {other})"
         return first

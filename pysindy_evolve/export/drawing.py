@@ -25,7 +25,7 @@ PADDING = 0.11  # between a label and the end of its box
 GAP = 0.16  # between neighbors
 LEVEL = 0.62  # from one level to the next, upright
 MAX_WIDTH = 11.0  # of an upright tree
-# Face, edge and text of each kind, told apart by lightness too.
+# Face, edge and text of each kind; they also differ in lightness.
 COLORS = {
     "left": ("none", "none", "#1b2733"),
     "operator": ("#33475b", "#33475b", "#ffffff"),
@@ -66,11 +66,11 @@ def draw(root: Node, ax: Any = None) -> Any:
     if ax is None:
         ax = plt.figure(figsize=(width, height)).add_axes((0.0, 0.0, 1.0, 1.0))
     scale = _frame(ax, placed, upright)
-    for one in placed.walk():
-        for child in one.children:
-            _edge(ax, one, child, upright, scale)
-    for one in placed.walk():
-        _box(ax, one, upright, scale)
+    for place in placed.walk():
+        for child in place.children:
+            _edge(ax, place, child, upright, scale)
+    for place in placed.walk():
+        _box(ax, place, upright, scale)
     return ax
 
 
@@ -135,7 +135,7 @@ def _span(placed: _Placed, upright: bool) -> tuple[float, float]:
 
 
 def _limits(placed: _Placed, upright: bool) -> tuple[float, float, float, float]:
-    boxes = [(*_center(one, upright), _width(one.node) / 2) for one in placed.walk()]
+    boxes = [(*_center(place, upright), _width(place.node) / 2) for place in placed.walk()]
     return (
         min(x - half for x, _, half in boxes) - GAP,
         max(x + half for x, _, half in boxes) + GAP,
@@ -144,8 +144,12 @@ def _limits(placed: _Placed, upright: bool) -> tuple[float, float, float, float]
     )
 
 
-def _center(one: _Placed, upright: bool) -> tuple[float, float]:
-    return (one.across, -one.along) if upright else (one.along + _width(one.node) / 2, -one.across)
+def _center(place: _Placed, upright: bool) -> tuple[float, float]:
+    return (
+        (place.across, -place.along)
+        if upright
+        else (place.along + _width(place.node) / 2, -place.across)
+    )
 
 
 def _frame(ax: Any, placed: _Placed, upright: bool) -> float:
@@ -160,24 +164,24 @@ def _frame(ax: Any, placed: _Placed, upright: bool) -> float:
     return scale
 
 
-def _edge(ax: Any, one: _Placed, child: _Placed, upright: bool, scale: float) -> None:
+def _edge(ax: Any, place: _Placed, child: _Placed, upright: bool, scale: float) -> None:
     """Draw a curve that leaves and enters the boxes at right angles."""
-    (x0, y0), (x1, y1) = _center(one, upright), _center(child, upright)
+    (x0, y0), (x1, y1) = _center(place, upright), _center(child, upright)
     if upright:
         y0, y1 = y0 - HEIGHT / 2, y1 + HEIGHT / 2
         bend = [(x0, (y0 + y1) / 2), (x1, (y0 + y1) / 2)]
     else:
-        x0, x1 = x0 + _width(one.node) / 2, x1 - _width(child.node) / 2
+        x0, x1 = x0 + _width(place.node) / 2, x1 - _width(child.node) / 2
         bend = [((x0 + x1) / 2, y0), ((x0 + x1) / 2, y1)]
     path = Path([(x0, y0), *bend, (x1, y1)], [Path.MOVETO, *[Path.CURVE4] * 3])
     ax.add_patch(PathPatch(path, fill=False, edgecolor="#8795a5", linewidth=1.2 * scale, zorder=1))
 
 
-def _box(ax: Any, one: _Placed, upright: bool, scale: float) -> None:
-    x, y = _center(one, upright)
-    face, edge, text = COLORS[one.node.kind]
-    width = _width(one.node)
-    corner = HEIGHT / 2 if one.node.kind in ("operator", "variable") else 0.08
+def _box(ax: Any, place: _Placed, upright: bool, scale: float) -> None:
+    x, y = _center(place, upright)
+    face, edge, text = COLORS[place.node.kind]
+    width = _width(place.node)
+    corner = HEIGHT / 2 if place.node.kind in ("operator", "variable") else 0.08
     style = f"round,pad=0,rounding_size={corner}"
     ax.add_patch(
         FancyBboxPatch(
@@ -192,6 +196,6 @@ def _box(ax: Any, one: _Placed, upright: bool, scale: float) -> None:
         )
     )
     ax.text(
-        x, y, one.node.label, color=text, fontsize=FONT_SIZE * scale, ha="center",
+        x, y, place.node.label, color=text, fontsize=FONT_SIZE * scale, ha="center",
         va="center_baseline", zorder=3, parse_math=False,
     )  # fmt: skip

@@ -30,7 +30,7 @@ def as_fractions(side: Sum) -> Sum:
     """
     numerators: dict[tuple[tuple[Atom, int], ...], list[tuple[float, Product]]] = {}
     for coefficient, term in side.parts:
-        sums = tuple(one for one in term.factors if isinstance(one[0], Sum) and one[1] < 0)
+        sums = tuple(power for power in term.factors if isinstance(power[0], Sum) and power[1] < 0)
         rest = Product(tuple(factor for factor in term.factors if factor not in sums))
         numerators.setdefault(sums, []).append((coefficient, rest))
     parts: list[tuple[float, Product]] = []

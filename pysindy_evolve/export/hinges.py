@@ -100,12 +100,12 @@ def _rooted(side: Sum) -> Sum:
             beyond = mul(constant(np.sign(weight * weights[plain])), atom.args[0])
             hinged = as_sum(Call(MAX, (beyond, Sum(()))))
             roots = ((factor, _root_of(factor, magnitude, hinged)) for factor in plain.factors)
-            factor, hinge = next((one for one in roots if one[1] is not None), (None, None))
+            factor, hinge = next((pair for pair in roots if pair[1] is not None), (None, None))
             if hinge is None:
                 continue
             rest = Product(tuple(other for other in plain.factors if other != factor))
-            left = tuple(part for part in side.parts if part[1] not in (term, plain))
-            return _rooted(Sum((*left, (2.0 * weights[plain], _times(rest, hinge)))))
+            others = tuple(part for part in side.parts if part[1] not in (term, plain))
+            return _rooted(Sum((*others, (2.0 * weights[plain], _times(rest, hinge)))))
     return side
 
 
@@ -159,20 +159,20 @@ def _folded(side: Sum, kinks: Sequence[_Kink], ways: Sequence[int]) -> Sum:
 
 def _limited(side: Sum) -> Sum:
     """Write c |x - a| - c |x - b| as 2 c min(max(x, a), b) - c (a + b), unless that is longer."""
-    for (one, above, high), (other, below, low) in permutations(_kinks(side), 2):
-        apart = sub(low, high)  # b - a
-        are_ends = [term for _, term in apart.parts] == [ONE] and apart.parts[0][0] > 0.0
-        if are_ends and one == -other and _besides(above) == _besides(below):
+    for (c_high, term_high, high), (c_low, term_low, low) in permutations(_kinks(side), 2):
+        width = sub(low, high)  # b - a
+        are_ends = [term for _, term in width.parts] == [ONE] and width.parts[0][0] > 0.0
+        if are_ends and c_high == -c_low and _besides(term_high) == _besides(term_low):
             x = Sum(tuple(part for part in low.parts if part[1] != ONE))
             ends = [sub(x, low), sub(x, high)]
             limit = Call(MIN, (as_sum(Call(MAX, (x, ends[0]))), ends[1]))
-            rest, weight = _besides(below), constant(-other)
+            rest, weight = _besides(term_low), constant(-c_low)
             straight = mul(mul(weight, add(*ends)), of_term(rest))
-            gone = [Sum(((-one, above),)), Sum(((-other, below),))]
-            left = _sum([side, straight, *gone])
-            shown = Sum((*left.parts, (2.0 * other, _times(rest, limit))))
-            if len(shown.parts) <= len(side.parts):
-                return _limited(shown)
+            removed = [Sum(((-c_high, term_high),)), Sum(((-c_low, term_low),))]
+            others = _sum([side, straight, *removed])
+            limited = Sum((*others.parts, (2.0 * c_low, _times(rest, limit))))
+            if len(limited.parts) <= len(side.parts):
+                return _limited(limited)
     return side
 
 
@@ -201,7 +201,7 @@ def _complexity(side: Sum) -> tuple[int, int, float]:
 def _n_at_zero(side: Sum) -> int:
     hinges = (atom for _, term in side.parts for atom, _ in term.factors if isinstance(atom, Call))
     inside = (hinge.args[0] for hinge in hinges if hinge.operator == MAX)
-    return sum(all(term != ONE for _, term in one.parts) for one in inside)
+    return sum(all(term != ONE for _, term in argument.parts) for argument in inside)
 
 
 def _has_function(term: Product) -> bool:

@@ -1,4 +1,4 @@
-"""An equation as a tree: what is added, multiplied and called."""
+"""An equation as a tree of sums, products and calls."""
 
 from __future__ import annotations
 

@@ -47,7 +47,8 @@ def close_loop(
 
     Each step scores every effect of the vocabulary, refitted together with the model, on parts of
     the training data that it was not fitted on, in the derivative and in the simulation. The best
-    one is added if twins, in which nothing is missing, hardly ever show an effect so good.
+    one is added if twins, simulated records in which nothing is missing, hardly ever show an effect
+    as good.
 
     Parameters
     ----------
@@ -56,8 +57,8 @@ def close_loop(
     train : Record or sequence of Record
         Measurements to fit on and to search in.
     test : Record or sequence of Record, optional
-        Measurements to judge on, which decide nothing. Without them the last of several records,
-        or the last 30 % of a single one, are held out.
+        Measurements to judge on, which influence no decision. Without them the last of several
+        records, or the last 30 % of a single one, are held out.
     significance : float
         Chance to add an effect where nothing is missing, in (0, 1).
     n_twins : int
@@ -65,7 +66,7 @@ def close_loop(
     min_share : float
         An effect must remove at least this share of the error variance that all candidates
         together could remove, in the derivative or in the simulation, or halve the remaining
-        error. Real records always hold traces of something; this says how small a trace matters.
+        error. Real records always hold small unknown effects; this sets how small one may be.
     max_effects : int
         Stop at this many effects; a pair that only shows together may exceed it by one. 0 only
         fits the declared model and tests whether anything is missing.

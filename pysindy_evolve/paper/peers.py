@@ -49,7 +49,7 @@ def read(path: Path) -> list[Table]:
 
 def _table(problem: str, rows: Sequence[Row]) -> Table:
     methods = dict.fromkeys(row["method"] for row in rows)
-    cells = [_cells(one, [row for row in rows if row["method"] == one]) for one in methods]
+    cells = [_cells(method, [row for row in rows if row["method"] == method]) for method in methods]
     header = ("method", "exact", *(name for name, _ in NUMBERS.values()))
     title = f"Table 5 with other packages, same rows, one thread: {TITLES[problem]}"
     return Table(f"table5_{problem}", title, header, tuple(cells), "Medians of the runs.")

@@ -160,9 +160,9 @@ def _orbit(ax: Any, rig: DuffingRig) -> None:
     ax.set(xlabel=LABELS["q"], ylabel=LABELS["v"])
 
 
-def _compare(row: Sequence[Any], one: Identified) -> None:
-    at = one.rig.validation
-    t, measured, identified = one.rig.t[at], one.rig.x_dot[at, 1], one.predicted
+def _compare(row: Sequence[Any], found: Identified) -> None:
+    at = found.rig.validation
+    t, measured, identified = found.rig.t[at], found.rig.x_dot[at, 1], found.predicted
     whole, close, against = row
     peak = t[np.argmax(np.abs(measured))]
     near = np.abs(t - min(peak, t[-1] - CLOSE_UP / 2)) <= CLOSE_UP / 2

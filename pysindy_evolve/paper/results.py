@@ -77,11 +77,13 @@ def reproduce(
     of the finished ones.
     """
     store = Store(folder / TRIALS)
-    left = [case for case in plan.cases(parts) if case not in store]
+    unfinished = [case for case in plan.cases(parts) if case not in store]
     finished = True
     figures: list[Path] = []
     try:
-        for trial in tqdm(_trials(left, n_jobs), "trial", len(left), disable=not progress):
+        for trial in tqdm(
+            _trials(unfinished, n_jobs), "trial", len(unfinished), disable=not progress
+        ):
             store.add(trial)
     except KeyboardInterrupt:
         finished = False

@@ -31,7 +31,7 @@ def _of_two(sign: float, a: Sum, b: Sum) -> Sum:
 
 
 def _limit(sign: float, inner: Sum, end: Sum) -> Sum | None:
-    """Limit an expression that is limited at its other end; None if it or the end is not so."""
+    """Limit x between two numbers, if `inner` is limited on one side and `end` is a number."""
     other = _limited(-sign, inner)
     if other is None or not _is_number(end):
         return None

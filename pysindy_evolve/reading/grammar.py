@@ -1,4 +1,4 @@
-"""From text or sympy to a syntax tree that holds nothing but arithmetic and calls.
+"""Parses text or sympy into a syntax tree of arithmetic and calls only.
 
 The text is first cut into numbers, names and the signs ``+ - * / ** ^ ( ) ,``. Only these reach
 Python's own expression grammar, which settles the precedence. Names are passed to it as _0, _1,
@@ -162,7 +162,7 @@ class Source:
             self.fail_size(0)
 
     def _piece(self, token: _Token) -> str:
-        """Return what the grammar gets in place of a token."""
+        """Return the text that Python's grammar gets in place of a token."""
         if token.kind == "name":
             self.names.append(token.text)
             return f"_{len(self.names) - 1}"

@@ -1,7 +1,7 @@
 """Reads a fitted PySINDy model into Equations.
 
-The columns of each library are built again as terms, from what the library *does* (powers,
-frequencies, functions, inputs of each part) and never from the names that it prints. Every result
+The columns of each library are rebuilt as terms, from its attributes (powers, frequencies,
+functions, inputs of each part) and never from the names that it prints. Every result
 is compared with the library's own ``transform``, so a subclass that computes something else raises
 an error instead of giving a wrong equation.
 """

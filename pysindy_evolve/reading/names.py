@@ -54,7 +54,7 @@ def advise_parameter(
     near = {name: _meant(name, [*states, *acting, *known]) for name in names}
     if len(names) > 1 and not any(near.values()):
         near = {name: _speed(name, states) for name in names}
-    name = max(names, key=lambda one: bool(near[one]))  # the first, if none resembles a name
+    name = max(names, key=lambda name: bool(near[name]))  # the first, if none resembles a name
     meant = f" Did you mean {near[name]!r}?" if near[name] else ""
     return (
         f"{name!r} is neither a state ({', '.join(states) or 'none'}) nor an input "

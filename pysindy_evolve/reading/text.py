@@ -119,7 +119,7 @@ def parse(
     return RightHandSide(value.get(None, Sum(())), parts, frozenset(source.names))
 
 
-# What each free parameter multiplies; None stands for the part without any.
+# The factor of each free parameter; None is the key of the part without any.
 _Linear = dict[str | None, Sum]
 
 

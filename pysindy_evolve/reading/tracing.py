@@ -83,7 +83,7 @@ def _agree(function: Callable[..., Any], traced: Sum, columns: Sequence[int]) ->
 
 
 class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
-    """Stands for an array in a call of the user's function and records what is done to it."""
+    """A symbol in place of an array in a call of the user's function; records the operations."""
 
     def __init__(self, value: Sum) -> None:
         self.value = value

@@ -56,7 +56,7 @@ def simulate(
     on_divergence: OnDivergence = "warn",
     progress: bool = False,
 ) -> np.ndarray:
-    """Integrate a model from one initial state, with nothing measured fed back.
+    """Integrate a model from one initial state, without feeding measurements back.
 
     Solves dx/dt = f(x, u, t) where f may jump where the argument of a sgn changes its sign. There
     the solution is Filippov's: it crosses, or it sticks until the rest of f overcomes the jump.

@@ -58,8 +58,8 @@ class Field:
 
     def coef_of(self, n_columns: int) -> np.ndarray:
         """Return the coefficients of each column, those of the first model first."""
-        one = np.moveaxis(self.coef, 0, -1)
-        return np.repeat(one, n_columns // len(self.coef), axis=-1)
+        by_model = np.moveaxis(self.coef, 0, -1)
+        return np.repeat(by_model, n_columns // len(self.coef), axis=-1)
 
 
 @dataclass(frozen=True)

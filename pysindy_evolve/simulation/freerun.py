@@ -26,7 +26,7 @@ Vector = Sequence[float]
 _FAILURES = (ArithmeticError, ValueError)  # what math raises where numpy gives inf or nan
 _HUGE = math.inf
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 4.0, 0.2  # usual factors of a step-size controller
-SMALLEST = 1e-6  # of a sample interval: shorter steps are not refused, as at a jump without sgn
+SMALLEST = 1e-6  # of a sample interval: shorter steps are never rejected, as at a jump without sgn
 EVENT_TOLERANCE = 1e-12  # of the step in which a switch is located
 MAX_STEPS = 10_000  # in one sample interval: a pole, or much too stiff
 MAX_EVENTS = 200  # in one sample interval; more would be chatter
@@ -162,9 +162,9 @@ class FreeRun:
         while done < h:
             if self.n_steps > most:
                 raise Diverged(f"one sample interval took more than {MAX_STEPS} steps")
-            left = h - done
+            rest = h - done
             wanted = h / substeps if substeps else self.trial
-            trial = left / max(math.ceil(left / wanted - 1e-9), 1)
+            trial = rest / max(math.ceil(rest / wanted - 1e-9), 1)
             u_here = [a + done * b for a, b in zip(u, du, strict=True)]
             after, margins, error = self._try(trial, t + done, x, u_here, du)
             if not error <= 1.0 and not substeps and trial > SMALLEST * h:
@@ -179,8 +179,8 @@ class FreeRun:
                 done = min(done + length, h)
                 continue
             if not substeps:
-                self._accept(trial, error, whole=trial == left)
-            x, done = after, h if trial == left else done + trial
+                self._accept(trial, error, whole=trial == rest)
+            x, done = after, h if trial == rest else done + trial
         return x
 
     def _try(self, h: float, t: float, x: Any, u: Any, du: Any) -> tuple[Any, Any, float]:

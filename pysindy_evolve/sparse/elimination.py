@@ -138,9 +138,9 @@ def eliminate(
 def _inverted_again(part: Gram, alive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the inverse for the columns alive, zeros for the others, and the coefficients."""
     inverted, coef = np.zeros_like(part.xx), np.zeros_like(part.xy)
-    left = np.flatnonzero(alive)
-    inverted[np.ix_(left, left)] = inverse(part.select(left))
-    coef[left] = inverted[np.ix_(left, left)] @ part.xy[left]
+    kept = np.flatnonzero(alive)
+    inverted[np.ix_(kept, kept)] = inverse(part.select(kept))
+    coef[kept] = inverted[np.ix_(kept, kept)] @ part.xy[kept]
     return inverted, coef
 
 

@@ -193,10 +193,10 @@ def residual(columns: Callable[[slice], np.ndarray], y: np.ndarray, coef: np.nda
     -------
     ndarray of shape (n,)
     """
-    left = np.empty(len(y))
+    result = np.empty(len(y))
     for rows in chunks(0, len(y)):
-        left[rows] = y[rows] - columns(rows) @ coef
-    return left
+        result[rows] = y[rows] - columns(rows) @ coef
+    return result
 
 
 def refined(columns: Callable[[slice], np.ndarray], y: np.ndarray, whole: Gram) -> np.ndarray:
@@ -220,11 +220,11 @@ def refined(columns: Callable[[slice], np.ndarray], y: np.ndarray, whole: Gram) 
     """
     every = np.arange(len(whole.xy))
     coef = least_squares(whole, every)
-    left = np.zeros_like(coef)
+    gradient = np.zeros_like(coef)
     for rows in chunks(0, len(y)):
         theta = columns(rows)
-        left += theta.T @ (y[rows] - theta @ coef)
-    return coef + least_squares(Gram(whole.xx, left, whole.yy, whole.n), every)
+        gradient += theta.T @ (y[rows] - theta @ coef)
+    return coef + least_squares(Gram(whole.xx, gradient, whole.yy, whole.n), every)
 
 
 def total(grams: Iterable[Gram]) -> Gram:

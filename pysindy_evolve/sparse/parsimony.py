@@ -49,7 +49,7 @@ def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0) -> np.ndarray:
-    """Drop terms too small to be told from the error of a derivative.
+    """Drop terms too small to be distinguished from the error of a derivative.
 
     Parameters
     ----------

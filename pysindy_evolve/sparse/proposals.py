@@ -71,8 +71,8 @@ def supports(gram: Gram, max_terms: int, lambda2: Sequence[float] = LAMBDA2) -> 
     Returns
     -------
     list of ndarray of int
-        The largest support of each path, one of half its size, and the one of forward selection,
-        which needs fewer terms where all are nearly collinear, as on a closed orbit.
+        The largest support of each path, one of half its size, and that of forward selection, a
+        shorter way where all terms are nearly collinear, as on a closed orbit.
     """
     scaled = gram.scaled(gram.scale)
     found = []

@@ -20,7 +20,7 @@ __all__ = ["Selection", "select"]
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """The best equations, and what decided between them.
+    """The best equations, with the prices and the number of rows that decided between them.
 
     Parameters
     ----------
@@ -80,10 +80,10 @@ def select(
         if propose is not None:
             proposals = [*proposals, *propose(cost, n_effective)]
         supports = frugal(gram, front(gram, proposals, cost, n_effective, max_terms))
-        left = residual(supports[0])
-        if left @ left <= PERFECT * power:
-            break  # what is left is rounding
-        n_before, n_effective = n_effective, effective_size(left)
+        remainder = residual(supports[0])
+        if remainder @ remainder <= PERFECT * power:
+            break  # the residual is rounding
+        n_before, n_effective = n_effective, effective_size(remainder)
         if n_effective == n_before:
             break  # white residual: a second pass would change nothing
     return Selection(supports, cost, n_effective)

@@ -14,7 +14,7 @@ Floats inside an atom (the 2.1 and 0.3 above) are the *inner constants* of a ter
 
 ==========  ===================================================================
 classes
-node        what all classes share: hash, order and pickling
+node        base of all classes: hash, order and pickling
 atoms       Variable and Call
 products    Product
 sums        Sum

@@ -79,8 +79,8 @@ class Product(Node):
         -------
         sympy.Expr
         """
-        one = symbols[0] ** 0 if len(symbols) else 1
-        return math.prod((a.to_sympy(symbols) ** n for a, n in self.factors), start=one)
+        unit = symbols[0] ** 0 if len(symbols) else 1
+        return math.prod((a.to_sympy(symbols) ** n for a, n in self.factors), start=unit)
 
     @lazily
     def size(self) -> int:
