@@ -164,7 +164,7 @@ def first_population(
 ) -> list[Product]:
     """Initialise: the terms to begin with, simple ones with an inner constant, and random ones.
 
-    Where the leaves fit a first sample exactly, as in q' = v, only the terms to begin with.
+    Where the leaves fit a first sample exactly, as in q' = v, only the first of these are taken.
     """
     if build_dictionary(first, leaves).is_exact:
         return list(begin)

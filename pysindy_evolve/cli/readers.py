@@ -1,4 +1,4 @@
-"""Convert the text after a flag into a value; argparse reports their errors with the flag."""
+"""Readers that convert the text after a flag; argparse reports their errors with the flag."""
 
 from __future__ import annotations
 

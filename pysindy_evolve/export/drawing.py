@@ -144,12 +144,8 @@ def _limits(placed: _Placed, upright: bool) -> tuple[float, float, float, float]
     )
 
 
-def _center(place: _Placed, upright: bool) -> tuple[float, float]:
-    return (
-        (place.across, -place.along)
-        if upright
-        else (place.along + _width(place.node) / 2, -place.across)
-    )
+def _center(at: _Placed, upright: bool) -> tuple[float, float]:
+    return (at.across, -at.along) if upright else (at.along + _width(at.node) / 2, -at.across)
 
 
 def _frame(ax: Any, placed: _Placed, upright: bool) -> float:

@@ -8,7 +8,7 @@ __all__ = ["as_fractions"]
 
 
 def as_fractions(side: Sum) -> Sum:
-    """Return a sum for reading, in which terms with the same denominator are one fraction.
+    """Return a sum for reading, in which terms with the same sums in the denominator are one.
 
     Parameters
     ----------
