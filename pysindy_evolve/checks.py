@@ -1,7 +1,7 @@
-"""What functions ask of their arguments, and how they say no.
+"""Checks of arguments, and the form of all error messages.
 
-Each check takes the name of the call and of the parameter, then the value, and returns the value as
-it is worked with; `refuse` says no in the form that all errors of the package have.
+Each check takes the names of the call and of the parameter, then the value, and returns the value
+converted. `refuse` raises an error in the form that all errors of the package have.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-TINY = 1e-300  # what nothing is divided by less than
+TINY = 1e-300  # least value of a denominator
 
 # Beyond these sizes powers of values and frequencies leave the range of floating point.
 LARGEST = 1e50
 STEP_LIMITS = (1e-20, 1e20)
-SIZES = (1e-30, 1e30)  # the same for powers of ratios of powers, such as terms are made of
+SIZES = (1e-30, 1e30)  # narrower, for values that enter terms: ratios of powers, raised again
 
 
 def refuse(call: str, parameter: str, constraint: str, got: str, advice: str) -> NoReturn:
@@ -57,7 +57,7 @@ def refuse_type(call: str, parameter: str, constraint: str, value: Any, advice: 
 
 
 def numbers(call: str, parameter: str, values: ArrayLike, most: float = LARGEST) -> Array:
-    """Return real, finite float64 values of any shape, without a copy where none is needed."""
+    """Return real, finite float64 values of any shape, without a copy if possible."""
     advice = "Give real numbers, one row per sample."
     try:
         array = np.asarray(values)
@@ -76,7 +76,7 @@ def numbers(call: str, parameter: str, values: ArrayLike, most: float = LARGEST)
 
 
 def finite(call: str, parameter: str, array: NDArray[Any]) -> None:
-    """Raise unless every value is finite, with the place of the first one that is not."""
+    """Raise unless every value is finite; the error names the first place that is not."""
     bad = ~np.isfinite(array)
     if bad.any():
         where = tuple(int(i) for i in np.argwhere(bad)[0])
@@ -87,7 +87,7 @@ def finite(call: str, parameter: str, array: NDArray[Any]) -> None:
 
 
 def floats(call: str, parameter: str, values: Any) -> Array:
-    """Return finite float64 values of any shape, of whatever numpy can make floats of."""
+    """Return finite float64 values of any shape, from anything that numpy converts to floats."""
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
@@ -232,7 +232,7 @@ def step(call: str, value: Any) -> float:
 
 
 def feature_names(names: Sequence[str], n_columns: int) -> None:
-    """Raise unless there is a name for each column; PySINDy itself takes any number of them."""
+    """Raise unless there is a name for each column; PySINDy itself accepts any number of names."""
     if len(names) != n_columns:
         raise ValueError(
             "SINDy.fit(feature_names=...) must name each state and each input; got "

@@ -58,12 +58,12 @@ class Equations:
 
     @property
     def inner_symbols(self) -> tuple[Any, ...]:
-        """The same, where no hidden states were added to what terms are written in."""
+        """Symbols that terms are printed with; the same unless hidden states were added."""
         return self.symbols
 
     @property
     def n_algebraic(self) -> int:
-        """Number of first states that the right-hand sides give themselves, and not their rates."""
+        """Number of leading states that the right-hand sides give directly, not as rates."""
         return 0
 
     @property
@@ -119,7 +119,7 @@ class Equations:
 
 @dataclass(frozen=True, eq=False)
 class AlgebraicEquations(Equations):
-    """Right-hand sides that are the target itself, such as a force, and no rate of change."""
+    """Right-hand sides that give the target itself, such as a force, instead of its rate."""
 
     @property
     def n_algebraic(self) -> int:

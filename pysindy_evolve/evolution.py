@@ -4,13 +4,13 @@
 symbol  shape                 meaning
 ======  ====================  ========================================================
 x       (n, n_variables)      states and inputs
-target  (n,)                  what the equation must give: one column of x_dot
+target  (n,)                  left-hand side of the equation: one column of x_dot
 theta   (m, p)                dictionary on the m rows of a sample, columns of unit RMS
 ======  ====================  ========================================================
 
 Initialise a population of terms; then, each generation: build the dictionary, solve the elastic
-net, rate the terms (fitness, lower is better), vary them. What survives is kept beside the
-population, so a good term waits for its partners.
+net, rate the terms (fitness, lower is better), vary them. Survivors are kept beside the
+population, so that a good term can wait for its partners.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def evolve(
     x : ndarray of shape (n, n_variables)
         Variables, in the user's units.
     target : ndarray of shape (n,)
-        What the equation must give.
+        Left-hand side of the equation.
     operators : sequence of Operator
         Basis functions.
     rng : numpy.random.Generator
@@ -76,11 +76,12 @@ def evolve(
         A linear map on the rows of columns, (n, p) to (m, p), applied to theta, fixed columns and
         target alike, such as smooth windows. All rows are then used in each generation.
     noise : ndarray of shape (n_variables,), optional
-        Standard deviation of the noise in each variable: terms worth less than it are dropped.
+        Standard deviation of the noise in each variable. Terms that explain less than this noise
+        does are dropped.
     domain : ndarray of shape (k, n_variables), optional
         Further states at which every term must have a value.
     begin : sequence of Product, optional
-        Terms that the first generation holds besides random ones.
+        Terms of the first generation, besides the simple and random ones.
     settings : Settings, optional
         Parameters of the search.
     progress : bool
@@ -94,7 +95,7 @@ def evolve(
 
     Notes
     -----
-    A generation costs a fixed number of rows, whatever n is. The search ends after
+    A generation uses `ROWS` rows, whatever n is, unless `project` is given. The search ends after
     ``n_generations``, or when no new term has entered the equation for ``patience`` of them, or
     sooner where nothing is left to explain, see `plateau`.
     """
@@ -131,7 +132,7 @@ def generations(
 
     survivors: tuple[Product, ...] = leaves
     best: tuple[Product, ...] = ()
-    known: set[Hashable] = set()  # what was tuned, and beside what
+    known: set[Hashable] = set()  # forms that were tuned, and beside which forms
     for number in range(1, settings.n_generations + 1):
         dictionary = build_dictionary(problem.sample(ROWS, rng), [*survivors, *population])
         found = solve_elastic_net(
@@ -147,7 +148,7 @@ def generations(
         tuned = tune_constants(
             dictionary, found.front, fitness, partners, known, smooth=genetics.smooth
         )
-        if number == 1:  # of two that are nearly one signal, the first stays
+        if number == 1:  # beside the leaves first: of nearly equal terms the earlier stays
             tuned = [*tune_beside(dictionary, leaves), *tuned]
         survivors = _unique([*tuned, *ranking, *leaves])
         population = vary(dictionary.terms, fitness, best, genetics, operators, settings)
@@ -161,9 +162,9 @@ def first_population(
     leaves: Sequence[Product],
     begin: Sequence[Product],
 ) -> list[Product]:
-    """Initialise: the terms to begin with, the plainest ones that hold a number, and random ones.
+    """Initialise: the terms to begin with, simple ones with an inner constant, and random ones.
 
-    Where the leaves say it all on a first sample, as in q' = v, nothing has to grow.
+    Where the leaves fit a first sample exactly, as in q' = v, only the first of these are taken.
     """
     if build_dictionary(first, leaves).is_exact:
         return list(begin)
@@ -180,7 +181,7 @@ def vary(
     operators: Sequence[Operator],
     settings: Settings,
 ) -> list[Product]:
-    """Make the new population by crossover and mutation, with what the best equation is made of."""
+    """Make the new population by crossover and mutation, and add relatives of the best terms."""
     children = genetics.offspring(
         parents,
         fitness,

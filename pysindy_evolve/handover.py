@@ -3,13 +3,13 @@
 ``SINDy.fit`` calls ``feature_library.fit_transform(x)`` and passes no target. Before that, however,
 it shows the library every array: ``correct_shape`` gets each x, then each x_dot, then each u, and
 where x_dot is not given, ``calc_trajectory`` gets each x and makes its x_dot. So the library notes
-what passes by, and in ``fit`` finds its own x again in the notes, bit by bit, and the x_dot next to
-it. Chosen over a hand-over to the optimizer, as it works with any optimizer.
+these arrays. ``fit`` looks up its x in the notes, bit by bit, and takes the x_dot next to it. This
+works with any optimizer, unlike a hand-over to the optimizer.
 
-The notes are kept outside the library, for each thread its own, so nothing of them is cloned,
-pickled or seen by another thread. They are dropped at ``fit`` and ``transform``, and when a call of
-``SINDy`` that broke off has let go of its arrays. ``score`` and ``predict`` always come to
-``transform``, so nothing stays.
+The notes are kept outside the library, separately for each thread, so they are not cloned, pickled
+or seen by another thread. They are dropped at ``fit`` and ``transform``, and when a ``SINDy`` call
+that was aborted has released its arrays. ``score`` and ``predict`` always call ``transform``, so no
+notes remain.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ __all__ = ["forget", "note_pair", "note_shape", "repeated", "target"]
 
 @dataclass
 class _Notes:
-    """What one library saw in one thread since its last fit or transform."""
+    """The arrays that one library was shown in one thread since its last fit or transform."""
 
     shown: list[np.ndarray] = field(default_factory=list)
     pairs: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
@@ -39,35 +39,37 @@ class _Notes:
 
 
 class _Desk(threading.local):
+    """The notes of one thread, for each library."""
+
     def __init__(self) -> None:
         self.notes: weakref.WeakKeyDictionary[Any, _Notes] = weakref.WeakKeyDictionary()
 
 
-_desk = _Desk()
+_of_thread = _Desk()
 
 
 def note_shape(library: Any, array: Any) -> None:
-    """Note an array that passes `correct_shape`: an x, an x_dot or a u."""
-    notes = _desk.notes.get(library)
+    """Note an array that `correct_shape` receives: an x, an x_dot or a u."""
+    notes = _of_thread.notes.get(library)
     if notes is None or notes.is_stale() or notes.pairs:
-        notes = _desk.notes[library] = _Notes(first=weakref.ref(array))
+        notes = _of_thread.notes[library] = _Notes(first=weakref.ref(array))
     notes.shown.append(np.asarray(array))
 
 
 def note_pair(library: Any, x: Any, x_dot: Any) -> None:
     """Note an x and the x_dot computed from it, unless this is `score` after `transform`."""
-    notes = _desk.notes.get(library)
+    notes = _of_thread.notes.get(library)
     if notes is not None:
         notes.pairs.append((np.asarray(x), np.asarray(x_dot)))
 
 
 def repeated(library: Any) -> np.ndarray | None:
-    """Return an input that ``SINDy`` repeated for each sample of x, as it had another length.
+    """Return an input that ``SINDy`` repeated for each sample of x because of its other length.
 
-    It does so where a 1-D u cannot be a column beside x: each of its numbers becomes a constant
-    input. Such an array has steps of zero bytes from row to row.
+    A 1-D u that cannot be a column beside x is taken for constant inputs, one for each number.
+    The repeated array has steps of zero bytes from row to row.
     """
-    notes = _desk.notes.get(library)
+    notes = _of_thread.notes.get(library)
     for array in notes.shown if notes else ():
         if array.ndim == 2 and len(array) > 1 and array.strides[0] == 0:
             return array
@@ -75,12 +77,12 @@ def repeated(library: Any) -> np.ndarray | None:
 
 
 def forget(library: Any) -> None:
-    """Let go of everything that was noted."""
-    _desk.notes.pop(library, None)
+    """Drop the notes of a library."""
+    _of_thread.notes.pop(library, None)
 
 
 def target(library: Any, x: Sequence[np.ndarray]) -> list[np.ndarray] | None:
-    """Return the x_dot of each trajectory of x, or None if they did not pass by.
+    """Return the x_dot of each trajectory of x, or None if they were not noted.
 
     Parameters
     ----------
@@ -93,7 +95,7 @@ def target(library: Any, x: Sequence[np.ndarray]) -> list[np.ndarray] | None:
     -------
     list of ndarray of shape (n_samples, n_states), or None
     """
-    notes = _desk.notes.pop(library, None)
+    notes = _of_thread.notes.pop(library, None)
     if notes is None:
         return None
     k = len(x)
@@ -114,7 +116,7 @@ def target(library: Any, x: Sequence[np.ndarray]) -> list[np.ndarray] | None:
 def _is_fit(x: Sequence[np.ndarray], groups: list[list[np.ndarray]]) -> bool:
     """Tell whether groups are the x, x_dot and u of the x that `fit` received.
 
-    An x_dot of another length is let through: it has an error of its own.
+    An x_dot of another length is accepted here; a later check raises its error.
     """
     for i, xi in enumerate(x):
         state, derivative, *inputs = (group[i] for group in groups)

@@ -14,8 +14,8 @@ class lazily(Generic[Value]):
     """Compute an attribute when it is first asked for, and keep it in the object.
 
     ``functools.cached_property`` takes a lock around each first access before Python 3.12, and
-    most attributes of a term are asked for once or twice in its life. Without the lock two threads
-    may both compute a value; it is the same value.
+    most attributes of a term are read only once or twice. Without the lock two threads may both
+    compute the value, with the same result.
 
     Parameters
     ----------

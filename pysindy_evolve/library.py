@@ -141,8 +141,8 @@ class EvolvingLibrary(TermColumns):
         x_full : ndarray of shape (n_samples, n_features), or list of them
             States and inputs of each trajectory.
         y : ndarray of shape (n_samples,) or (n_samples, n_targets), or list of them
-            What the terms must give, such as x_dot. ``ps.SINDy`` does not pass it: there it is
-            taken from what ``SINDy`` shows the library before.
+            Target of the terms, such as x_dot. ``ps.SINDy`` does not pass it: there it is
+            taken from the arrays that ``SINDy`` shows the library before, see `handover`.
 
         Returns
         -------
@@ -165,9 +165,9 @@ class EvolvingLibrary(TermColumns):
     def fit_transform(self, x_full: list[Any], y: Any = None) -> list[Any]:
         """Grow the terms and evaluate the library for a regression on the training data.
 
-        Where x is noisy this is not what `transform` gives: terms are evaluated on the rows that
-        they were grown on, which are freed from noise (see `denoise`), and rows that say nothing
-        are zero. So every optimizer gets coefficients that the noise in x does not bias.
+        Where x is noisy, this differs from `transform`: terms are evaluated on the denoised rows
+        that they were grown on (see `denoise`), and rows that were left out are zero. So every
+        optimizer gets coefficients that the noise in x does not bias.
 
         Parameters
         ----------
@@ -195,9 +195,9 @@ class EvolvingLibrary(TermColumns):
     def _grow(self, x_full: list[Any], y: Any) -> Rows:
         """Grow the terms; return the rows that they were grown on."""
         same_samples(None if y is not None else handover.repeated(self))
-        seen = None if y is not None else handover.target(self, x_full)
+        noted = None if y is not None else handover.target(self, x_full)
         handover.forget(self)
-        x, targets = training_data(x_full, seen if y is None else y)
+        x, targets = training_data(x_full, noted if y is None else y)
         domain = _edges(x, [len(xi) for xi in x_full])
         operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
         rows = denoise(x, targets, [len(xi) for xi in x_full], operators)
@@ -257,7 +257,7 @@ class EvolvingLibrary(TermColumns):
 def _run_each(
     searches: Sequence[Callable[..., Evolution]], settings: Settings, n_jobs: int | None
 ) -> list[Evolution]:
-    """Run the searches. Once Ctrl-C has ended one, those that are left have one generation each."""
+    """Run the searches; once Ctrl-C has ended one, the remaining ones get one generation each."""
     if effective_n_jobs(n_jobs) > 1:
         return list(Parallel(n_jobs=n_jobs)(delayed(run)(settings=settings) for run in searches))
     found: list[Evolution] = []
@@ -269,10 +269,11 @@ def _run_each(
 
 
 def _edges(x: np.ndarray, lengths: Sequence[int]) -> np.ndarray:
-    """Return the measured states where a term may have no value, though it has one beside them.
+    """Return measured states at which a term is most likely to have no value.
 
-    Where trajectories begin and end, and where a variable is largest, smallest, or next to zero:
-    1/t has no value at the first sample, which is freed from noise or left out of the search.
+    These are the ends of trajectories, and the rows where a variable is largest, smallest or
+    closest to zero. 1/t has no value at the first sample, but the search does not see this, as it
+    works on denoised rows.
     """
     ends = np.cumsum([0, *lengths])
     places = [ends[:-1], ends[1:] - 1, x.argmin(axis=0), x.argmax(axis=0)]
@@ -280,7 +281,7 @@ def _edges(x: np.ndarray, lengths: Sequence[int]) -> np.ndarray:
 
 
 def _union(x: np.ndarray, fixed: np.ndarray, found: Sequence[Evolution]) -> tuple[Product, ...]:
-    """Join the terms of all targets, one of each signal, so that an optimizer is not confused."""
+    """Join the terms of all targets and drop duplicates, which would confuse an optimizer."""
     terms = list(dict.fromkeys(term for evolution in found for term in evolution.terms))
     if len(found) == 1 or len(terms) < 2:
         return tuple(terms)

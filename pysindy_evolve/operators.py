@@ -1,8 +1,8 @@
 """The table of basis functions: name, arity, numpy form, sympy form.
 
-Nothing here is protected: ``div`` divides, ``log`` takes logarithms, ``sqrt`` takes roots. A term
-that gives a value that is not finite is rejected by the search, never patched, so that what is
-scored is what is printed, simulated and exported.
+No operator is protected: ``div`` divides, ``log`` takes logarithms, ``sqrt`` takes roots. The
+search rejects a term with a value that is not finite and never patches it, so that the same term is
+scored, printed, simulated and exported.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class Operator:
 
 
 def _softsign(a: Any) -> Any:
-    """Return a/(1 + |a|), a number before a moved below the line: x/(c + |x|)."""
+    """Return a/(1 + |a|) with the factor of a moved into the denominator: x/(c + |x|)."""
     factor, rest = sympy.sympify(a).as_coeff_Mul()
     return sympy.sign(factor) * rest / (1 / sympy.Abs(factor) + sympy.Abs(rest)) if factor else a
 
@@ -131,12 +131,12 @@ BUILTIN: dict[str, Operator] = _table(
     Operator("softsign", lambda a: a / (1.0 + np.abs(a)), 1, _softsign),
 )
 
-# Functions that curve. A search never grows one inside another.
+# Curved functions. A search never grows one inside another.
 CURVED = (
     *("sin", "cos", "tan", "asin", "acos", "atan", "exp", "log"),
     *("sinh", "cosh", "tanh", "softsign"),
 )
-# Those with a factor to tune in their argument; a factor in a logarithm is only an offset.
+# Those with a factor to tune in their argument; in a logarithm, a factor is only an offset.
 SCALED = tuple(name for name in CURVED if name != "log")
 
 
@@ -145,7 +145,7 @@ def _builtin(name: str) -> Operator:
 
 
 def resolve(operators: Iterable[str | Operator], owner: str = "resolve") -> tuple[Operator, ...]:
-    """Look up operators by name; operators of the user pass through, once they are seen to work.
+    """Look up operators by name; a user's own are only tested on arrays.
 
     Parameters
     ----------
@@ -202,12 +202,12 @@ def _lookup(entry: str | Operator, owner: str) -> Operator:
     return BUILTIN[entry]
 
 
-# Away from zero and of both signs, so that a function defined on half the line also passes.
+# Of both signs and without zero, so that a function with poles or for one sign only also passes.
 _PROBE = np.array([-1.5, -0.5, 0.25, 0.75, 2.0])
 
 
 def _one_by_one(operator: Operator, arguments: Sequence[np.ndarray]) -> np.ndarray:
-    """Return what a function gives for each element alone: np.vectorize may round the others."""
+    """Evaluate a function element by element; np.vectorize may round all but the first."""
     rows = (operator(*(np.array([value]) for value in row)) for row in zip(*arguments, strict=True))
     return np.array([float(np.asarray(row).item()) for row in rows])
 
@@ -226,7 +226,7 @@ def _check_on_arrays(operator: Operator, owner: str) -> None:
             problem = "complex numbers"
         elif not np.allclose(result, _one_by_one(operator, arguments), equal_nan=True):
             problem = "other values for an array than for its elements"
-    # What a function of numbers raises when it is given arrays; anything else is for its author.
+    # A scalar function raises these when it is given arrays; other errors go to its author.
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         problem = f"{type(error).__name__}: {error}"
     if problem is not None:

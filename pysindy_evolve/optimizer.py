@@ -34,22 +34,22 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     .. math:: \|\Theta\xi - \dot x\|^2 / n + \lambda_1\|\xi\|_1 + \lambda_2\|\xi\|^2
 
-    on columns of unit RMS and a target of unit RMS, so the weights are dimensionless and no
-    column is too small to be seen.
+    on columns of unit RMS and a target of unit RMS, so the weights are dimensionless and the
+    unit of a column does not matter.
 
     Parameters
     ----------
     lambda1 : float, optional
-        Weight of the absolute values. By default it is swept from where the first term appears
-        downward over orders of magnitude, each support is pruned backward by an information
-        criterion, and the best one is kept.
+        Weight of the absolute values. By default it is swept downward from where the first term
+        appears, each support is pruned backward by an information criterion, and the best one is
+        kept.
     lambda2 : float, optional
-        Weight of the squares. By default orders of magnitude of it are swept as well, and it is
-        zero where `lambda1` is given.
+        Weight of the squares. By default it is swept over orders of magnitude, or zero where
+        `lambda1` is given.
     max_terms : int, default=30
-        Largest number of terms the sweep of `lambda1` goes to. No bound where that is given.
+        Largest number of terms in the sweep of `lambda1`; not used where `lambda1` is given.
     max_iter : int, default=10000
-        Most sweeps of coordinate descent where `lambda1` is given; with fewer than it takes,
+        Most sweeps of coordinate descent where `lambda1` is given; if they are too few,
         scikit-learn warns (ConvergenceWarning).
     copy_X : bool, default=True
         Present for PySINDy's `EnsembleOptimizer`; the data is never overwritten.
@@ -127,10 +127,10 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
                 "ElasticNet.fit(X=...) must have at least as many samples as terms; got "
                 f"{len(theta)} samples for {theta.shape[1]} terms. Record longer or offer fewer."
             )
-        # A row of zeros says nothing about any coefficient.
-        said = np.flatnonzero(theta.any(axis=1))
-        if theta.shape[1] <= len(said) < len(theta):
-            theta, targets = theta[said], targets[said]
+        # A row of zeros carries no information about any coefficient.
+        rows = np.flatnonzero(theta.any(axis=1))
+        if theta.shape[1] <= len(rows) < len(theta):
+            theta, targets = theta[rows], targets[rows]
         self.coef_ = self._fit_targets(theta, targets)
         self._warn_of_empty(targets)
         self.ind_ = self.coef_ != 0.0
@@ -168,7 +168,7 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return int(np.count_nonzero(self.coef_))
 
     def _warn_of_empty(self, targets: np.ndarray) -> None:
-        """Warn of targets that vary and have no term left."""
+        """Warn of targets that vary, but kept no term."""
         empty = np.flatnonzero(~self.coef_.any(axis=1) & (np.ptp(targets, axis=0) > 0.0))
         if len(empty):
             warn(
@@ -212,10 +212,10 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return parsimony.material(whole, support)
 
     def _support_at(self, theta: np.ndarray, y: np.ndarray, lambda1: float) -> np.ndarray:
-        """Return the support at given weights: equation (11) in the words of scikit-learn."""
+        """Return the support at given weights, by scikit-learn's form of equation (11)."""
         lambda2 = 0.0 if self.lambda2 is None else float(self.lambda2)
         half = 0.5 * lambda1
-        if half == 0.0:  # nothing draws a coefficient to zero
+        if half == 0.0:  # no penalty draws a coefficient to exactly zero
             return np.flatnonzero(theta.any(axis=0))
         net = ElasticNetAtOneWeight(
             alpha=half + lambda2,

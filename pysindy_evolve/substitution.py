@@ -1,4 +1,4 @@
-"""Put expressions in the place of variables; the result is in its one form again."""
+"""Replaces variables by expressions; the result is in canonical form."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def substituted(expression: Sum, replacements: Replacements) -> Sum:
     Parameters
     ----------
     expression : Sum
-        Of variables, numbered as columns of the data.
+        Its variables are numbered as columns of the data.
     replacements : mapping of int or Call to Sum
-        What stands for a variable, or for a call as a whole; the others stay.
+        Replacement of a variable, or of a whole call; all others stay.
 
     Returns
     -------
@@ -61,27 +61,27 @@ def acting(equations: Equations) -> tuple[Equations, list[int]]:
     Parameters
     ----------
     equations : Equations
-        With any inputs.
+        Right-hand sides with any inputs.
 
     Returns
     -------
     equations : Equations
         The same right-hand sides.
     columns : list of int
-        Their inputs among those that were given.
+        Index of each remaining input among the given ones.
     """
-    at_work = np.any(equations.coef != 0.0, axis=0)
-    terms = [term for term, works in zip(equations.terms, at_work, strict=True) if works]
+    has_coef = np.any(equations.coef != 0.0, axis=0)
+    terms = [term for term, is_used in zip(equations.terms, has_coef, strict=True) if is_used]
     first = len(equations.states)
     used = frozenset().union(*(term.variables for term in terms))
     columns = [k for k in range(len(equations.inputs)) if first + k in used]
     places = [*(first + k for k in columns), first + len(equations.inputs)]
-    # In the same order as before, so that every term keeps its form.
+    # In the same order as before, so that every term keeps its canonical form.
     moved = {place: variable(first + k) for k, place in enumerate(places)}
-    renamed = tuple(only_term(substituted(of_term(term), moved)) for term in terms)
+    renumbered = tuple(only_term(substituted(of_term(term), moved)) for term in terms)
     names = tuple(equations.inputs[k] for k in columns)
-    coef = equations.coef[:, at_work]
-    return replace(equations, terms=renamed, coef=coef, inputs=names), columns
+    coef = equations.coef[:, has_coef]
+    return replace(equations, terms=renumbered, coef=coef, inputs=names), columns
 
 
 def _of_product(term: Product, replacements: Replacements) -> Sum:

@@ -1,4 +1,4 @@
-"""Libraries of known terms: `TermLibrary`, a fixed one, and what it shares with an evolving one."""
+"""`TermLibrary`, a fixed library of terms, and the base class that it shares with evolving ones."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["TermColumns", "TermLibrary"]
 
 
 class TermColumns(BaseFeatureLibrary):
-    """What fixed and evolving libraries share: columns of a base library, then terms."""
+    """Base of fixed and evolving libraries: columns of a base library, then terms."""
 
     terms_: tuple[Product, ...]
     base_library_: BaseFeatureLibrary | None = None
@@ -91,7 +91,7 @@ class TermColumns(BaseFeatureLibrary):
         theta = np.empty((len(flat), self.n_output_features_))
         if self.base_library_ is not None:
             theta[:, :n_base] = np.asarray(self.base_library_.transform(x)).reshape(-1, n_base)
-        for rows in chunks(0, len(flat)):  # so that intermediate values are never all there
+        for rows in chunks(0, len(flat)):  # in chunks, to save memory
             cache: Cache = {}
             piece = np.asfortranarray(flat[rows])
             for j, term in enumerate(self.terms_, n_base):

@@ -1,7 +1,8 @@
 """One thread for the linear algebra, whatever the machine has.
 
-The matrices are small, so threads only get in each other's way; and the last digits depend on
-their number, on which a search may turn. So the same seed gives the same result everywhere.
+The matrices are small, so more threads only slow each other down. The last digits of a result
+depend on their number, and a search may turn on these digits. With one thread the same seed gives
+the same result everywhere.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ __all__ = ["one_thread"]
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Do with one thread of each BLAS what is inside; also a decorator, as ``@one_thread()``.
+    """Use one thread of each BLAS inside this context; also a decorator, as ``@one_thread()``.
 
-    It holds for the whole process. Where several Python threads are inside at a time, the last one
-    to leave restores what it found, which is the limit of another one.
+    It holds for the whole process. If several Python threads are inside at once, the last one to
+    leave restores the limit that it found, which another one had set.
     """
     with _controller().limit(limits=1, user_api="blas"):
         yield

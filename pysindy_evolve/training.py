@@ -1,4 +1,4 @@
-"""What must hold of the data that terms are grown on, in words that scikit-learn's checks know."""
+"""Checks of the data that terms are grown on, with errors that scikit-learn's checks accept."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .checks import SIZES, refuse
 
 __all__ = ["finite", "numbers", "same_samples", "training_data"]
 
-MIN_SAMPLES = 10  # fewer rows cannot tell two terms from one
+MIN_SAMPLES = 10  # fewer rows cannot distinguish two terms from one
 
 
 def finite(call: str, parameter: str, array: Any) -> None:
@@ -39,7 +39,7 @@ def finite(call: str, parameter: str, array: Any) -> None:
 
 
 def numbers(call: str, parameter: str, array: Any) -> np.ndarray:
-    """Return an array-like as a dense array of finite floats: itself, if it is one."""
+    """Return an array-like as a dense array of finite floats, without a copy if possible."""
     if issparse(array):
         raise TypeError(
             f"{call}({parameter}=...) must be dense; got a sparse matrix. Call its .toarray()."
@@ -57,7 +57,7 @@ def numbers(call: str, parameter: str, array: Any) -> np.ndarray:
 
 
 def same_samples(repeated: np.ndarray | None) -> None:
-    """Raise where PySINDy made constant inputs of a u that is shorter or longer than x."""
+    """Raise if PySINDy made constant inputs of a u that is shorter or longer than x."""
     if repeated is not None:
         n_samples, n_values = repeated.shape
         got = f"{n_values} samples, x has {n_samples}"
@@ -100,10 +100,10 @@ def training_data(x: Sequence[Any], y: Any) -> tuple[np.ndarray, np.ndarray]:
     targets = [numbers("EvolvingLibrary.fit", "y", yi) for yi in given]
     for trajectory in trajectories:
         _two_dimensional(trajectory)
-    lengths, other = [len(xi) for xi in trajectories], [len(yi) for yi in targets]
-    if lengths != other:
+    lengths, of_targets = [len(xi) for xi in trajectories], [len(yi) for yi in targets]
+    if lengths != of_targets:
         raise ValueError(
-            f"EvolvingLibrary.fit(y=...) must have as many samples as x; got {other} for "
+            f"EvolvingLibrary.fit(y=...) must have as many samples as x; got {of_targets} for "
             f"{lengths}. Pass x_dot at the samples of x, for each trajectory."
         )
     columns = _joined(trajectories)
@@ -115,7 +115,7 @@ def training_data(x: Sequence[Any], y: Any) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """Join trajectories; one alone is not copied, as it may be larger than the memory."""
+    """Join trajectories; a single one is not copied, as it may fill most of the memory."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
@@ -133,7 +133,7 @@ def _two_dimensional(x: np.ndarray) -> None:
 
 
 def _computable(values: np.ndarray, name: str) -> None:
-    """Raise where powers of the values would leave the range of floating-point numbers."""
+    """Raise if powers of the values would leave the range of floating-point numbers."""
     size = max(values.max(initial=0.0), -values.min(initial=0.0))
     if size > 0.0 and not SIZES[0] <= size <= SIZES[1]:
         raise ValueError(

@@ -7,7 +7,7 @@ import warnings
 
 __all__ = ["warn"]
 
-# Packages whose lines no user wrote, and the module that wraps a function in a context.
+# Packages whose lines no user wrote, and the module of context managers used as decorators.
 LIBRARIES = ("pysindy_evolve", "pysindy", "sklearn", "joblib", "contextlib")
 
 

@@ -5,7 +5,7 @@
 ===============  =================================================================================
 data
 generation       settings of a search, the record of one generation, the result
-denoise          rows to grow terms on, freed from noise where noise does harm
+denoise          rows to grow terms on: states are denoised, doubtful rows left out
 new terms
 genetics         random terms, crossover and mutation; the only file that imports DEAP
 prefix           terms as prefix trees, which crossover and mutation cut and join, and back
@@ -16,7 +16,7 @@ dictionary       terms evaluated on a sample of rows, and the cost of each term
 poles            recognizes terms that become infinite between two samples
 elastic_net      proposes which terms of a dictionary belong together
 fitness          fitness of each term of a generation; lower is better
-blur             the least gain that a term needs, given the noise in the variables
+blur             least sum of squares that a term must explain, given the noise in the variables
 constants        tunes inner constants, such as w in sin(w x), by variable projection
 end of a search
 watch            progress bar, early end and interruption

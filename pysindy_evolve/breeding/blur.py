@@ -1,8 +1,8 @@
-"""What noise in the variables does to an equation, and so what a term must be worth.
+"""The least sum of squares that a term must explain, given the noise in the variables.
 
-Noise e in the variables moves theta(x) @ coef by about grad(theta @ coef) @ e. A term that is made
-up from noise explains part of that movement and never more than it; a term that explains less than
-a fair share of it is not believed, however many rows agree on it.
+Noise e in the variables moves theta(x) @ coef by about grad(theta @ coef) @ e. A false term, made
+up from noise, explains a part of that movement and never more. So a term that explains less than
+`SHARE` of it is rejected, even if it is significant.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from .dictionary import Problem
 
 __all__ = ["blurred_power"]
 
-SHARE = 0.3  # of the movement that false terms explain at most; on simulated rigs below 0.2
-ROWS = 10_000  # are enough for a mean
+SHARE = 0.3  # of the movement's power; false terms on simulated rigs explained less than 0.2
+ROWS = 10_000  # rows that the mean is taken over
 
 
 def blurred_power(problem: Problem, terms: Sequence[Product], coef: Sequence[float]) -> float:
@@ -26,7 +26,7 @@ def blurred_power(problem: Problem, terms: Sequence[Product], coef: Sequence[flo
     Parameters
     ----------
     problem : Problem
-        All rows; its `noise` says how uncertain each variable is.
+        All rows, and the noise of each variable.
     terms : sequence of Product
         An equation.
     coef : sequence of float

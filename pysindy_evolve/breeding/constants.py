@@ -1,8 +1,7 @@
-"""Inner constants by variable projection: the outer coefficients are solved, the inner searched.
+"""Inner constants, such as c in x/(c + x) or w in sin(w x), tuned by variable projection.
 
-x/(c + x), sin(w x) and exp(-x/c) are linear in nothing. For given inner constants the outer
-coefficients are least squares, so only the inner ones are left to search (Golub and Pereyra,
-SIAM J. Numer. Anal. 10, 1973, doi:10.1137/0710036).
+For given inner constants the coefficients of the terms follow by least squares, so only the inner
+constants are searched (Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973, doi:10.1137/0710036).
 """
 
 from __future__ import annotations
@@ -18,14 +17,14 @@ from .dictionary import Dictionary
 
 __all__ = ["tune", "tune_beside", "tune_constants"]
 
-SMALL = 3  # terms of an equation
-N_FORMS = 24  # forms of which one term each is tuned beside plain terms, in the first generation
-N_TUNED = 6  # terms a generation whose inner constants are tuned, best first
-TUNING_ROWS = 800  # are enough to tune one or two constants
-LARGEST = 1e150  # of a value, so that its square is one as well
-# Span of an argument, or relative span of a divisor, below which sin(w x) is as good as w x.
+SMALL = 3  # terms; equations up to this size are tuned first
+N_FORMS = 24  # terms, each of another form, tuned beside plain terms in the first generation
+N_TUNED = 6  # terms tuned in each generation, best first
+TUNING_ROWS = 800  # enough to tune one or two constants
+LARGEST = 1e150  # largest value of a column, so that its square does not overflow
+# Least span of an argument, or relative span of a divisor; below it, sin(w x) is as good as w x.
 LEAST_BEND = 0.3
-FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)  # a coarse look around before the local search
+FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)  # of each constant, tried before the local search
 
 
 def tune(
@@ -54,7 +53,7 @@ def tune(
     Returns
     -------
     tuple of Product
-        Never a worse fit than with the constants given.
+        The terms with new constants, which fit at least as well as the given ones.
     """
     start = np.array([c for term in terms for c in term.constants])
     if not len(start):
@@ -73,8 +72,8 @@ def tune(
             columns = columns / np.where(size > 0.0, size, 1.0)
             if not np.isfinite(columns).all():
                 return y
-            left = y - columns @ np.linalg.lstsq(columns, y, rcond=1e-10)[0]
-        return left if np.isfinite(left).all() else y
+            remainder = y - columns @ np.linalg.lstsq(columns, y, rcond=1e-10)[0]
+        return remainder if np.isfinite(remainder).all() else y
 
     def error(constants: np.ndarray) -> float:
         value = residual(constants)
@@ -82,7 +81,7 @@ def tune(
 
     first = min(_around(start), key=error)
     found = least_squares(residual, first, x_scale=np.maximum(np.abs(first), 1e-12), max_nfev=12).x
-    # A constant that is tuned away leaves another term, one that the search knows as its own.
+    # With a constant tuned to zero it is a different term, which the search tries by itself.
     kept = [c for c in (first, found) if np.all(np.abs(c) > 1e-6 * np.abs(start))]
     kept = [c for c in kept if all(_bends(term, x) for term in _with(terms, c))]
     best = min((start, *kept), key=error)
@@ -98,19 +97,19 @@ def tune_constants(
     *,
     smooth: bool,
 ) -> list[Product]:
-    """Tune the inner constants of the best terms that have some, each beside its equation.
+    """Tune the inner constants of the best terms, each beside the other terms of its equation.
 
-    First those of small equations, which are right or wrong as a whole. What has been tuned beside
-    an equation of the same form is `known`; where all operators are `smooth`, and terms look alike,
-    it makes way for another, and the best equation is tuned again.
+    Terms of small equations come first, as these are right or wrong as a whole. A form that was
+    tuned beside the same forms before is `known` and skipped. With `smooth` operators, whose terms
+    look alike, worse terms then take its turn, and the best equation is tuned again.
     """
     order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
     forms = [term.skeleton for term in dictionary.terms]
     cases: dict[Hashable, tuple[int, list[int]]] = {}
     small = sorted((support for support in front if len(support) <= SMALL), key=len)
-    few = [(j, support) for support in small for j in support if dictionary.terms[j].constants]
-    each = [(j, front[partners[j]]) for j in order]
-    for j, equation in [*few, *(each if smooth else each[:N_TUNED])]:
+    in_small = [(j, support) for support in small for j in support if dictionary.terms[j].constants]
+    ranked = [(j, front[partners[j]]) for j in order]
+    for j, equation in [*in_small, *(ranked if smooth else ranked[:N_TUNED])]:
         beside = [i for i in equation if i != j]
         case = forms[j], frozenset(forms[i] for i in beside)
         fresh = case not in known or (smooth and j in front[0])
@@ -123,10 +122,10 @@ def tune_constants(
 
 
 def tune_beside(dictionary: Dictionary, plain: Sequence[Product]) -> list[Product]:
-    """Tune one term of each form beside plain terms, those first that gain most there.
+    """Tune one term of each form beside plain terms; those that gain most come first.
 
-    Many equations are a straight line and one such term. As long as its constants are wrong, other
-    terms do better than it, and its turn does not come.
+    Many equations are linear except for one such term. As long as its constants are wrong, other
+    terms fit better, and it would not be tuned otherwise.
     """
     beside = [j for j, term in enumerate(dictionary.terms) if term in plain]
     gram = dictionary.gram.scaled(dictionary.gram.scale)
@@ -152,16 +151,16 @@ def _tuned_beside(dictionary: Dictionary, j: int, beside: Sequence[int]) -> Prod
 
 
 def _bends(term: Product, x: np.ndarray) -> bool:
-    """Tell whether no function or divisor in a term is a straight line over the data.
+    """Tell whether each function and divisor with constants is curved over the data.
 
-    Such a term is another one, and its constants fit the smooth error of a derivative.
+    A straight one is a simpler term, and its constants only fit the smooth error of a derivative.
     """
     with np.errstate(all="ignore"):
         return all(_span(atom, n, x) >= LEAST_BEND for atom, n in term.factors if atom.constants)
 
 
 def _span(atom: Atom, exponent: int, x: np.ndarray) -> float:
-    """Return how far the argument of a function varies, or a sum over its size if it divides."""
+    """Return the span of a function's argument, or the relative span of a sum that divides."""
     if isinstance(atom, Call) and len(atom.args) == 1:
         return float(np.ptp(atom.args[0].evaluate(x)))
     if isinstance(atom, Sum) and exponent < 0:
@@ -171,7 +170,7 @@ def _span(atom: Atom, exponent: int, x: np.ndarray) -> float:
 
 
 def _around(start: np.ndarray) -> list[np.ndarray]:
-    """Return the start and variants of it with one constant multiplied."""
+    """Return the start, and variants of it with one constant multiplied by each factor."""
     variants = [start]
     for i in range(len(start)):
         for factor in FACTORS:

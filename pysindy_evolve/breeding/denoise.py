@@ -1,10 +1,10 @@
-"""Rows to grow terms on: what was measured, freed from noise where it does harm.
+"""Rows to grow terms on: the measured rows, denoised where noise would do harm.
 
-Noise in the regressors biases least squares and makes up terms. Three things cure it. The states
-are smoothed by what their derivatives say (`signals.smoothing`), so what is left of the noise is
-small and no longer goes with the regressors. Terms are evaluated on those states and compared with
-the measured target, so nothing is smoothed that was not measured smooth. And rows where a variable
-is so close to zero that its sign is a coin toss are left out, if an operator has a kink there.
+Noise in the regressors biases least squares and makes up terms. Three steps prevent that. The
+states are smoothed with the help of their derivatives (`signals.smoothing`), so that the remaining
+noise is small and hardly correlated with the regressors. Terms are evaluated on the smoothed states
+and compared with the measured target; neither is smoothed itself. If an operator has a kink at
+zero, rows where a variable is too close to zero for its sign to be known are left out.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from ..signals.smoothing import Smoothed, smooth_states
 
 __all__ = ["Rows", "denoise"]
 
-UNSURE = 6.0  # standard deviations of the noise left: nearer to zero, a sign is a coin toss
-ENOUGH = 0.2  # share of the rows that must stay; of a column that is mostly at zero all do
-STEP = 1e-6  # beside zero, to tell a kink
+UNSURE = 6.0  # standard deviations of the remaining noise; closer to zero, the sign is not known
+ENOUGH = 0.2  # least share of the rows to keep; a column that would leave fewer removes none
+STEP = 1e-6  # step to both sides of zero, to detect a kink
 
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Joined trajectories as terms see them.
+    """Joined trajectories to evaluate terms on.
 
     Attributes
     ----------
     x : ndarray of shape (n_samples, n_columns)
         States and inputs.
     kept : ndarray of bool of shape (n_samples,), or None
-        Rows that say something about the equations; None is all of them.
+        Rows to fit on; None means all.
     noise : ndarray of shape (n_columns,), or None
-        Standard deviation of the noise that is left in each column; None if nothing was done.
+        Standard deviation of the remaining noise in each column; None if nothing was smoothed.
     """
 
     x: np.ndarray
@@ -51,7 +51,7 @@ class Rows:
 def denoise(
     x: np.ndarray, x_dot: np.ndarray, lengths: Sequence[int], operators: Sequence[Operator]
 ) -> Rows:
-    """Free trajectories from noise in their states and inputs.
+    """Remove noise from the states and inputs of trajectories.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def denoise(
     Returns
     -------
     Rows
-        As they were given, where there is no noise or where rows are no time series.
+        Unchanged where there is no noise or the rows are not a time series.
     """
     if x_dot.shape[1] > x.shape[1]:
         return Rows(x)
@@ -88,7 +88,7 @@ def denoise(
 
 
 def _sure(smoothed: Smoothed) -> np.ndarray:
-    """Tell where no variable is too close to zero for its sign to be known."""
+    """Tell on which rows the sign of the variables is known, see `UNSURE` and `ENOUGH`."""
     sure = np.ones(len(smoothed.x), dtype=bool)
     for column, noise in zip(smoothed.x.T, smoothed.noise, strict=True):
         clear = np.abs(column) > UNSURE * noise

@@ -1,10 +1,10 @@
-"""The dictionary of one generation: terms evaluated on a sample, and what each of them costs.
+"""The dictionary of one generation: terms evaluated on a sample, and the price of each.
 
 ======  ====================  ========================================================
 symbol  shape                 meaning
 ======  ====================  ========================================================
 x       (n, n_variables)      states and inputs
-target  (n,)                  what the equation must give: one column of x_dot
+target  (n,)                  left-hand side of the equation: one column of x_dot
 fixed   (n, n_fixed)          columns that are always in the equation
 theta   (m, p)                terms on the m rows of a sample, columns of unit RMS
 ======  ====================  ========================================================
@@ -29,11 +29,11 @@ Project = Callable[[np.ndarray], np.ndarray]
 
 TWIN = 1.0 - 1e-9  # correlation above which two columns are one signal up to scale
 SIBLING = 0.98  # the same for two terms that differ only in their inner constants
-SPIKE = 0.5  # share of a column's power in a single sample above which it only fits that one
+SPIKE = 0.5  # share of a column's power in one sample above which it only fits that sample
 SPANNED = 1e-9  # share of a column's power that the fixed columns must leave
 KINKS = (BUILTIN["abs"], BUILTIN["sgn"])
 WAVES = (BUILTIN["sin"], BUILTIN["cos"], BUILTIN["tan"])
-FREQUENCY = 3.0  # numbers that a frequency counts as: its error falls as n^-1.5, not as n^-0.5
+FREQUENCY = 3.0  # parameters that a frequency counts as: its error falls as n^-1.5, not n^-0.5
 NODE = 2.0  # price of a node: 2 log 3, as there are about 3^size terms of a size (extended BIC)
 
 
@@ -46,7 +46,7 @@ class Problem:
     x : ndarray of shape (n, n_variables)
         Variables, in the user's units.
     target : ndarray of shape (n,)
-        What the equation must give.
+        Left-hand side of the equation.
     fixed : ndarray of shape (n, n_fixed)
         Columns that are always in the equation.
     project : callable, optional
@@ -100,9 +100,9 @@ class Problem:
         if self.project is None:
             return theta, y
         finite = np.isfinite(theta)
-        both = self.project(np.column_stack([np.where(finite, theta, 0.0), y]))
-        both[:, :-1][:, ~finite.all(axis=0)] = np.nan
-        return both[:, :-1], both[:, -1]
+        projected = self.project(np.column_stack([np.where(finite, theta, 0.0), y]))
+        projected[:, :-1][:, ~finite.all(axis=0)] = np.nan
+        return projected[:, :-1], projected[:, -1]
 
     def blocks(self, terms: Sequence[Product], n_blocks: int) -> list[Gram]:
         """Return Gram matrices of consecutive blocks of all rows, fixed columns first."""
@@ -114,7 +114,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Dictionary:
-    """Different, finite terms on a sample, with the Gram matrix that the fixed columns leave."""
+    """Distinct, finite terms on a sample; the fixed columns are projected out of their Gram."""
 
     problem: Problem
     terms: tuple[Product, ...]
@@ -131,38 +131,38 @@ class Dictionary:
     @property
     def is_exact(self) -> bool:
         """Whether all terms together leave nothing of the target but rounding."""
-        left = self.residual(np.arange(len(self.terms)))
-        return bool(left @ left <= PERFECT * (self.y @ self.y))
+        remainder = self.residual(np.arange(len(self.terms)))
+        return bool(remainder @ remainder <= PERFECT * (self.y @ self.y))
 
     def residual(self, support: np.ndarray) -> np.ndarray:
-        """Return what fixed columns and the terms of a support leave of the target: (m,)."""
+        """Return the residual of the fixed columns and the terms of a support: (m,)."""
         n = self.n_fixed
         basis = np.linalg.qr(self.theta[:, [*range(n), *(n + j for j in support)]])[0]
         return self.y - basis @ (basis.T @ self.y)
 
 
 def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
-    """Evaluate terms on a sample and keep one of each signal.
+    """Evaluate terms on a sample and drop duplicates.
 
     Parameters
     ----------
     problem : Problem
         The sample.
     terms : sequence of Product
-        Where two are the same signal up to scale, the smaller stays, or the earlier one.
+        Of two that are the same signal up to scale, the smaller stays; of equal size, the earlier.
 
     Returns
     -------
     Dictionary
-        Without terms that are not finite, zero, in the span of the fixed columns, or all in one
-        row, and without those that say with a kink what they would say without: abs(q - 3 v)
-        where q is always larger than 3 v.
+        Without terms that are not finite, zero, in the span of the fixed columns, or mostly in
+        one sample, and without those in which an abs or sgn has no effect: abs(q - 3 v) where q is
+        always larger than 3 v.
     """
     idle = _Idle(problem.x)
     terms = sorted((t for t in dict.fromkeys(terms) if not idle(t)), key=lambda term: term.size)
     theta, y = problem.regression(terms, idle.cache)
     n_fixed = problem.fixed.shape[1]
-    # In samples: after a projection on spectra, what is slow lies in a row or two.
+    # Spikes are sought in the samples: projected on spectra, a slow signal fills a row or two.
     samples = theta if problem.project is None else problem.theta(terms, cache=idle.cache)
     with np.errstate(all="ignore"):
         power = np.einsum("ij,ij->j", theta, theta)
@@ -173,20 +173,20 @@ def build_dictionary(problem: Problem, terms: Sequence[Product]) -> Dictionary:
     scale = np.sqrt(np.where(good & (power > 0.0), power, 1.0) / len(y))
     theta = theta[:, good] / scale[good]
     terms = [term for term, ok in zip(terms, good[n_fixed:], strict=True) if ok]
-    left = gram(theta, y).without(n_fixed)
-    keep = _different(left, terms)
+    projected = gram(theta, y).without(n_fixed)
+    keep = _different(projected, terms)
     return Dictionary(
         problem,
         tuple(terms[j] for j in keep),
         theta[:, [*range(n_fixed), *(n_fixed + j for j in keep)]],
         y,
-        left.select(keep),
+        projected.select(keep),
         scale[good][n_fixed:][keep],
     )
 
 
 class _Idle:
-    """Tells whether an abs or sgn within a term never changes its sign on the sample."""
+    """Tells whether the argument of an abs or sgn within a term keeps its sign on the sample."""
 
     def __init__(self, x: np.ndarray) -> None:
         self.x = x
@@ -197,15 +197,15 @@ class _Idle:
         if isinstance(node, Variable):
             return False
         if node not in self._known:
-            self._known[node] = self._is_kink(node) or any(map(self, _children(node)))
+            self._known[node] = self._is_idle_kink(node) or any(map(self, _children(node)))
         return self._known[node]
 
-    def _is_kink(self, node: Product | Atom) -> bool:
+    def _is_idle_kink(self, node: Product | Atom) -> bool:
         if not isinstance(node, Call) or node.operator not in KINKS:
             return False
         (argument,) = node.args
         if len(argument.parts) < 2:
-            return False  # then it is a factor of the term's own twin without it
+            return False  # the term is a duplicate of the one without the kink
         value = argument.evaluate(self.x, self.cache)
         return bool(value.min() >= 0.0 or value.max() <= 0.0)
 
@@ -219,10 +219,10 @@ def _children(node: Product | Atom) -> Iterator[Product | Atom]:
         yield from node.args
 
 
-def _different(left: Gram, terms: Sequence[Product]) -> list[int]:
-    power = np.diag(left.xx) / left.n
-    size = np.sqrt(np.maximum(power, SPANNED)) * np.sqrt(left.n)
-    correlation = np.abs(left.xx / np.outer(size, size))
+def _different(projected: Gram, terms: Sequence[Product]) -> list[int]:
+    power = np.diag(projected.xx) / projected.n
+    size = np.sqrt(np.maximum(power, SPANNED)) * np.sqrt(projected.n)
+    correlation = np.abs(projected.xx / np.outer(size, size))
     skeletons = [term.skeleton if term.constants else None for term in terms]
     keep: list[int] = []
     for j in np.flatnonzero(power > SPANNED):
@@ -242,9 +242,9 @@ def written_out(term: Product) -> int:
 def price(terms: Sequence[Product], n_effective: float) -> np.ndarray:
     """Price of each term in the information criterion.
 
-    Log n for each number that was fitted, and `NODE` for each node of the tree, as the search
-    looked at exponentially many terms of a size. A wave fits noise at any of its frequencies, so
-    one costs three times as much (Djuric, IEEE Trans. Signal Process. 44 (1996) 1744-1751).
+    Log n for each fitted parameter, and `NODE` for each node of the tree, as the number of possible
+    terms grows exponentially with their size. A wave can fit noise at any frequency, so a frequency
+    counts as three parameters (Djuric, IEEE Trans. Signal Process. 44 (1996) 1744-1751).
     """
     frequencies = np.array([_n_frequencies(term) for term in terms], dtype=float)
     numbers = 1.0 + np.array([len(term.constants) for term in terms])

@@ -1,6 +1,6 @@
 """The elastic net of one generation: which terms of its dictionary belong together.
 
-It proposes, along with what is known from earlier generations; pruning decides, see `sparse`.
+It proposes supports beside those of earlier generations; pruning decides, see `sparse`.
 """
 
 from __future__ import annotations
@@ -30,10 +30,9 @@ def solve_elastic_net(
 ) -> Selection:
     """Find the best equations that the dictionary holds: the best first, then smaller ones.
 
-    The elastic net proposes supports, along with what survived and the best equation so far; each
-    is pruned by the information criterion. Terms of `smooth` operators look alike over a record:
-    small equations of them are searched as well, and each is returned without one of its terms
-    besides.
+    The elastic net proposes supports; the survivors and the best equation so far are two more.
+    Each is pruned by the information criterion. Terms of `smooth` operators look alike over a
+    record: then small equations are searched as well, and also returned without one of their terms.
     """
     gram, terms = dictionary.gram, dictionary.terms
     known = {term: j for j, term in enumerate(terms)}

@@ -1,4 +1,4 @@
-"""Fitness of the terms of one generation: how badly each serves, lower is better."""
+"""Fitness of the terms of one generation; lower is better."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["rate"]
 def rate(
     dictionary: Dictionary, front: Sequence[np.ndarray], n_effective: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Fitness of each term, lower is better, and the equation it goes best with.
+    """Return the fitness of each term, and the index of the equation in which it serves best.
 
-    It is the mean square error of the best equation that has the term in it, put as information
-    criterion n log(MSE) + price. Small equations are tried as well as the best one, because a
-    term that says at once what ten others say together adds nothing to the ten.
+    The fitness is the information criterion n log(MSE) + price of the best equation with the term
+    in it, lower is better. Small equations are tried too: a term that replaces ten others adds
+    nothing to an equation that holds the ten.
     """
     gram = dictionary.gram.scaled(dictionary.gram.scale)
     cost = price(dictionary.terms, n_effective)

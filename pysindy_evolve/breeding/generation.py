@@ -1,4 +1,4 @@
-"""What a search is told and what it tells: its settings, its generations, its result."""
+"""The data of a search: settings, one record for each generation, and the result."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Generation:
-    """What one generation found.
+    """The record of one generation: its best equation.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Generation:
     def of(
         cls, dictionary: Dictionary, support: np.ndarray, number: int, start: float
     ) -> Generation:
-        """Record the best equation, a support of a dictionary; the search began at `start`."""
+        """Record the best equation, given as a support; the search began at time `start`."""
         gram = dictionary.gram
         coef = least_squares(gram, support)
         power = max(float(dictionary.y @ dictionary.y), np.finfo(float).tiny)
@@ -80,7 +80,7 @@ class Evolution:
     Parameters
     ----------
     terms : tuple of Product
-        Terms of the equation, found on top of the fixed columns.
+        Terms of the equation, beside the fixed columns.
     coef : tuple of float
         Their coefficients, least squares on all rows, in units of the target per unit of term.
     history : tuple of Generation

@@ -1,8 +1,8 @@
-"""Random terms, crossover and mutation; the only file that knows DEAP.
+"""Random terms, crossover and mutation; the only file that imports DEAP.
 
-Individuals are terms. DEAP sees each as a prefix tree, varies the tree, and what comes back is
-brought to canonical form and split at its sums: every product is an individual of its own, so
-adding never blurs a good term with a bad one. Trees are never compiled or evaluated as text.
+Individuals are terms. DEAP varies each as a prefix tree. The result is brought to canonical form
+and split at its sums: every product is an individual, so an addition never mixes a good term with
+a bad one. Trees are never compiled or evaluated as text.
 """
 
 from __future__ import annotations
@@ -22,10 +22,11 @@ from .prefix import Memo, from_prefix, to_prefix
 
 __all__ = ["Genetics", "is_mask"]
 
-MAX_SPLIT = 6  # a tree that falls into more terms than this is taken for noise
-NODES_PER_LEVEL = 4  # a term of full depth may have four times as many nodes: thin, not bushy
-TOURNAMENT = 3  # as usual in genetic programming: mild pressure
-LINEAR = ("add", "sub", "mul", "neg", "square", "cube", "abs", "sgn")  # numbers mean little here
+MAX_SPLIT = 6  # terms; a tree that splits into more is dropped
+NODES_PER_LEVEL = 4  # nodes that a term may have for each level of `max_depth`
+TOURNAMENT = 3  # terms in a tournament, as usual in genetic programming: mild selection pressure
+# Operators that hardly need inner constants; a search with any other one is called smooth.
+LINEAR = ("add", "sub", "mul", "neg", "square", "cube", "abs", "sgn")
 
 
 class Genetics:
@@ -36,8 +37,8 @@ class Genetics:
     operators : sequence of Operator
         Basis functions.
     scale : ndarray of shape (n_variables,)
-        Typical size of each variable, in its own unit. Numbers are drawn around it and its
-        inverse, which is where x/(c + x) and sin(w x) need them.
+        Typical size of each variable, in its own unit. Inner constants are drawn around it and
+        its inverse, where x/(c + x) and sin(w x) need them.
     max_depth : int
         Height of the tallest tree.
     rng : numpy.random.Generator
@@ -55,7 +56,7 @@ class Genetics:
         self.random = random.Random(int(rng.integers(2**62)))
         self.max_depth = max_depth
         self._operators = {operator.name: operator for operator in operators}
-        self._known = {**BUILTIN, **self._operators}  # and what terms bring along
+        self._known = {**BUILTIN, **self._operators}  # `_tree` adds those of parents
         self._arities = {0, *(operator.arity for operator in operators)}
         self._scale = [float(size) for size in scale]
         self.smooth = any(name not in LINEAR for name in self._operators)
@@ -93,8 +94,8 @@ class Genetics:
         Returns
         -------
         list of Product
-            All different and none of them a parent: a child that says nothing new is mutated, and
-            where that does not help makes way for another, in the end for a random term.
+            All different, none of them a parent. A child that is not new is mutated; if that does
+            not help, another one is bred, and in the end random terms fill up the number.
         """
 
         def child() -> list[Product]:
@@ -114,7 +115,7 @@ class Genetics:
         self, n: int, known: set[Product], make: Callable[[], list[Product]]
     ) -> list[Product]:
         found: list[Product] = []
-        for _ in range(4 * n):  # so that a small space of terms ends the search, not a full one
+        for _ in range(4 * n):  # bounded, as a small space of terms may not hold n new ones
             if len(found) >= n:
                 break
             for term in make():
@@ -141,7 +142,7 @@ class Genetics:
         return self._terms(gp.PrimitiveTree(nodes))
 
     def _crossed(self, one: gp.PrimitiveTree, other: gp.PrimitiveTree) -> gp.PrimitiveTree:
-        """Exchange a subtree; leaves, which DEAP leaves alone, are multiplied instead."""
+        """Exchange a subtree, or join both trees: DEAP cannot cross a tree of one node."""
         if min(len(one), len(other)) < 2 or self.random.random() < 0.5:
             joint = self.random.choice(self._binary) if self._binary else None
             return gp.PrimitiveTree([joint, *one, *other]) if joint else one
@@ -149,7 +150,7 @@ class Genetics:
 
     def _mutated(self, tree: gp.PrimitiveTree) -> gp.PrimitiveTree:
         moves = ["mutUniform", "mutInsert", "mutShrink"]
-        if {node.arity for node in tree} <= self._arities:  # else there is nothing to replace by
+        if {node.arity for node in tree} <= self._arities:  # it needs a substitute for every node
             moves.append("mutNodeReplacement")
         if self.smooth:
             moves += ["number"] * 2
@@ -214,10 +215,10 @@ class Genetics:
 
 
 def _signs_above(part: tuple[float, Product]) -> tuple[float, Product]:
-    """Write q sgn(v) for q/sgn(v): the same wherever both have a value, and it has one at zero."""
+    """Write q sgn(v) for q/sgn(v): equal except at v = 0, where only the product has a value."""
     coefficient, term = part
-    below = any(n < 0 and _is_sign(atom) for atom, n in term.factors)
-    if not below:
+    divides_by_sign = any(n < 0 and _is_sign(atom) for atom, n in term.factors)
+    if not divides_by_sign:
         return part
     factors = tuple((atom, abs(n) if _is_sign(atom) else n) for atom, n in term.factors)
     return coefficient, simplified(factors)
@@ -228,15 +229,15 @@ def _is_sign(atom: Atom) -> bool:
 
 
 def is_mask(factor: tuple[Atom, int]) -> bool:
-    """Tell whether a factor is sgn(v)^2: one everywhere but at zero, it hides single samples."""
+    """Tell whether a factor is sgn(v)^2 or like it: 1 except at v = 0, it hides single samples."""
     atom, n = factor
     return _is_sign(atom) and n % 2 == 0
 
 
 def _is_nested(node: Product | Atom, inside: bool = False) -> bool:
-    """Tell whether a wave or an exponential is in the argument of another.
+    """Tell whether a function in `CURVED` is in the argument of another one.
 
-    Such terms bend to any record without saying anything: sin(sin(q)) is no law of nature.
+    Such terms fit any record and explain nothing: sin(sin(q)) is no law of nature.
     """
     if isinstance(node, Variable):
         return False
@@ -244,24 +245,26 @@ def _is_nested(node: Product | Atom, inside: bool = False) -> bool:
         return any(_is_nested(atom, inside) for atom, _ in node.factors)
     if isinstance(node, Sum):
         return any(_is_nested(term, inside) for _, term in node.parts)
-    bends = node.operator.name in CURVED
-    return (inside and bends) or any(_is_nested(one, inside or bends) for one in node.args)
+    curved = node.operator.name in CURVED
+    return (inside and curved) or any(_is_nested(arg, inside or curved) for arg in node.args)
 
 
 def _deap_drawing_from(source: random.Random) -> dict[str, Any]:
-    """Return DEAP's operators with `source` in the place of the global `random`.
+    """Return copies of DEAP's operators that draw from `source` instead of the global `random`.
 
-    They look `random` up in the globals of their module. Given other globals, they leave the
-    caller's stream alone and two threads do not disturb each other, which lending the global
-    generator a seed could not promise.
+    The operators look `random` up in the globals of their module. With other globals they leave
+    the caller's stream alone, and two threads do not disturb each other; seeding the global
+    generator could not ensure this.
     """
-    space = dict(vars(gp))
+    namespace = dict(vars(gp))
     for name, value in vars(gp).items():
         if isinstance(value, FunctionType) and value.__module__ == gp.__name__:
-            copy = FunctionType(value.__code__, space, name, value.__defaults__, value.__closure__)
-            space[name] = copy
-    space["random"] = source
-    return space
+            copy = FunctionType(
+                value.__code__, namespace, name, value.__defaults__, value.__closure__
+            )
+            namespace[name] = copy
+    namespace["random"] = source
+    return namespace
 
 
 @lru_cache(256)
@@ -282,5 +285,5 @@ def _prefix(term: Product) -> tuple[Operator | Sum, ...]:
     return tuple(to_prefix(term))
 
 
-def _node(one: Operator | Sum) -> gp.Primitive | gp.Terminal:
-    return _primitive(one) if isinstance(one, Operator) else _terminal(one)
+def _node(node: Operator | Sum) -> gp.Primitive | gp.Terminal:
+    return _primitive(node) if isinstance(node, Operator) else _terminal(node)

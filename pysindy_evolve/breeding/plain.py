@@ -1,8 +1,8 @@
-"""The plainest terms that hold a number, which no search should have to wait for.
+"""Simple terms with one inner constant, such as sin(w x) y, for the first generation.
 
-sin(w x) y is one call of one variable times another. A random search may meet sin(x) y, whose
-number is far off and which says nothing then, and products fit nearly as well meanwhile. So all
-such terms are in the first generation, with numbers on a coarse grid.
+A random search may try sin(x) y, which explains nothing because its constant is far off, while
+products fit nearly as well. So the first generation holds all such terms, with constants on a
+coarse grid.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from ..terms import ONE, Product, Sum, add, call, constant, div, mul, variable
 
 __all__ = ["plain_terms", "sizes"]
 
-GRID = (0.5, 1.0, 2.0, 4.0)  # argument of a function at the typical size of a variable
-MOST = 400  # of many variables and functions, so that one generation does not take as long as ten
-FEW = 80  # where all rows are used, and each term takes up as much memory as all of them
+GRID = (0.5, 1.0, 2.0, 4.0)  # argument of the function where the variable is at its RMS
+MOST = 400  # terms; more would make the first generation as slow as ten others
+FEW = 80  # terms where each generation uses all rows, so that every column is as long as the record
 
 
 def plain_terms(
@@ -31,50 +31,50 @@ def plain_terms(
     operators : sequence of Operator
         Basis functions of the search; without ``mul`` there are no products.
     x : ndarray of shape (n, n_variables)
-        Variables. Of those that change their sign there are no reciprocals.
+        Variables. Reciprocals are made only of those that keep their sign.
     few : bool
-        Whether one place of the grid must do, which tuning leaves, and not all products are needed.
+        Use one point of the grid, from which tuning starts, and at most `FEW` terms.
 
     Returns
     -------
     list of Product
-        Empty where no function takes one argument, and none divides.
+        Empty without operators of one argument and without ``add`` and ``div``.
     """
     variables = [variable(i) for i in range(x.shape[1])]
     places = GRID[1:2] if few else GRID
     calls = [*_calls(operators, x, places), *_reciprocals(operators, x, places)]
-    multiplied = any(one.name == "mul" for one in operators)
-    products = [mul(one, v) for one in calls for v in variables] if multiplied else []
+    has_mul = any(one.name == "mul" for one in operators)
+    products = [mul(one, v) for one in calls for v in variables] if has_mul else []
     terms = dict.fromkeys(term for one in [*calls, *products] for _, term in one.parts)
     return [term for term in terms if term != ONE][: FEW if few else MOST]
 
 
 def _calls(operators: Sequence[Operator], x: np.ndarray, places: Sequence[float]) -> list[Sum]:
-    unary = [one for one in operators if one.arity == 1]
+    unary = [operator for operator in operators if operator.arity == 1]
     arguments = [
         mul(constant(sign * place / size), variable(i))
         for i, size in enumerate(sizes(x))
         for place in places
         for sign in (1.0, -1.0)
     ]
-    return [call(one, argument) for one in unary for argument in arguments]
+    return [call(operator, argument) for operator in unary for argument in arguments]
 
 
 def _reciprocals(
     operators: Sequence[Operator], x: np.ndarray, places: Sequence[float]
 ) -> list[Sum]:
-    if not {"add", "div"} <= {one.name for one in operators}:
+    if not {"add", "div"} <= {operator.name for operator in operators}:
         return []
-    one_way = np.all(x > 0.0, axis=0) - 1.0 * np.all(x < 0.0, axis=0)
+    signs = np.all(x > 0.0, axis=0) - 1.0 * np.all(x < 0.0, axis=0)
     return [
-        div(constant(1.0), add(constant(float(way) * place * size), variable(i)))
-        for i, (size, way) in enumerate(zip(sizes(x), one_way, strict=True))
+        div(constant(1.0), add(constant(float(sign) * place * size), variable(i)))
+        for i, (size, sign) in enumerate(zip(sizes(x), signs, strict=True))
         for place in places
-        if way
+        if sign
     ]
 
 
 def sizes(x: np.ndarray) -> list[float]:
-    """Return the RMS of each variable, one where it is zero."""
+    """Return the RMS of each variable, 1 where it is zero."""
     size = np.sqrt(np.mean(x**2, axis=0))
     return np.where(size > 0.0, size, 1.0).tolist()

@@ -1,9 +1,8 @@
-"""When a search has ended: it has brought nothing new for long, or there is nothing left to find.
+"""When a search may stop: it stagnates, or its residual is only noise.
 
-How long a search may stagnate is `patience`. It need not wait that long where the residual of its
-equation is noise as far as anybody can see without knowing an equation: where rows with almost the
-same variables have residuals that do not know of each other. The test costs one search for
-neighbors, on a sample, whatever the number of rows is.
+A search stops after `patience` generations without a new term. It stops sooner where the residual
+is noise by a test that needs no equation: rows with almost equal variables have unrelated
+residuals. The test costs one search for nearest neighbors on a sample, whatever the number of rows.
 
 References
 ----------
@@ -25,16 +24,16 @@ from .dictionary import Problem
 
 __all__ = ["Plateau", "likeness"]
 
-PATIENCE_IF_DONE = 2  # generations: what leaves nothing, or noise, may be said in a shorter way
-ROWS = 10_000  # with ten neighbors each, one percent of the residual's power shows at two sigma
-SHARP = 0.005  # largest standard error of a test that may end a search; few rows cannot judge
+PATIENCE_IF_DONE = 2  # generations to wait for a shorter form once only noise or rounding is left
+ROWS = 10_000  # with ten neighbors each, 1 % of the residual's power is two standard errors
+SHARP = 0.005  # largest standard error of the test; too few rows give a larger one
 N_NEIGHBORS = 10
-CLOSE = 0.9  # likeness of the equation's own values without which neighbors are too far to judge
-CHANCE = 2.0  # standard errors
+CLOSE = 0.9  # least likeness of the fitted values; below it, neighbors are too far apart to judge
+CHANCE = 2.0  # standard errors; a residual of no larger likeness is taken for noise
 
 
 class _Found(Protocol):
-    """What is asked of a generation."""
+    """The attributes of a generation that `Plateau` reads."""
 
     @property
     def terms(self) -> tuple[Product, ...]: ...
@@ -61,13 +60,13 @@ class Plateau:
         self._judged: dict[frozenset[Product], bool] = {}
 
     def reached(self, generation: _Found) -> bool:
-        """Take note of a generation and tell whether it is the last.
+        """Record a generation and tell whether the search ends with it.
 
         Notes
         -----
-        What counts is a term that no best equation had before: an equation that comes and goes
-        from sample to sample is no news. A perfect equation of one variable ends the search at
-        once, as nothing is shorter.
+        A term is new if no best equation held it before, with any inner constants: an equation
+        that comes and goes from sample to sample is not new. A perfect equation of one variable
+        ends the search at once, as nothing is shorter.
         """
         shapes = frozenset(term.skeleton for term in generation.terms)
         self._stale = self._stale + 1 if shapes <= self._seen else 0
@@ -81,15 +80,15 @@ class Plateau:
 
     def _leaves_noise(self, generation: _Found, shapes: frozenset[Product]) -> bool:
         if self.problem.project is not None:
-            return False  # projected rows have no variables of their own
+            return False  # a projected row mixes many samples, so it has no neighbors
         if shapes not in self._judged:
             sample, neighbors = self._sample
             theta, y = sample.regression(generation.terms)
             basis = np.linalg.qr(theta)[0]
             fitted = basis @ (basis.T @ y)
-            close, _ = likeness(fitted - fitted.mean(), neighbors)
-            left, error = likeness(y - fitted, neighbors)
-            self._judged[shapes] = close >= CLOSE and error <= SHARP and left <= CHANCE * error
+            of_fit, _ = likeness(fitted - fitted.mean(), neighbors)
+            of_rest, error = likeness(y - fitted, neighbors)
+            self._judged[shapes] = of_fit >= CLOSE and error <= SHARP and of_rest <= CHANCE * error
         return self._judged[shapes]
 
     @cached_property
@@ -115,16 +114,16 @@ def likeness(values: np.ndarray, neighbors: np.ndarray) -> tuple[float, float]:
     Returns
     -------
     share : float
-        Share of the signal's power that is a function of where the row lies: one if neighbors are
-        equal, about zero for noise (dimensionless).
+        Share of the signal's power that neighbors have in common: 1 if they are equal, about 0
+        for noise (dimensionless).
     error : float
-        Standard error of the share if the signal is noise, of the same size everywhere or not.
+        Standard error of the share if the signal is noise, whose size may vary from row to row.
     """
     power = float(values @ values)
     if power == 0.0:
         return 0.0, 0.0
     near = values[neighbors]
     share = float(values @ near.mean(axis=1)) / power
-    # A pair that are neighbors of each other counts twice, hence the two.
+    # A pair of mutual neighbors counts twice, hence the factor 2.
     error = np.sqrt(2.0 * float(np.square(values) @ np.square(near).sum(axis=1)))
     return share, error / (neighbors.shape[1] * power)

@@ -1,4 +1,4 @@
-"""Terms that are infinite somewhere between the samples: what is below the line crosses zero."""
+"""Terms that become infinite between two samples: their denominator crosses zero."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from ..terms import Atom, Call, Sum
 
 __all__ = ["AWAY", "has_pole", "is_away", "keeps_sign"]
 
-AWAY = 0.1  # of its largest magnitude, by which what is below the line keeps away from zero
+AWAY = 0.1  # least magnitude of a denominator, as a share of its largest magnitude
 
 
 def is_away(column: np.ndarray) -> bool:
-    """Tell whether a column keeps its sign, and its distance from zero."""
+    """Tell whether a column keeps its sign and stays away from zero."""
     least, largest = float(column.min()), float(column.max())
     near, far = sorted((abs(least), abs(largest)))
     return least * largest > 0.0 and near > AWAY * far
 
 
 def keeps_sign(column: np.ndarray) -> bool:
-    """Tell whether a column does not cross zero; it may begin there."""
+    """Tell whether a column does not cross zero; it may touch it."""
     return bool(column.min() * column.max() >= 0.0)
 
 
 def has_pole(
     expression: Sum, rows: np.ndarray, may_divide: Callable[[np.ndarray], bool] = is_away
 ) -> bool:
-    """Tell whether a term divides by what crosses zero, or comes close.
+    """Tell whether a denominator within an expression crosses zero, or comes close.
 
-    Its few values near the pole would say whatever the noise there says. A sum of squares never
-    crosses it, so that 1 / (c^2 + v^2) is smooth: the length that it is the square of counts.
+    The few values near a pole would only fit the noise there. A sum of squares never crosses zero,
+    as in 1 / (c^2 + v^2), so its square root is tested instead.
 
     Parameters
     ----------
@@ -40,13 +40,13 @@ def has_pole(
     rows : ndarray of shape (n, n_variables + 1)
         Variables of a record.
     may_divide : callable
-        Tells whether a column may be divided by.
+        Tells whether a column may be a denominator.
 
     Returns
     -------
     bool
     """
-    with np.errstate(all="ignore"):  # what has no value is not away from zero either
+    with np.errstate(all="ignore"):  # a column with NaN may not divide
         return any(
             (exponent < 0 and not may_divide(_length(atom, rows)))
             or _holds_pole(atom, rows, may_divide)
@@ -56,7 +56,7 @@ def has_pole(
 
 
 def _length(atom: Atom, rows: np.ndarray) -> np.ndarray:
-    """Return the values of what is below the line; of a sum of squares, its root."""
+    """Return the values of a denominator; of a sum of squares, its root."""
     values = atom.evaluate(rows)
     parts = atom.parts if isinstance(atom, Sum) else ()
     squares = [c > 0.0 and all(n % 2 == 0 for _, n in term.factors) for c, term in parts]

@@ -1,4 +1,4 @@
-"""Terms as prefix trees and back: what crossover and mutation cut and join.
+"""Converts terms to prefix trees, which crossover and mutation cut and join, and back.
 
 In prefix order an operator comes before its arguments: q sgn(v) is mul, q, sgn, v. A node is an
 operator, or a leaf: a sum that is one variable or one number.
@@ -21,7 +21,7 @@ ADD, MUL, DIV = (BUILTIN[name] for name in ("add", "mul", "div"))
 
 
 def to_prefix(term: Product) -> list[Node]:
-    """Write a term as a prefix tree, in any operators: the canonical form has its own.
+    """Write a term as a prefix tree, with mul, div and add even if the search lacks them.
 
     Parameters
     ----------
@@ -33,10 +33,10 @@ def to_prefix(term: Product) -> list[Node]:
     list of Operator or Sum
         Operators, each before its arguments, and leaves.
     """
-    above = [node for atom, n in term.factors for node in [_of_atom(atom)] * max(n, 0)]
-    below = [node for atom, n in term.factors for node in [_of_atom(atom)] * max(-n, 0)]
-    top: list[Node] = _joined(MUL, above) if above else [constant(1.0)]
-    return [DIV, *top, *_joined(MUL, below)] if below else top
+    numerator = [node for atom, n in term.factors for node in [_of_atom(atom)] * max(n, 0)]
+    denominator = [node for atom, n in term.factors for node in [_of_atom(atom)] * max(-n, 0)]
+    top: list[Node] = _joined(MUL, numerator) if numerator else [constant(1.0)]
+    return [DIV, *top, *_joined(MUL, denominator)] if denominator else top
 
 
 def from_prefix(nodes: Sequence[Node], memo: Memo) -> Sum:
@@ -52,7 +52,7 @@ def from_prefix(nodes: Sequence[Node], memo: Memo) -> Sum:
     Returns
     -------
     Sum
-        The terms that the tree falls into at its sums, with their coefficients.
+        The terms of the tree with their coefficients.
     """
     stack: list[Sum] = []
     for node in reversed(nodes):
@@ -71,7 +71,7 @@ def _of_atom(atom: Atom) -> list[Node]:
     if isinstance(atom, Variable):
         return [variable(atom.index)]
     if isinstance(atom, Call):
-        return [atom.operator, *(node for one in atom.args for node in _of_sum(one))]
+        return [atom.operator, *(node for argument in atom.args for node in _of_sum(argument))]
     return _of_sum(atom)
 
 

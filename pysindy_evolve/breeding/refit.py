@@ -46,20 +46,20 @@ def refit(
     max_terms : int
         Most terms to keep.
     perfect : bool
-        The equation left nothing on a sample: if it leaves nothing on all rows either, no other
-        term is weighed.
+        Whether the equation so far left nothing on a sample. If it leaves nothing on all rows
+        either, no other term is tried.
 
     Returns
     -------
     terms : tuple of Product
-        Those that pay their price on all rows, have the same coefficient all along the record,
-        and are larger than the error of a derivative and than what noise in the variables does.
+        Terms that pay their price on all rows, keep their coefficient all along the record, and
+        explain more than the error of a derivative and the noise in the variables do.
     coef : tuple of float
         Their coefficients by least squares, in units of the target per unit of the term.
     """
     best = _tuned_together(problem, finalists[:n_best])
-    is_all = perfect and _leaves_nothing(problem, best)
-    terms = [*best, *([] if is_all else finalists[n_best:])]
+    is_complete = perfect and _leaves_nothing(problem, best)
+    terms = [*best, *([] if is_complete else finalists[n_best:])]
     terms = [term for term, ok in zip(terms, problem.has_values(terms), strict=True) if ok]
     terms = [term for term in terms if not has_pole(of_term(term), problem.x, keeps_sign)]
     terms, whole, folds, scale = _grams(problem, terms)
@@ -97,7 +97,7 @@ def _equation(
 def _grams(
     problem: Problem, terms: Sequence[Product]
 ) -> tuple[list[Product], Gram, list[Gram], np.ndarray]:
-    """Return finite terms, the Gram matrix of all rows, those without one block each, and scale.
+    """Return the finite terms, the Gram matrices of all rows and of all but each block, and scale.
 
     Columns have unit RMS on all rows, and the fixed columns are projected out.
     """
@@ -109,7 +109,7 @@ def _grams(
     columns = np.r_[np.arange(n_fixed), n_fixed + finite]
     whole, blocks = whole.select(columns), [block.select(columns) for block in blocks]
     scale = whole.scale
-    held_out = blocks if n_blocks > 3 else []  # fewer parts cannot disagree
+    held_out = blocks if n_blocks > 3 else []  # else too few to see scatter
     folds = [(whole - block).scaled(scale).without(n_fixed) for block in held_out]
     kept = [terms[int(j)] for j in finite]
     return kept, whole.scaled(scale).without(n_fixed), folds, scale[n_fixed:]
@@ -117,19 +117,19 @@ def _grams(
 
 def _leaves_nothing(problem: Problem, terms: Sequence[Product]) -> bool:
     (whole,) = problem.blocks(terms, 1)
-    left = whole.without(problem.fixed.shape[1])
-    coef = least_squares(left, np.arange(len(left.xy)))
-    return rss(left, coef) <= parsimony.PERFECT * whole.yy
+    projected = whole.without(problem.fixed.shape[1])
+    coef = least_squares(projected, np.arange(len(projected.xy)))
+    return rss(projected, coef) <= parsimony.PERFECT * whole.yy
 
 
 def _residual(problem: Problem, terms: Sequence[Product], coef: Sequence[float]) -> np.ndarray:
-    """Return what the terms with their coefficients, and the fixed columns, leave of the target."""
+    """Return the residual of an equation, fixed columns included."""
     if problem.project is not None:
         theta, y = problem.regression(terms)
         basis = np.linalg.qr(theta)[0]
         return y - basis @ (basis.T @ y)
     weights = np.asarray(coef)
-    if problem.fixed.shape[1]:  # their coefficients were projected out
+    if problem.fixed.shape[1]:  # coef leaves them out: solve for all
         (whole,) = problem.blocks(terms, 1)
         weights = least_squares(whole, np.arange(len(whole.xy)))
     return residual(lambda rows: problem.theta(terms, rows), problem.target, weights)

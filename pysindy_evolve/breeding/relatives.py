@@ -1,8 +1,8 @@
-"""Products that a term with a sum inside may stand for.
+"""Simple products that may replace a term with a sum inside.
 
-1/(q + sgn(v)) is sgn(v) - q + q^2 sgn(v) where q is small, so beside sgn(v) and q it fits as well
-as q^2 sgn(v), and leaves that term nothing to be bred from. Where an equation holds such a term,
-the products of what it is made of are offered beside it, and the cheaper one stays.
+For small q, 1/(q + sgn(v)) is about sgn(v) - q + q^2 sgn(v). So beside sgn(v) and q it fits as
+well as q^2 sgn(v), which the search then has no reason to breed. Where an equation holds a term
+with a sum inside, the products of its atoms are offered too, and the cheaper term stays.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from .genetics import is_mask
 
 __all__ = ["relatives"]
 
-DEGREE = 3  # as many atoms in one product as a friction law or a cubic spring has
-MOST_ATOMS = 6  # 83 products; an equation of more has not settled yet
+DEGREE = 3  # atoms in a product, as in q^2 sgn(v) or in a cubic spring
+MOST_ATOMS = 6  # they make 83 products; an equation with more atoms has not settled yet
 
 
 def relatives(equation: Sequence[Product], operators: Sequence[Operator]) -> list[Product]:
@@ -33,21 +33,21 @@ def relatives(equation: Sequence[Product], operators: Sequence[Operator]) -> lis
     Returns
     -------
     list of Product
-        Products of up to three variables and calls of one variable; empty for an equation of
-        plain products, so it costs nothing where it is of no use.
+        Products of up to three variables and calls of one variable; empty if no term of the
+        equation has a sum inside.
     """
     if not any(operator.name == "mul" for operator in operators):
         return []
     if not any(_has_sum(term) for term in equation):
         return []
-    atoms = list(dict.fromkeys(atom for term in equation for atom in _simple(term)))
+    atoms = list(dict.fromkeys(atom for term in equation for atom in _simple_atoms(term)))
     found: dict[Product, None] = {}
     for degree in range(1, DEGREE + 1):
         for chosen in combinations_with_replacement(atoms[:MOST_ATOMS], degree):
             product = constant(1.0)
             for atom in chosen:
                 product = mul(product, as_sum(atom))
-            found.update((term, None) for _, term in product.parts if not _says_nothing(term))
+            found.update((term, None) for _, term in product.parts if not _is_trivial(term))
     return list(found)
 
 
@@ -59,14 +59,14 @@ def _has_sum(term: Product) -> bool:
     )
 
 
-def _simple(term: Product) -> Iterator[Atom]:
-    """Walk the variables and the calls of one variable; sgn(q + v) holds sgn(q) and sgn(v)."""
+def _simple_atoms(term: Product) -> Iterator[Atom]:
+    """Yield variables and calls of one variable; sgn(q + v) yields q, v, sgn(q) and sgn(v)."""
     for atom, _ in term.factors:
         if isinstance(atom, Variable) or (isinstance(atom, Call) and _of_variables(atom)):
             yield atom
             continue
         sums = atom.args if isinstance(atom, Call) else (atom,)
-        inner = [a for one in sums for _, part in one.parts for a in _simple(part)]
+        inner = [a for total in sums for _, part in total.parts for a in _simple_atoms(part)]
         yield from inner
         if isinstance(atom, Call) and atom.operator.arity == 1:
             yield from (Call(atom.operator, (as_sum(a),)) for a in inner if isinstance(a, Variable))
@@ -83,6 +83,6 @@ def _is_variable(argument: Sum) -> bool:
     return len(factors) == 1 and factors[0][1] == 1 and isinstance(factors[0][0], Variable)
 
 
-def _says_nothing(term: Product) -> bool:
-    """Tell whether it is one, or has a factor that is one but at zero."""
+def _is_trivial(term: Product) -> bool:
+    """Tell whether a term is 1, or has a factor that is 1 except at zero."""
     return term == ONE or any(map(is_mask, term.factors))

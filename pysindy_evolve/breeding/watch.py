@@ -1,4 +1,4 @@
-"""Follow a search: a progress bar, an end where nothing comes any more, an interruption."""
+"""Run a search with a progress bar until it stagnates, completes or is interrupted."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ def watch(
     progress: bool,
     keep_if_interrupted: bool,
 ) -> tuple[tuple[Generation, ...], tuple[Product, ...], bool]:
-    """Go through the generations of a search.
+    """Run the generations of a search.
 
     Parameters
     ----------
     search : iterable of (Generation, tuple of Product)
-        The generations, each with the terms to weigh if it is the last.
+        The generations, each with the finalists if it is the last.
     plateau : Plateau
-        Tells which one is the last.
+        Tells when to stop.
     n_generations : int
-        Most generations that there will be.
+        Largest number of generations, for the progress bar.
     progress : bool
         Whether to show a progress bar.
     keep_if_interrupted : bool
-        Whether Ctrl-C ends the search with what there is, or is passed on.
+        Whether Ctrl-C ends the search with the best equation so far; otherwise it is raised.
 
     Returns
     -------
     history : tuple of Generation
-        All generations.
+        All generations that ran.
     finalists : tuple of Product
-        The terms to weigh.
+        The terms to weigh against each other on all rows.
     interrupted : bool
         Whether Ctrl-C ended the search.
     """

@@ -1,8 +1,8 @@
-"""The command line: a demonstration, equations from a CSV, a declared model corrected by one.
+"""The command line: a demonstration, equations from a CSV file, a declared model corrected by one.
 
-The command `paper` makes the tables and figures of the paper again.
+The command `paper` reproduces the tables and figures of the paper.
 
-An error in what was given ends with exit code 2 and one line on stderr, an interrupt with 130.
+Wrong arguments or files end with exit code 2 and one line on stderr, an interrupt with 130.
 Results go to stdout, progress and warnings to stderr.
 
 ================  ========================================================
@@ -45,12 +45,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        What follows the name of the program; by default what was typed.
+        Arguments after the name of the program; by default those of the process.
 
     Returns
     -------
     int
-        Exit code: 0; 2 after an error in what was given; 130 after an interrupt.
+        Exit code: 0; 2 after an error in arguments or files; 130 after an interrupt.
     """
     commands = {"demo": demo, "fit": fit, "loop": loop, "paper": paper}
     given = make_parser(commands).parse_args(arguments)
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except KeyboardInterrupt:
             complain(f"{PROGRAM}: interrupted; nothing was found yet, or not written yet.")
             return INTERRUPTED
-        except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        except BrokenPipeError:  # the reader of the pipe, such as `head`, has ended
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
         except (OSError, ValueError, TypeError, ImportError) as error:

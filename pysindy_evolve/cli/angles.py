@@ -1,4 +1,4 @@
-"""Angles that start again after a turn, and go on once they are unwrapped."""
+"""Unwraps angles that jump back after a full turn."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["check_angles", "unwrapped"]
 
 
 def check_angles(turns: Sequence[tuple[str, float]], known: Sequence[str]) -> None:
-    """Raise where an angle to unwrap is no column that is read, or is given twice."""
+    """Raise if an angle to unwrap is not among the columns, or is given twice."""
     angles = [angle for angle, _ in turns]
     for angle in angles:
         if angle not in known:
@@ -29,7 +29,7 @@ def check_angles(turns: Sequence[tuple[str, float]], known: Sequence[str]) -> No
 
 
 def unwrapped(column: Array, angle: str, turn: float) -> Array:
-    """Return an angle that goes on where the column starts again after a turn."""
+    """Return a column without its jumps after each turn; raise if its range exceeds a turn."""
     low, high = float(column.min()), float(column.max())
     if high - low > (1.0 + BEYOND) * turn:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""The commands. Each returns whether it came to its end; False says that it was interrupted."""
+"""The commands. Each returns True if it completed, False if it was interrupted."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def fit(given: Namespace) -> bool:
 
 
 def loop(given: Namespace) -> bool:
-    """Correct a declared model by what files hold."""
+    """Correct a declared model by the records in files."""
     sides = dict(given.equation)
     if len(sides) != len(given.equation):
         raise ValueError(
@@ -130,5 +130,5 @@ def loop(given: Namespace) -> bool:
 
 
 def _finished(report: LoopReport, max_effects: int) -> bool:
-    """Tell whether the search was left alone; the most effects allowed is an end, too."""
+    """Tell whether the search completed; reaching `max_effects` counts as well."""
     return report.finished or len(report.effects) >= max_effects

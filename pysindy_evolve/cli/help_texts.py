@@ -1,4 +1,4 @@
-"""What --help says of each command, with examples to copy."""
+"""The text that --help prints for each command, with examples to copy."""
 
 from __future__ import annotations
 

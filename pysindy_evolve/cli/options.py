@@ -1,4 +1,4 @@
-"""What can be typed: the flags of each command, their checks and what they mean."""
+"""The flags of each command, with their checks and their help."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LANGUAGES = ("python", "c", "matlab", "julia", "modelica")
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says in one line what is wrong."""
+    """A parser that reports an error in one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: error: {message}. See {self.prog} --help.\n")
@@ -32,12 +32,12 @@ Command = Callable[[argparse.Namespace], bool]
 
 
 def make_parser(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
-    """Return the parser; what it returns holds the command to call as `run`.
+    """Return the parser; the namespace it returns holds the function to call as `run`.
 
     Parameters
     ----------
     commands : mapping of str to callable
-        What to call for demo, fit, loop and paper.
+        Functions of the commands demo, fit, loop and paper.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def make_parser(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
         ),
     }
     for name, (short, long, epilog) in texts.items():
-        one = added.add_parser(
+        subparser = added.add_parser(
             name,
             help=short,
             description=long or f"{short[0].upper()}{short[1:]}.",
@@ -66,13 +66,15 @@ def make_parser(commands: Mapping[str, Command]) -> argparse.ArgumentParser:
             formatter_class=plain,
             allow_abbrev=False,
         )
-        one.set_defaults(run=commands[name])
-        _OPTIONS[name](one)
-        one.add_argument(
+        subparser.set_defaults(run=commands[name])
+        _OPTIONS[name](subparser)
+        subparser.add_argument(
             "--seed", type=count(0), default=0, metavar="N", help="same seed, same result (0)"
         )
-        one.add_argument("--quiet", action="store_true", help="show no progress bar")
-        one.add_argument("--traceback", action="store_true", help="say where an error came from")
+        subparser.add_argument("--quiet", action="store_true", help="show no progress bar")
+        subparser.add_argument(
+            "--traceback", action="store_true", help="say where an error came from"
+        )
     return parser
 
 
@@ -143,7 +145,7 @@ def _add_loop(parser: argparse.ArgumentParser) -> None:
         metavar="q,...",
         help="columns of positions, to be differentiated; without it every state is a column",
     )
-    parser.set_defaults(states={})  # those of the equations
+    parser.set_defaults(states={})  # they are taken from the equations
     parser.add_argument("--report", type=folder, metavar="FOLDER", help="save report and picture")
     search = parser.add_argument_group("search")
     for name, kind, default, text in (
@@ -194,7 +196,7 @@ def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
 
 
 def _add_preparation(columns: argparse._ArgumentGroup) -> None:
-    """Add how records are filtered and thinned out, and how inputs go on between samples."""
+    """Add the options to filter and decimate records, and to hold inputs between samples."""
     columns.add_argument(
         "--cutoff",
         type=cutoff,
@@ -216,7 +218,7 @@ def _add_preparation(columns: argparse._ArgumentGroup) -> None:
 
 
 def _add_format(columns: argparse._ArgumentGroup) -> None:
-    """Add how the numbers of a file are written, and angles that start again."""
+    """Add the options for the format of a file and for angles that jump back after a turn."""
     columns.add_argument(
         "--delimiter",
         default=",",

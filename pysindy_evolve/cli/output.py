@@ -1,4 +1,4 @@
-"""What the commands print and save."""
+"""The output of the commands, on the terminal and in files."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from ..signals import Record
 
 __all__ = ["complain", "print_code", "print_errors", "progress", "save", "say"]
 
-POOR = 50.0  # percent; a noisy derivative alone, or a chaotic free run alone, condemns nothing
+POOR = 50.0  # % NRMSE; both errors must exceed it, as one may be noise, the other chaos
 
 
 def say(text: object = "") -> None:
-    """Write to stdout at once, so that it stands in order with what goes to stderr."""
+    """Write to stdout without buffering, to keep the order with stderr."""
     sys.stdout.write(f"{text}\n")
     sys.stdout.flush()
 
@@ -34,7 +34,7 @@ def complain(text: str) -> None:
 
 
 def progress(given: Namespace) -> bool:
-    """Tell whether somebody watches."""
+    """Tell whether to show progress bars: on a terminal and without --quiet."""
     return sys.stderr.isatty() and not given.quiet
 
 
@@ -49,7 +49,7 @@ def print_errors(equations: Equations, records: Sequence[Record]) -> None:
     rows = zip(equations.states, derivative, simulation, strict=True)
     for state, *errors in rows:
         say(f"    {state:<8}" + "".join(f"{percent_cell(value):>16}" for value in errors))
-    if not np.max(derivative) <= POOR and not np.max(simulation) <= POOR:  # so too for NaN
+    if not np.max(derivative) <= POOR and not np.max(simulation) <= POOR:  # true for NaN, too
         say(
             "\nThese equations do not predict what they were not fitted on: do not trust them. A "
             "longer record,\nother --operators or a smaller --max-terms may help; so does a model "
@@ -58,7 +58,7 @@ def print_errors(equations: Equations, records: Sequence[Record]) -> None:
 
 
 def print_code(model: Any, given: Namespace) -> None:
-    """Print the model in the languages that were asked for."""
+    """Print the model as LaTeX and as code, if asked for."""
     if given.latex:
         say(f"\n{to_latex(model)}")
     if given.code:
@@ -66,7 +66,7 @@ def print_code(model: Any, given: Namespace) -> None:
 
 
 def save(report: LoopReport, folder: Path) -> None:
-    """Write the report and, where matplotlib is there, its picture."""
+    """Write the report and, if matplotlib is installed, its picture."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "report.txt").write_text(f"{report}\n", encoding="utf-8")
     say(f"Saved the report: {folder / 'report.txt'}")

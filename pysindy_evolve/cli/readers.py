@@ -1,4 +1,4 @@
-"""Readers of what follows a flag; what they refuse, argparse reports with the name of the flag."""
+"""Readers that convert the text after a flag; argparse reports their errors with the flag."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = [
 
 
 def names(text: str) -> tuple[str, ...]:
-    """Read different names with commas between."""
+    """Read different names, separated by commas."""
     found = tuple(name.strip() for name in text.split(","))
     if not all(found) or len(set(found)) < len(found):
         raise argparse.ArgumentTypeError(f"must be different names with commas; got {text!r}")
@@ -30,15 +30,15 @@ def names(text: str) -> tuple[str, ...]:
 
 
 def columns(text: str) -> dict[str, str]:
-    """Read names with commas between, each a column or, as in ``q=Position [mm]``, one for it."""
+    """Read names, separated by commas; ``q=Position [mm]`` gives a column the name q."""
     parts = [part.partition("=") for part in text.split(",")]
     found = names(",".join(name for name, _, _ in parts))
-    held = (column.strip() if sign else name.strip() for name, sign, column in parts)
-    return dict(zip(found, held, strict=True))
+    in_file = (column.strip() if sign else name.strip() for name, sign, column in parts)
+    return dict(zip(found, in_file, strict=True))
 
 
 def choices(known: Sequence[str]) -> Callable[[str], tuple[str, ...]]:
-    """Return a reader of names with commas between, each of them known."""
+    """Return a reader of known names, separated by commas."""
 
     def read(text: str) -> tuple[str, ...]:
         found = names(text)
@@ -67,11 +67,11 @@ def pair(flag: str, example: str) -> Callable[[str], tuple[str, str]]:
 
 
 def pairs(flag: str, example: str) -> Callable[[str], tuple[tuple[str, str], ...]]:
-    """Return a reader of ``name = text`` pairs with commas between."""
-    one = pair(flag, example)
+    """Return a reader of ``name = text`` pairs, separated by commas."""
+    read_pair = pair(flag, example)
 
     def read(text: str) -> tuple[tuple[str, str], ...]:
-        found = tuple(one(part) for part in text.split(","))
+        found = tuple(read_pair(part) for part in text.split(","))
         if len(dict(found)) < len(found):
             raise argparse.ArgumentTypeError(f"must name each of them once; got {text!r}")
         return found
@@ -80,7 +80,7 @@ def pairs(flag: str, example: str) -> Callable[[str], tuple[tuple[str, str], ...
 
 
 def constants(text: str) -> tuple[tuple[str, float], ...]:
-    """Read ``name=number`` pairs with commas between."""
+    """Read ``name=number`` pairs, separated by commas."""
     found = pairs("--known", "m=1.2,g=9.81")(text)
     try:
         return tuple((name, float(value)) for name, value in found)
@@ -89,7 +89,7 @@ def constants(text: str) -> tuple[tuple[str, float], ...]:
 
 
 def turn(text: str) -> tuple[str, float]:
-    """Read ``name=number``, an angle and the size of a whole turn of it."""
+    """Read ``name=number``: an angle and the size of its full turn."""
     name, value = pair("--unwrap", "phi=360")(text)
     try:
         size = float(value)
@@ -114,16 +114,16 @@ def cutoff(text: str) -> str | float | None:
 
 
 def folder(text: str) -> Path:
-    """Read the name of a folder, which may not be there yet."""
+    """Read the name of a folder, which need not exist yet."""
     path = Path(text)
-    taken = next((one for one in (path, *path.parents) if one.is_file()), None)
+    taken = next((parent for parent in (path, *path.parents) if parent.is_file()), None)
     if taken is not None:
         raise argparse.ArgumentTypeError(f"must be a folder; got the file {str(taken)!r}")
     return path
 
 
 def count(least: int) -> Callable[[str], int]:
-    """Return a reader of integers."""
+    """Return a reader of integers of at least `least`."""
 
     def read(text: str) -> int:
         if not text.isdecimal() or int(text) < least:

@@ -1,4 +1,4 @@
-"""From named columns of files to records."""
+"""Records from named columns of CSV files."""
 
 from __future__ import annotations
 
@@ -25,10 +25,9 @@ def derived_names(positions: Sequence[str], order: int) -> tuple[str, ...]:
 
 
 def check_names(given: Namespace) -> None:
-    """Raise where an option names a column that the first file does not have.
+    """Raise if an option names a column that the first file does not have.
 
-    A misspelled input would else be taken for a free parameter of the model, and the model be
-    blamed for it.
+    Otherwise the error on a misspelled input would point at the model instead of the option.
     """
     held = column_names(given.files[0], given.delimiter)
     options = {"--time": [given.time]}
@@ -70,7 +69,7 @@ def read_split(given: Namespace, states: Sequence[str]) -> tuple[list[Record], l
 
 
 def read_all(given: Namespace, paths: Iterable[Path], states: Iterable[str]) -> list[Record]:
-    """Read files; what is not measured is derived, and everything filtered alike."""
+    """Read files, derive the states that were not measured, and filter all columns alike."""
     names = tuple(states)
     unknown = [state for state, _ in given.target if state not in names]
     if unknown:
@@ -86,8 +85,8 @@ def _read(
     path: Path, given: Namespace, states: tuple[str, ...], measured: Mapping[str, str]
 ) -> Record:
     targets, inputs = dict(given.target), tuple(given.inputs) or None
-    held = [*measured.values(), *given.inputs.values(), *targets.values()]
-    wanted = dict.fromkeys([given.time, *held])
+    signals = [*measured.values(), *given.inputs.values(), *targets.values()]
+    wanted = dict.fromkeys([given.time, *signals])
     form = given.delimiter, given.decimal
     columns = read_csv(path, list(wanted), *form, drop_empty=given.drop_empty)
     for angle, turn in given.unwrap:
@@ -95,9 +94,9 @@ def _read(
         columns[column] = unwrapped(columns[column], angle, turn)
     t, y = columns[given.time], np.column_stack([columns[name] for name in measured.values()])
     u = np.column_stack([columns[name] for name in given.inputs.values()]) if inputs else None
-    as_it_is = given.cutoff == "auto" and not given.decimate and not given.held
-    if as_it_is and set(targets) == set(states) == set(measured):
-        # Everything was measured: there is nothing to derive, so nothing to filter for.
+    no_filter = given.cutoff == "auto" and not given.decimate and not given.held
+    if no_filter and set(targets) == set(states) == set(measured):
+        # Everything was measured, so nothing is differentiated and no filter is needed.
         x_dot = np.column_stack([columns[targets[state]] for state in states])
         return Record(t, y, x_dot, u, states=states, inputs=inputs)
     settings = {"cutoff": given.cutoff, "decimate": given.decimate or "auto", "held": given.held}
@@ -110,7 +109,7 @@ def _read(
 
 
 def check_apart(states: Sequence[str], inputs: Sequence[str]) -> None:
-    """Raise where two variables would have the same name, or one that of time."""
+    """Raise if two variables have the same name, or one has that of time."""
     names = [*states, *inputs]
     for name in names:
         if names.count(name) > 1 or name == "t":

@@ -1,4 +1,4 @@
-"""The command that makes the tables and figures of the paper again."""
+"""The command `paper`, which reproduces the tables and figures of the paper."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PEERS = Path("results/peers/rows.jsonl")
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add what can be typed after the command."""
+    """Add the options of the command."""
     parser.add_argument(
         "--output", type=Path, default=FOLDER, metavar="FOLDER", help=f"results folder ({FOLDER})"
     )
@@ -58,7 +58,7 @@ def add_options(parser: ArgumentParser) -> None:
 
 
 def paper(given: Namespace) -> bool:
-    """Run what is missing, print the tables, and say where everything lies."""
+    """Run the trials that are not finished, print the tables, and say where the files are."""
     if given.fresh:
         forget(given.output)
     results = reproduce(

@@ -1,4 +1,4 @@
-"""Measured sets for judging a model on a real thing, and simulated rigs with a known truth.
+"""Measured sets to test a model on, and simulated rigs with a known truth.
 
 ========  ==================================================================
 measured  records measured on real hardware, one file for each set

@@ -1,4 +1,4 @@
-"""A simulated linear axis with an encoder: its declared model lacks dry friction, or nothing.
+"""A simulated linear axis with an encoder, whose declared model lacks dry friction or nothing.
 
 M q'' = F - Fv v - Fc sgn(v), with q in m, v in m/s and the motor force F in N. A controller moves
 the axis along a reference; only the position q (by an encoder) and F are measured.
@@ -32,7 +32,7 @@ DECLARED = MappingProxyType({"q": "v", "v": "b*F - c*v"})
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """Raw records of a simulated drive, and the truth.
+    """Raw records of a simulated drive, and its true equations.
 
     Attributes
     ----------
@@ -40,9 +40,9 @@ class Drive:
         t in s, y the encoder position in m, u the motor force in N; clean q and v in `extras`.
         The test record follows another reference.
     equations : Equations
-        The truth.
+        The true equations.
     declared : mapping of str to str
-        What the maker of the axis would write down: no friction but the viscous one.
+        Declared model of the axis, with viscous friction only.
     """
 
     train: MeasuredRecord
@@ -131,7 +131,7 @@ def _made(
     random_state: int | None,
 ) -> Drive:
     _check(owner, friction, noise, resolution, duration)
-    # Without a seed every call is another drive, so that nothing is taken from the cache.
+    # Without a seed every call makes another drive, so the cache is not used.
     make = _drive.__wrapped__ if random_state is None else _drive
     return make(friction, noise, resolution, duration, random_state)
 
@@ -174,7 +174,7 @@ def _record(
 
 
 def _reference(t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Return five sines between 0.2 and 3 Hz with random phases, the slow ones the larger."""
+    """Return the sum of five sines between 0.2 and 3 Hz, in m; slower ones have more amplitude."""
     f = np.geomspace(0.2, 3.0, 5) * rng.uniform(0.9, 1.1, 5)
     phase = rng.uniform(0.0, 2 * np.pi, 5)
     wave = np.sum(np.sin(2 * np.pi * f * t[:, None] + phase) / np.sqrt(f), axis=1)
@@ -192,11 +192,11 @@ def _plant(friction: float) -> Equations:
 def _controlled(plant: Equations) -> Equations:
     """Return the plant under F = k (r - q) - d v, with the reference r as input."""
     stiffness, damping = (gain / MASS for gain in GAINS)
-    lag = sub(variable(2), variable(0))
-    terms = [*plant.terms, *(term for _, term in lag.parts)]
-    signs = [coefficient for coefficient, _ in lag.parts]
+    error = sub(variable(2), variable(0))
+    terms = [*plant.terms, *(term for _, term in error.parts)]
+    signs = [coefficient for coefficient, _ in error.parts]
     coef = np.hstack([plant.coef, np.zeros((2, 2))])
-    coef[1, plant.terms.index(as_product(variable(2)))] = 0.0  # the force is no input any more
+    coef[1, plant.terms.index(as_product(variable(2)))] = 0.0  # the force is not an input now
     coef[1, plant.terms.index(as_product(variable(1)))] -= damping
     coef[1, -2:] += [stiffness * sign for sign in signs]
     return Equations(tuple(terms), coef, plant.states, ("r",))

@@ -1,4 +1,4 @@
-"""ODEBench: 63 ordinary differential equations of textbooks, with their truth."""
+"""ODEBench: 63 systems of ordinary differential equations from textbooks."""
 
 import json
 import os
@@ -19,9 +19,9 @@ class OdeSystem:
     number : int
         Its number, from 1 to 63.
     name : str
-        What it describes.
+        What it models.
     equations : tuple of str
-        Right-hand sides in the states x_0, x_1, … with the constants put in.
+        Right-hand sides in the states x_0, x_1, …, with numbers for the constants.
     constants : mapping of str to float
         The constants.
     initial_states : ndarray of shape (2, n_states)
@@ -39,10 +39,10 @@ class OdeSystem:
 
 
 def load_odebench(folder: str | os.PathLike[str] | None = None) -> tuple[OdeSystem, ...]:
-    """Sixty-three systems of one to four states, not measured but written by hand.
+    """Sixty-three systems of one to four states, as equations without measurements.
 
-    Integrate the truth yourself, at a tight tolerance: the trajectories of the public source are
-    wrong for the chaotic systems.
+    Integrate them yourself, at a tight tolerance: the trajectories of the public source are wrong
+    for the chaotic systems.
 
     Parameters
     ----------

@@ -10,8 +10,8 @@ zdd     (n,)         acceleration of the table, m/s^2: the input
 ======  ===========  ==============================================================
 
 Without friction, equation (3): a = -(c/m) v - (k/m) q - (k3/m) q^3 - zdd. With friction, equation
-(7), there are -(mu1/m) sgn(v) - (mu2/m) q^2 sgn(v) as well. The table sweeps its frequency up,
-slowly enough for the jump from the large motion to the small one to be in the record.
+(7), there are -(mu1/m) sgn(v) - (mu2/m) q^2 sgn(v) as well. The frequency of the table sweeps up,
+slowly enough for the record to hold the jump from the large motion to the small one.
 
 References
 ----------
@@ -36,7 +36,7 @@ from ..terms import as_product, call, mul, power, variable
 __all__ = ["DuffingRig", "duffing", "noisy"]
 
 TIME_STEP = 0.488e-3  # s
-# m = 0.49 kg, c = 1.8 N s/m, k = 487 N/m, k3 = 1.07e6 N/m^3, each over m; the input's is one.
+# v, q, q^3, zdd: -c/m, -k/m, -k3/m, -1. c in N s/m, k in N/m, k3 in N/m^3, m in kg.
 FRICTIONLESS = (-1.8 / 0.49, -487.0 / 0.49, -1.07e6 / 0.49, -1.0)
 # Table 4: v, q, q^3, sgn v, q^2 sgn v, zdd.
 EXPERIMENTS = {
@@ -44,14 +44,14 @@ EXPERIMENTS = {
     2: (-1.23, -714.60, -2.24e6, -4.11, -8.23e3, -1.04),
     3: (-1.22, -716.11, -2.35e6, -3.81, -8.26e3, -1.04),
 }
-# Samples for validation, which come first, and in all: 60 s and 180 s.
+# Samples for validation, which come first, and in all (60 s and 180 s), without and with friction.
 SIZES = {False: (16_000, 123_000), True: (90_000, 369_000)}
-HIGHEST = 900.0  # Hz kept of accelerometer signals: nearly all, or the jumps of a would be smeared
+HIGHEST = 900.0  # Hz, end of the accelerometers' band; a lower one would smear the jumps of a
 
 
 @dataclass(frozen=True, eq=False)
 class DuffingRig:
-    """A simulated rig: the truth, and what was measured of it.
+    """A simulated rig: the true motion and equations, and the measured signals.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class DuffingRig:
     u : ndarray of shape (n_samples, 1)
         Measured acceleration of the table.
     equations : Equations
-        The truth.
+        The true equations.
     validation, train : slice
         Samples to judge on, which come first, and samples to fit on.
     """
@@ -87,7 +87,7 @@ class DuffingRig:
         return ("q", "v", "zdd")
 
     def record(self, part: Literal["train", "validation"]) -> Record:
-        """Return what was measured in one part, as the loop takes it."""
+        """Return the measured signals of one part, as a record for the loop."""
         at = {"train": self.train, "validation": self.validation}[part]
         columns = (self.t, self.x, self.x_dot, self.u)
         t, x, x_dot, u = (column[at] for column in columns)
@@ -111,12 +111,12 @@ def duffing(
     Parameters
     ----------
     friction : bool
-        Equation (7), or (3) without.
+        Simulate equation (7), with friction, instead of (3).
     experiment : {1, 2, 3}
         Row of table 4 that gives the coefficients of equation (7).
     snr_db : float, optional
-        Power of a signal over that of the white Gaussian noise on it; 20 dB is a hundredth of
-        the power. None is no noise.
+        Power of a signal over that of its white Gaussian noise; at 20 dB the noise has a hundredth
+        of the power. None means no noise.
     noise_on : {"target", "all"}
         Noise on the acceleration a only, or on q, v, a and zdd alike.
     accelerometers : bool
@@ -128,7 +128,8 @@ def duffing(
         First and last frequency of the table, Hz; the frequency grows linearly.
     n_samples : int, optional
         Samples at 0.488 ms; by default the paper's: 123 000 (60 s), the first 16 000 for
-        validation; with friction 369 000 (180 s), the first 90 000. The shares are kept.
+        validation; with friction 369 000 (180 s), the first 90 000. The share for validation is
+        the same for any number.
     random_state : int, optional
         Seed of the noise.
 
@@ -143,9 +144,9 @@ def duffing(
 
     Notes
     -----
-    The motion is simulated once in a process for each set of parameters: about 0.5 s without
-    friction and 2 s with. The first and last three periods of the lowest frequency of the
-    integration are in neither part if `accelerometers` is set.
+    The motion is simulated once in a process for each set of parameters, in about 0.5 s without
+    friction and 2 s with it. If `accelerometers` is set, neither part holds the first and last
+    three periods of the lowest frequency of the integration.
 
     Examples
     --------
@@ -165,7 +166,7 @@ def duffing(
     rng = np.random.default_rng(random_state)
     start, stop = 0, len(t)
     if accelerometers:
-        lowest = sweep[0] / 2  # integration keeps what is above twice of it
+        lowest = sweep[0] / 2  # integration keeps frequencies above twice this
         q_m, v_m, a_m, zdd_m = _by_accelerometers(a, zdd, snr_db, (lowest, HIGHEST), rng)
         start = int(np.ceil(3 / lowest / TIME_STEP))
         stop -= start
@@ -209,7 +210,7 @@ def _motion(
     equations = _equations(friction, experiment)
     x = simulate(equations, [0.0, 0.0], t, zdd)
     a = equations.evaluate(x, zdd)[:, 1]
-    # While the mass sticks it has no acceleration; sgn(0) = 0 leaves out what holds it.
+    # A mass that sticks has no acceleration; sgn(0) = 0 leaves out the friction that holds it.
     if friction:
         a = np.where(x[:, 1] == 0.0, 0.0, a)
     columns = (t, x[:, 0].copy(), x[:, 1].copy(), a, zdd)

@@ -1,7 +1,7 @@
 """Where a measured file comes from: a folder on this machine, or its public source.
 
-The public files differ in format from the ones in a local folder, so a download is checked by what
-was read from it: a digest of the columns, which is the same for both.
+Public files and those in a local folder differ in format. So a download is checked by a digest of
+the columns that were read from it, which is the same for both.
 """
 
 import hashlib
@@ -17,7 +17,7 @@ Columns = dict[str, np.ndarray]
 ENVIRONMENT_VARIABLE = "PYSINDY_EVOLVE_DATA"
 _RAW = "https://raw.githubusercontent.com"
 
-# What a download must hold: for each file, `digest_of` its columns as they were published.
+# `digest_of` the published columns of each file, which a download must match.
 DIGESTS = {
     "cart_pcontrol/cart.npz": "24d0d154db7fe18d8c2caaa93422b191ff3e6c184675588beeac4d2ff5df94c3",
     "cascaded_tanks/tanks.csv": "03d91a3bd12e8500607eaa394506e2d7bdfd18fefc175683210828eda24b46ea",
@@ -61,7 +61,7 @@ def read_columns(
     FileNotFoundError
         If the file is in no folder and has no public source that can be read.
     ValueError
-        If the public source no longer holds what was measured.
+        If the public source no longer holds the published values.
     """
     path = locate(file, folder)
     if path is not None:
@@ -114,7 +114,7 @@ def locate(file: str, folder: str | os.PathLike[str] | None) -> Path | None:
     folders = [Path.cwd().parent / "shared" / "data", beside_sources / "shared" / "data"]
     if os.environ.get(ENVIRONMENT_VARIABLE):
         folders.insert(0, Path(os.environ[ENVIRONMENT_VARIABLE]))
-    return next((one / file for one in folders if (one / file).is_file()), None)
+    return next((base / file for base in folders if (base / file).is_file()), None)
 
 
 def fetch(repository: str, commit: str, path: str) -> Path:
@@ -147,7 +147,7 @@ def fetch(repository: str, commit: str, path: str) -> Path:
             'Install it with: pip install "pysindy-evolve[data]"'
         ) from error
     name = "-".join([repository.replace("/", "-"), commit[:7], Path(path).name])
-    # No known_hash: what is checked is the content, in read_columns.
+    # No known_hash: read_columns checks the content.
     return Path(
         pooch.retrieve(
             f"{_RAW}/{repository}/{commit}/{path}",
@@ -208,8 +208,8 @@ def digest_of(columns: Mapping[str, np.ndarray]) -> str:
     Returns
     -------
     str
-        Hexadecimal SHA-256 of names, shapes and values in single precision, which every source
-        holds at least.
+        Hexadecimal SHA-256 of names, shapes and values in single precision, the least precision
+        of all sources.
     """
     total = hashlib.sha256()
     for name in sorted(columns):

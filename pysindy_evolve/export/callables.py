@@ -22,7 +22,7 @@ def to_callable(model: Any) -> RightHandSideFunction:
     Parameters
     ----------
     model : pysindy.SINDy, Equations or LoopReport
-        Fitted model, or what holds one.
+        Fitted model, or an object that holds one.
 
     Returns
     -------
@@ -56,7 +56,7 @@ class RightHandSideFunction:
     Attributes
     ----------
     equations : Equations
-        What is evaluated.
+        The right-hand sides.
     """
 
     equations: Equations
@@ -71,7 +71,7 @@ class RightHandSideFunction:
         x : ndarray of shape (n_states,) or (n_samples, n_states)
             States.
         u : float or ndarray of shape (n_inputs,) or (n_samples, n_inputs), optional
-            Inputs; of one input also (n_samples,). One sample of them serves all samples of x.
+            Inputs; a single one also as (n_samples,). One sample is used for all samples of x.
 
         Returns
         -------

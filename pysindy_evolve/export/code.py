@@ -27,7 +27,7 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
     Parameters
     ----------
     model : pysindy.SINDy, Equations or LoopReport
-        Fitted model, or what holds one.
+        Fitted model, or an object that holds one.
     language : {"python", "c", "matlab", "julia", "modelica"}
         Language of the code. Modelica gets the lines of an equation section.
     name : str
@@ -36,10 +36,9 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
     Returns
     -------
     str
-        The code, numbers in full precision. Functions of the user that have no sympy form are
-        called by their name and must be written in that language by hand. An input that acts late
-        must be given as it was that much earlier, as the first line then says; Modelica delays it
-        by itself.
+        The code, numbers in full precision. A user's functions without a sympy form are called by
+        their name and must be written in that language by hand. For an input with a delay, pass
+        its earlier value, as a comment at the top then says; Modelica delays it by itself.
 
     Raises
     ------
@@ -74,14 +73,14 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
 
 
 def _notes(source: _Source, equations: Equations) -> list[str]:
-    """Return what the signature of a function does not say, a line each."""
+    """Return notes that a signature cannot express, one for each line."""
     pairs = zip(source.lefts, source.are_rates, strict=True)
     itself = [f"{name} is returned itself, not its rate" for name, is_rate in pairs if not is_rate]
     return [*itself, *_late_inputs(source.inputs, equations)]
 
 
 def _late_inputs(names: Sequence[str], equations: Equations) -> list[str]:
-    """Return what to give for each input, named as in the code, that acts late, a line each."""
+    """Return a note for each input with a delay; `names` are those in the code."""
     pairs = zip(names, _delays(equations), strict=False)
     return [f"{u} acts late: give {u}(t - {delay:.6g})" for u, delay in pairs if delay]
 
@@ -92,7 +91,7 @@ def _delays(equations: Equations) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class _Source:
-    """What every language needs: variables by safe names, and right-hand sides as code."""
+    """The parts of the code in any language: safe names of variables, and right-hand sides."""
 
     states: tuple[str, ...]
     inputs: tuple[str, ...]
@@ -136,8 +135,8 @@ def _source(system: System, language: str, name: str) -> _Source:
             late = f"delay({safe[index]}, {delay!r})"
             symbols[index] = sympy.Symbol(late, real=True) if delay else symbols[index]
     expressions = [side.to_sympy(symbols) for side in system.sides]
-    own = {function.func.__name__ for e in expressions for function in e.atoms(AppliedUndef)}
-    printer = _LANGUAGES[language].printer({"user_functions": {name: name for name in own}})
+    of_user = {function.func.__name__ for e in expressions for function in e.atoms(AppliedUndef)}
+    printer = _LANGUAGES[language].printer({"user_functions": {name: name for name in of_user}})
     if language == "c":
         expand = create_expand_pow_optimization(4)  # q*q*q is many times faster than pow(q, 3)
         expressions = [expand(expression) for expression in expressions]
@@ -152,13 +151,13 @@ def _source(system: System, language: str, name: str) -> _Source:
     used = frozenset(str(symbols[index]) for index in system.used)
     modules = tuple(sorted({"numpy", *getattr(printer, "module_imports", ())}))
     states, inputs = tuple(safe[:n_states]), tuple(safe[n_states:])
-    # A model of some target that is no state has names of its own, see `system_of`.
+    # A model whose targets are not the states has other names on the left, see `system_of`.
     lefts = states if len(states) == len(sides) else system.lefts
     return _Source(states, inputs, used, lefts, system.are_rates, sides, modules)
 
 
 def _safe_names(names: Sequence[str], reserved: Set[str]) -> list[str]:
-    """Return identifiers for all languages, each once."""
+    """Return distinct identifiers that are valid in all languages."""
     taken: list[str] = []
     for name in names:
         safe = re.sub(r"\W", "_", _spelled(name), flags=re.ASCII).lstrip("_") or "variable"
@@ -170,7 +169,7 @@ def _safe_names(names: Sequence[str], reserved: Set[str]) -> list[str]:
 
 
 def _spelled(name: str) -> str:
-    """Return a name without accents, letters of other alphabets spelled out: theta for its sign."""
+    """Return a name without accents; other alphabets are spelled out, such as theta."""
     plain = (c for c in unicodedata.normalize("NFKD", name) if not unicodedata.combining(c))
     spelled = (c if c.isascii() else unicodedata.name(c, "_").split()[-1].lower() for c in plain)
     return "".join(spelled)

@@ -1,4 +1,4 @@
-"""How each language writes an expression: sympy's code printers, with what they lack."""
+"""How each language writes an expression: sympy's code printers, completed."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ __all__ = ["CPrinter", "JuliaPrinter", "MatlabPrinter", "ModelicaPrinter", "Pyth
 
 
 class _Exact:
-    """Prints floats with as many digits as they have, where sympy stops at fifteen."""
+    """Prints floats with all their digits; sympy stops at fifteen."""
 
     def _print_Float(self, expression: Any) -> str:
         return repr(float(expression))
 
 
 class _Extremes:
-    """Prints the larger or smaller of more than two as calls of two: max(max(a, b), c)."""
+    """Prints max and min of more than two arguments as nested calls: max(max(a, b), c)."""
 
     larger, smaller = "max", "min"
 
@@ -34,7 +34,7 @@ class _Extremes:
         return self._of_two(self.smaller, expression.args)
 
     def _of_two(self, name: str, arguments: Sequence[Any]) -> str:
-        first, *rest = (str(self._print(one)) for one in arguments)  # type: ignore[attr-defined]
+        first, *rest = (str(self._print(argument)) for argument in arguments)  # type: ignore[attr-defined]
         for other in rest:
             first = f"{name}({first}, {other})"
         return first
@@ -66,7 +66,7 @@ _MODELICA_KNOWS |= {"exp", "log", "sqrt", "sign", "floor"}
 
 
 class ModelicaPrinter(_Extremes, _Exact, StrPrinter):
-    """Modelica, whose functions are few; what it lacks is refused."""
+    """Modelica; raises NotImplementedError for functions that it does not have."""
 
     def __init__(self, settings: dict[str, Any]) -> None:
         super().__init__()

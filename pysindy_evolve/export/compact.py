@@ -1,4 +1,4 @@
-"""Sums as people write them: powers of differences, fractions, and what is beyond an end."""
+"""Rewrites sums as people write them: powers of differences, fractions and hinges."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def as_written(expression: Sum, symbols: Sequence[Any]) -> Any:
 
 
 def compact(expression: Any) -> Any:
-    """Return a sum as a power of a shorter one, where it is that.
+    """Return a sum as a power of a shorter one, or with a common magnitude as factor, if possible.
 
     Parameters
     ----------
@@ -65,6 +65,6 @@ def compact(expression: Any) -> Any:
     factor, power = factored.as_coeff_Mul()
     if not power.is_Pow:
         return expression
-    if factor == -1 and power.exp.is_odd:  # a coefficient before it has a sign of its own
+    if factor == -1 and power.exp.is_odd:  # else two signs may stand in a row
         return sympy.Pow(sympy.expand(-power.base), power.exp)
     return factored

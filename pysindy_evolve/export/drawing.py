@@ -1,7 +1,7 @@
 """Lays a tree of labels out on a page and draws it; the only file here that needs matplotlib.
 
-All lengths are inches of the page, so that boxes fit their labels. A tree that would be wider than
-a page lies on its side.
+All lengths are inches on the page, so that boxes fit their labels. A tree that would be wider than
+a page is drawn on its side.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ PADDING = 0.11  # between a label and the end of its box
 GAP = 0.16  # between neighbors
 LEVEL = 0.62  # from one level to the next, upright
 MAX_WIDTH = 11.0  # of an upright tree
-# Face, edge and text of each kind, told apart by lightness too.
+# Face, edge and text of each kind; they also differ in lightness.
 COLORS = {
     "left": ("none", "none", "#1b2733"),
     "operator": ("#33475b", "#33475b", "#ffffff"),
@@ -66,11 +66,11 @@ def draw(root: Node, ax: Any = None) -> Any:
     if ax is None:
         ax = plt.figure(figsize=(width, height)).add_axes((0.0, 0.0, 1.0, 1.0))
     scale = _frame(ax, placed, upright)
-    for one in placed.walk():
-        for child in one.children:
-            _edge(ax, one, child, upright, scale)
-    for one in placed.walk():
-        _box(ax, one, upright, scale)
+    for place in placed.walk():
+        for child in place.children:
+            _edge(ax, place, child, upright, scale)
+    for place in placed.walk():
+        _box(ax, place, upright, scale)
     return ax
 
 
@@ -79,8 +79,8 @@ def _place(
 ) -> tuple[_Placed, tuple[list[float], list[float]]]:
     """Place a node at across = 0 with its children centered under it.
 
-    Returned with it is its contour: the smallest and the largest place that it takes across, level
-    by level, so that neighbors move together until their contours touch (Reingold and Tilford).
+    Also return its contour: the smallest and the largest position across that it takes, level by
+    level. Neighbors move together until their contours touch (Reingold and Tilford).
     """
     children: list[_Placed] = []
     low: list[float] = []
@@ -109,7 +109,7 @@ def _extent_sideways(node: Node) -> float:
 def _steps(root: Node, upright: bool) -> list[float]:
     """Return the distance from each level to the next: between centers, or between left edges.
 
-    The more children fan out from one node, the more room their lines get.
+    It grows with the largest number of children of one node, for their lines.
     """
     widths, fans = [0.0] * (root.depth + 1), [0] * (root.depth + 1)
     stack = [(root, 0)]
@@ -135,7 +135,7 @@ def _span(placed: _Placed, upright: bool) -> tuple[float, float]:
 
 
 def _limits(placed: _Placed, upright: bool) -> tuple[float, float, float, float]:
-    boxes = [(*_center(one, upright), _width(one.node) / 2) for one in placed.walk()]
+    boxes = [(*_center(place, upright), _width(place.node) / 2) for place in placed.walk()]
     return (
         min(x - half for x, _, half in boxes) - GAP,
         max(x + half for x, _, half in boxes) + GAP,
@@ -144,12 +144,12 @@ def _limits(placed: _Placed, upright: bool) -> tuple[float, float, float, float]
     )
 
 
-def _center(one: _Placed, upright: bool) -> tuple[float, float]:
-    return (one.across, -one.along) if upright else (one.along + _width(one.node) / 2, -one.across)
+def _center(at: _Placed, upright: bool) -> tuple[float, float]:
+    return (at.across, -at.along) if upright else (at.along + _width(at.node) / 2, -at.across)
 
 
 def _frame(ax: Any, placed: _Placed, upright: bool) -> float:
-    """Center the tree in the axes; return how much smaller than planned it has to be."""
+    """Center the tree in the axes; return the factor, at most 1, by which it has to shrink."""
     left, right, bottom, top = _limits(placed, upright)
     box = ax.get_window_extent().transformed(ax.figure.dpi_scale_trans.inverted())
     scale = float(min(box.width / (right - left), box.height / (top - bottom), 1.0))
@@ -160,24 +160,24 @@ def _frame(ax: Any, placed: _Placed, upright: bool) -> float:
     return scale
 
 
-def _edge(ax: Any, one: _Placed, child: _Placed, upright: bool, scale: float) -> None:
+def _edge(ax: Any, place: _Placed, child: _Placed, upright: bool, scale: float) -> None:
     """Draw a curve that leaves and enters the boxes at right angles."""
-    (x0, y0), (x1, y1) = _center(one, upright), _center(child, upright)
+    (x0, y0), (x1, y1) = _center(place, upright), _center(child, upright)
     if upright:
         y0, y1 = y0 - HEIGHT / 2, y1 + HEIGHT / 2
         bend = [(x0, (y0 + y1) / 2), (x1, (y0 + y1) / 2)]
     else:
-        x0, x1 = x0 + _width(one.node) / 2, x1 - _width(child.node) / 2
+        x0, x1 = x0 + _width(place.node) / 2, x1 - _width(child.node) / 2
         bend = [((x0 + x1) / 2, y0), ((x0 + x1) / 2, y1)]
     path = Path([(x0, y0), *bend, (x1, y1)], [Path.MOVETO, *[Path.CURVE4] * 3])
     ax.add_patch(PathPatch(path, fill=False, edgecolor="#8795a5", linewidth=1.2 * scale, zorder=1))
 
 
-def _box(ax: Any, one: _Placed, upright: bool, scale: float) -> None:
-    x, y = _center(one, upright)
-    face, edge, text = COLORS[one.node.kind]
-    width = _width(one.node)
-    corner = HEIGHT / 2 if one.node.kind in ("operator", "variable") else 0.08
+def _box(ax: Any, place: _Placed, upright: bool, scale: float) -> None:
+    x, y = _center(place, upright)
+    face, edge, text = COLORS[place.node.kind]
+    width = _width(place.node)
+    corner = HEIGHT / 2 if place.node.kind in ("operator", "variable") else 0.08
     style = f"round,pad=0,rounding_size={corner}"
     ax.add_patch(
         FancyBboxPatch(
@@ -192,6 +192,6 @@ def _box(ax: Any, one: _Placed, upright: bool, scale: float) -> None:
         )
     )
     ax.text(
-        x, y, one.node.label, color=text, fontsize=FONT_SIZE * scale, ha="center",
+        x, y, place.node.label, color=text, fontsize=FONT_SIZE * scale, ha="center",
         va="center_baseline", zorder=3, parse_math=False,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Terms over one denominator as one fraction: so the equations of an arm are read and written."""
+"""Terms with the same denominator as one fraction, as the equations of a robot arm are written."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ __all__ = ["as_fractions"]
 
 
 def as_fractions(side: Sum) -> Sum:
-    """Return a sum for reading, in which terms with the same sums below the line are one term.
+    """Return a sum for reading, in which terms with the same sums in the denominator are one.
 
     Parameters
     ----------
@@ -28,26 +28,26 @@ def as_fractions(side: Sum) -> Sum:
     >>> as_fractions(side).name(["q", "v"])
     'v + (q + v)/(1 + q^2)'
     """
-    above: dict[tuple[tuple[Atom, int], ...], list[tuple[float, Product]]] = {}
+    numerators: dict[tuple[tuple[Atom, int], ...], list[tuple[float, Product]]] = {}
     for coefficient, term in side.parts:
-        sums = tuple(one for one in term.factors if isinstance(one[0], Sum) and one[1] < 0)
+        sums = tuple(power for power in term.factors if isinstance(power[0], Sum) and power[1] < 0)
         rest = Product(tuple(factor for factor in term.factors if factor not in sums))
-        above.setdefault(sums, []).append((coefficient, rest))
+        numerators.setdefault(sums, []).append((coefficient, rest))
     parts: list[tuple[float, Product]] = []
-    for sums, found in above.items():
-        below, scale = _about_one(sums)
-        terms = [(c / scale, term) for c, term in found]
-        if below and len(terms) > 1:
-            parts.append((1.0, Product(((Sum(tuple(terms)), 1), *below))))
+    for sums, numerator in numerators.items():
+        denominator, scale = _about_one(sums)
+        terms = [(c / scale, term) for c, term in numerator]
+        if denominator and len(terms) > 1:
+            parts.append((1.0, Product(((Sum(tuple(terms)), 1), *denominator))))
         else:
-            parts += [(c, Product((*term.factors, *below))) for c, term in terms]
+            parts += [(c, Product((*term.factors, *denominator))) for c, term in terms]
     return Sum(tuple(parts))
 
 
 def _about_one(sums: tuple[tuple[Atom, int], ...]) -> tuple[tuple[tuple[Atom, int], ...], float]:
-    """Return one sum of waves about a constant as 1 + waves, and the constant; else as it is.
+    """Scale a denominator that is a constant plus waves to 1 + waves; return the constant too.
 
-    So an inertia that goes up and down with an angle is read.
+    So an inertia that varies with an angle can be read. Other denominators stay as they are.
     """
     if len(sums) != 1 or sums[0][1] != -1 or not isinstance(sums[0][0], Sum):
         return sums, 1.0

@@ -1,7 +1,7 @@
-"""What begins at a place, written as max(q - c, 0), and what ends at two, as min(max(u, -c), c).
+"""Writes magnitudes as hinges, max(q - c, 0), or as limits, min(max(u, -c), c).
 
-So stops, overflows and saturations are read. The rest of the package knows them as magnitudes, such
-as k |q - c| beside k q and a constant, whose parts go into other terms of an equation.
+So a reader recognizes stops, overflows and saturations. The rest of the package holds them as
+magnitudes: k |q - c| beside k q and a constant, which merge with other terms of the equation.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ __all__ = ["as_hinges"]
 
 MIN = Operator("min", np.minimum, 2, sympy.Min)
 MAX = Operator("max", np.maximum, 2, sympy.Max)
-MOST = 4  # magnitudes of one sum, each of which may be a hinge to either side
-ROUNDING = 1e-9  # of what cancels
+MOST = 4  # magnitudes of a sum; all 3^4 forms are tried, a hinge to either side or none for each
+ROUNDING = 1e-9  # of the largest weight of a term; a smaller one is a rounding error
 
-_Kink = tuple[float, Product, Sum]  # its weight, the term, and what it is the magnitude of
+_Kink = tuple[float, Product, Sum]  # weight, term, and argument of its magnitude
 
 
 def as_hinges(side: Sum) -> Sum:
-    """Return a sum for reading, in which magnitudes are hinges where that leaves less, or limits.
+    """Return a sum for reading, with hinges and limits for magnitudes where that is shorter.
 
     Parameters
     ----------
@@ -51,6 +51,7 @@ def as_hinges(side: Sum) -> Sum:
     -------
     Sum
         Equal to it, with fewer terms or flatter straight ones; c |u - a| - c |u - b| is a limit.
+        More than `MOST` magnitudes stay as they are.
 
     Examples
     --------
@@ -70,11 +71,11 @@ def as_hinges(side: Sum) -> Sum:
     if not 0 < len(kinks) <= MOST:
         return side
     forms = [_folded(side, kinks, ways) for ways in product((0, 1, -1), repeat=len(kinks))]
-    return _limited(min(forms, key=_weight))  # of equal ones the first, in which least is folded
+    return _limited(min(forms, key=_complexity))  # of equal ones the first, which is changed least
 
 
 def _inside(term: Product) -> Product:
-    """Return a term with what is inside of its functions written with hinges."""
+    """Return a term with the arguments of its functions written with hinges."""
     return Product(
         tuple(
             (Call(atom.operator, tuple(map(as_hinges, atom.args))), exponent)
@@ -86,7 +87,7 @@ def _inside(term: Product) -> Product:
 
 
 def _rooted(side: Sum) -> Sum:
-    """Write c sqrt(|a|) + c sqrt(|a|) sgn(a) as 2 c sqrt(max(a, 0)); so for all powers of |a|."""
+    """Write c sqrt(|a|) + c sqrt(|a|) sgn(a) as 2 c sqrt(max(a, 0)), and so all powers of |a|."""
     weights = {term: weight for weight, term in side.parts}
     for term, weight in weights.items():
         for atom, n in term.factors:
@@ -95,47 +96,47 @@ def _rooted(side: Sum) -> Sum:
             plain = Product(tuple(factor for factor in term.factors if factor[0] != atom))
             if abs(weights.get(plain, 0.0)) != abs(weight):
                 continue
-            size = as_sum(Call(BUILTIN["abs"], atom.args))
+            magnitude = as_sum(Call(BUILTIN["abs"], atom.args))
             beyond = mul(constant(np.sign(weight * weights[plain])), atom.args[0])
-            above = as_sum(Call(MAX, (beyond, Sum(()))))
-            roots = ((factor, _root_of(factor, size, above)) for factor in plain.factors)
-            factor, hinge = next((one for one in roots if one[1] is not None), (None, None))
+            hinged = as_sum(Call(MAX, (beyond, Sum(()))))
+            roots = ((factor, _root_of(factor, magnitude, hinged)) for factor in plain.factors)
+            factor, hinge = next((pair for pair in roots if pair[1] is not None), (None, None))
             if hinge is None:
                 continue
             rest = Product(tuple(other for other in plain.factors if other != factor))
-            left = tuple(part for part in side.parts if part[1] not in (term, plain))
-            return _rooted(Sum((*left, (2.0 * weights[plain], _times(rest, hinge)))))
+            others = tuple(part for part in side.parts if part[1] not in (term, plain))
+            return _rooted(Sum((*others, (2.0 * weights[plain], _times(rest, hinge)))))
     return side
 
 
-def _root_of(factor: tuple[Atom, int], size: Sum, above: Sum) -> Call | None:
-    """Return a root or power of a magnitude with something in its place; None of other factors."""
+def _root_of(factor: tuple[Atom, int], magnitude: Sum, hinged: Sum) -> Call | None:
+    """Return a root or power of a magnitude with a hinge in its place; None for other factors."""
     atom, n = factor
     if n != 1 or not isinstance(atom, Call):
         return None
-    root, log = BUILTIN["sqrt"], as_sum(Call(BUILTIN["log"], (size,)))
-    if atom == Call(root, (size,)):
-        return Call(root, (above,))
+    root, log = BUILTIN["sqrt"], as_sum(Call(BUILTIN["log"], (magnitude,)))
+    if atom == Call(root, (magnitude,)):
+        return Call(root, (hinged,))
     if atom.operator != BUILTIN["exp"] or len(atom.args[0].parts) != 1:
         return None
     ((exponent, term),) = atom.args[0].parts
     if exponent <= 0.0 or term != only_term(log):
         return None
-    return Call(atom.operator, (mul(constant(exponent), as_sum(Call(BUILTIN["log"], (above,)))),))
+    return Call(atom.operator, (mul(constant(exponent), as_sum(Call(BUILTIN["log"], (hinged,)))),))
 
 
 def _kinks(side: Sum) -> list[_Kink]:
     found = ((weight, term, _kink_of(term)) for weight, term in side.parts)
-    return [(weight, term, away) for weight, term, away in found if away is not None]
+    return [(weight, term, argument) for weight, term, argument in found if argument is not None]
 
 
 def _kink_of(term: Product) -> Sum | None:
-    """Return what a term has the magnitude of as a factor: variables, and maybe a number."""
+    """Return the argument of a magnitude among the factors: variables, and maybe a number."""
     calls = [(atom, n) for atom, n in term.factors if isinstance(atom, Call)]
     if [(atom.operator.name, n) for atom, n in calls] != [("abs", 1)]:
         return None
-    (away,) = calls[0][0].args
-    return away if all(inner.size == 1 for _, inner in away.parts) else None
+    (argument,) = calls[0][0].args
+    return argument if all(inner.size == 1 for _, inner in argument.parts) else None
 
 
 def _besides(term: Product) -> Product:
@@ -144,11 +145,11 @@ def _besides(term: Product) -> Product:
 
 
 def _folded(side: Sum, kinks: Sequence[_Kink], ways: Sequence[int]) -> Sum:
-    """Write c |a| as 2 c max(a, 0) - c a, or as 2 c max(-a, 0) + c a, or as it is, for each way."""
+    """Write c |a| as 2 c max(a, 0) - c a, as 2 c max(-a, 0) + c a, or as it is: ways 1, -1, 0."""
     hinges = []
-    for (weight, term, away), way in zip(kinks, ways, strict=True):
+    for (weight, term, argument), way in zip(kinks, ways, strict=True):
         if way:
-            beyond = mul(constant(way), away)
+            beyond = mul(constant(way), argument)
             rest = _besides(term)
             hinges.append((2.0 * weight, _times(rest, Call(MAX, (beyond, Sum(()))))))
             straight = mul(Sum(((-weight, rest),)), beyond)
@@ -157,21 +158,21 @@ def _folded(side: Sum, kinks: Sequence[_Kink], ways: Sequence[int]) -> Sum:
 
 
 def _limited(side: Sum) -> Sum:
-    """Write c |x - a| - c |x - b| as 2 c min(max(x, a), b) - c (a + b), unless that leaves more."""
-    for (one, above, high), (other, below, low) in permutations(_kinks(side), 2):
-        apart = sub(low, high)  # b - a
-        are_ends = [term for _, term in apart.parts] == [ONE] and apart.parts[0][0] > 0.0
-        if are_ends and one == -other and _besides(above) == _besides(below):
+    """Write c |x - a| - c |x - b| as 2 c min(max(x, a), b) - c (a + b), unless that is longer."""
+    for (c_high, term_high, high), (c_low, term_low, low) in permutations(_kinks(side), 2):
+        width = sub(low, high)  # b - a
+        are_ends = [term for _, term in width.parts] == [ONE] and width.parts[0][0] > 0.0
+        if are_ends and c_high == -c_low and _besides(term_high) == _besides(term_low):
             x = Sum(tuple(part for part in low.parts if part[1] != ONE))
             ends = [sub(x, low), sub(x, high)]
             limit = Call(MIN, (as_sum(Call(MAX, (x, ends[0]))), ends[1]))
-            rest, weight = _besides(below), constant(-other)
+            rest, weight = _besides(term_low), constant(-c_low)
             straight = mul(mul(weight, add(*ends)), of_term(rest))
-            gone = [Sum(((-one, above),)), Sum(((-other, below),))]
-            left = _sum([side, straight, *gone])
-            shown = Sum((*left.parts, (2.0 * other, _times(rest, limit))))
-            if len(shown.parts) <= len(side.parts):
-                return _limited(shown)
+            removed = [Sum(((-c_high, term_high),)), Sum(((-c_low, term_low),))]
+            others = _sum([side, straight, *removed])
+            limited = Sum((*others.parts, (2.0 * c_low, _times(rest, limit))))
+            if len(limited.parts) <= len(side.parts):
+                return _limited(limited)
     return side
 
 
@@ -180,7 +181,7 @@ def _times(rest: Product, function: Call) -> Product:
 
 
 def _sum(sides: Sequence[Sum]) -> Sum:
-    """Add sides up, without what only rounding leaves."""
+    """Add sums, and drop terms that cancel but for rounding."""
     total = reduce(add, sides)
     largest: dict[Product, float] = {}
     for weight, term in (part for side in sides for part in side.parts):
@@ -188,10 +189,10 @@ def _sum(sides: Sequence[Sum]) -> Sum:
     return Sum(tuple((w, term) for w, term in total.parts if abs(w) > ROUNDING * largest[term]))
 
 
-def _weight(side: Sum) -> tuple[int, int, float]:
-    """Return the number of terms, of hinges at zero, and how steep those without a function are.
+def _complexity(side: Sum) -> tuple[int, int, float]:
+    """Return the number of terms, the number of hinges at zero, and the slope of straight terms.
 
-    A friction -2 v - |v| shall not read as -v - 2 max(v, 0).
+    So a friction -2 v - |v| is not written as -v - 2 max(v, 0).
     """
     plain = (w for w, term in side.parts if term != ONE and not _has_function(term))
     return len(side.parts), _n_at_zero(side), sum(abs(weight) for weight in plain)
@@ -200,7 +201,7 @@ def _weight(side: Sum) -> tuple[int, int, float]:
 def _n_at_zero(side: Sum) -> int:
     hinges = (atom for _, term in side.parts for atom, _ in term.factors if isinstance(atom, Call))
     inside = (hinge.args[0] for hinge in hinges if hinge.operator == MAX)
-    return sum(all(term != ONE for _, term in one.parts) for one in inside)
+    return sum(all(term != ONE for _, term in argument.parts) for argument in inside)
 
 
 def _has_function(term: Product) -> bool:

@@ -21,7 +21,7 @@ def to_latex(model: Any, digits: int | None = 4) -> str:
     Parameters
     ----------
     model : pysindy.SINDy, Equations or LoopReport
-        Fitted model, or what holds one.
+        Fitted model, or an object that holds one.
     digits : int or None
         Significant digits of all numbers; None for as many as they have.
 
@@ -79,7 +79,7 @@ class _Printer(LatexPrinter):
     def _print_Symbol(self, expression: Any, style: str = "plain") -> str:
         if re.fullmatch(r"\w+", expression.name, re.ASCII):
             text = str(super()._print_Symbol(expression, style))
-            is_word = len(text) > 1 and text.isalnum()  # else read as a product of its letters
+            is_word = len(text) > 1 and text.isalnum()  # else it reads as a product of letters
             return rf"\mathrm{{{text}}}" if is_word else text
         return rf"\text{{{_escaped(expression.name)}}}"
 

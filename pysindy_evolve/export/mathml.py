@@ -1,4 +1,4 @@
-"""Equations as MathML, which browsers show without a script and without a network."""
+"""Equations as MathML, which browsers display without scripts or network."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ CHARACTERS = {"&ExponentialE;": "e", "&InvisibleTimes;": "\u2062", "<mo>-</mo>":
 
 
 def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
-    """Return each equation in pieces, between which a line may break.
+    """Return each equation in pieces; a line may break between two of them.
 
     Parameters
     ----------
     model : pysindy.SINDy, Equations or LoopReport
-        Fitted model, or what holds one.
+        Fitted model, or an object that holds one.
     digits : int
         Significant digits of all numbers.
 
@@ -78,7 +78,7 @@ def _between(sign: str, has_left: bool) -> str:
 
 
 def _scaled(size: float, expression: Any, printer: _Printer) -> str:
-    """Return a term with the number before it, unless that is one."""
+    """Return a term with its coefficient, which is left out if it is 1."""
     number = format_number(size, printer.digits)
     if expression == 1:
         return _number(number)
@@ -107,7 +107,7 @@ class _Printer(MathMLPresentationPrinter):
         self.digits = digits
 
     def doprint(self, expression: Any) -> str:
-        """Return the expression; the constant e and unseen signs written as characters."""
+        """Return the expression, with characters instead of sympy's entities."""
         text = str(super().doprint(expression))
         for entity, sign in CHARACTERS.items():
             text = text.replace(entity, sign)
@@ -136,7 +136,7 @@ class _Printer(MathMLPresentationPrinter):
         return row
 
     def _print_Mul(self, expression: Any) -> Any:
-        """Keep an exponential beside its factors: sympy would divide by its inverse."""
+        """Print an exponential as a factor; sympy would divide by its inverse."""
         if not any(isinstance(factor, sympy.exp) for factor in expression.args):
             return super()._print_Mul(expression)
         row = self.dom.createElement("mrow")
@@ -153,7 +153,7 @@ class _Printer(MathMLPresentationPrinter):
         return row
 
     def _print_Function(self, expression: Any) -> Any:
-        """Keep the case of a name: an input F at another time is no f."""
+        """Keep the case of an undefined function, as in a delayed input F(t - 0.1), not f."""
         row = super()._print_Function(expression)
         if isinstance(expression, AppliedUndef) and row.firstChild is not None:
             row.replaceChild(self._text("mi", expression.func.__name__), row.firstChild)

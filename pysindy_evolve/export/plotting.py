@@ -16,7 +16,7 @@ def plot_tree(model: Any, state: str | None = None, ax: Any = None, digits: int 
     Parameters
     ----------
     model : pysindy.SINDy, Equations or LoopReport
-        Fitted model, or what holds one.
+        Fitted model, or an object that holds one.
     state : str, optional
         Name of the state; by default the last one, where the dynamics of a mechanical system are.
     ax : matplotlib.axes.Axes, optional

@@ -20,7 +20,7 @@ def format_equations(model: Any, digits: int | None = 4) -> str:
     Parameters
     ----------
     model : pysindy.SINDy, Equations or LoopReport
-        Fitted model, or what holds one.
+        Fitted model, or an object that holds one.
     digits : int or None
         Significant digits of all numbers; None for as many as they have.
 
@@ -150,5 +150,5 @@ def _side(system: System, side: Sum, digits: int | None) -> str:
 
 
 def _plain(name: str) -> str:
-    """Return a name as it is, in parentheses if it would run into its neighbors."""
+    """Return a name, in parentheses if it is not a single word."""
     return name if re.fullmatch(r"\w+", name) else f"({name})"

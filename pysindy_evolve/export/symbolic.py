@@ -28,7 +28,7 @@ def to_sympy(model: Any, digits: int | None = None) -> list[Any]:
     Parameters
     ----------
     model : pysindy.SINDy, Equations or LoopReport
-        Fitted model with any library of ordinary terms, or what holds one.
+        Fitted model with any library of ordinary terms, or an object that holds one.
     digits : int, optional
         Significant digits of all numbers; by default they are exact.
 
@@ -73,7 +73,7 @@ class System:
 
     @property
     def are_rates(self) -> tuple[bool, ...]:
-        """Whether each right-hand side is the rate of its state, and not the state itself."""
+        """Whether each right-hand side is the rate of its state, not the state itself."""
         return tuple(k >= self.equations.n_algebraic for k in range(len(self.sides)))
 
     @property
@@ -124,8 +124,8 @@ def as_shown(side: Sum, symbols: Sequence[Any]) -> list[tuple[float, Any]]:
 def without_sign(term: Any) -> tuple[int, Any]:
     """Return the sign of a sympy term, 1 or -1, and the term without it.
 
-    Sympy takes the sign out of an odd function, as in -tanh(v). It goes to the coefficient, as two
-    signs in a row are hard to read.
+    Sympy takes the sign out of an odd function, as in -tanh(v). The caller multiplies it into the
+    coefficient, as two signs in a row are hard to read.
     """
     return (-1, -term) if term.as_coeff_Mul()[0].is_negative else (1, term)
 
@@ -140,7 +140,7 @@ def _rounded(side: Sum, digits: int) -> Sum:
 
 
 def _collected(side: Sum) -> Sum:
-    """Add the terms up one by one; a term that is but a sum is multiplied by its coefficient."""
+    """Collect like terms; a term that is only a sum is multiplied out."""
     parts = (terms.mul(terms.constant(c), _opened(term)) for c, term in side.parts)
     return reduce(terms.add, parts, Sum(()))
 

@@ -1,4 +1,4 @@
-"""An equation as a tree: what is added, multiplied and called."""
+"""An equation as a tree of sums, products and calls."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class Node:
     Parameters
     ----------
     label : str
-        What is written on it.
-    kind : {"operator", "function", "coefficient", "constant", "variable"}
-        What it is.
+        Text of the node.
+    kind : {"left", "operator", "function", "coefficient", "constant", "variable"}
+        What it stands for; "left" is the left-hand side at the root.
     children : tuple of Node
-        What it applies to.
+        Its operands.
     """
 
     label: str
@@ -80,10 +80,10 @@ def _part(
 
 
 def _product(term: Product, names: tuple[str, ...], digits: int | None) -> Node:
-    above = tuple(_factor(a, n, names, digits) for a, n in term.factors if n > 0)
-    below = tuple(_factor(a, -n, names, digits) for a, n in term.factors if n < 0)
-    top = _times(above) if above else Node("1", "constant")
-    return Node("÷", "operator", (top, _times(below))) if below else top
+    numerator = tuple(_factor(a, n, names, digits) for a, n in term.factors if n > 0)
+    denominator = tuple(_factor(a, -n, names, digits) for a, n in term.factors if n < 0)
+    top = _times(numerator) if numerator else Node("1", "constant")
+    return Node("÷", "operator", (top, _times(denominator))) if denominator else top
 
 
 def _times(factors: tuple[Node, ...]) -> Node:

@@ -47,7 +47,8 @@ def close_loop(
 
     Each step scores every effect of the vocabulary, refitted together with the model, on parts of
     the training data that it was not fitted on, in the derivative and in the simulation. The best
-    one is added if twins, in which nothing is missing, hardly ever show an effect so good.
+    one is added if twins, simulated records in which nothing is missing, hardly ever show an effect
+    as good.
 
     Parameters
     ----------
@@ -56,24 +57,24 @@ def close_loop(
     train : Record or sequence of Record
         Measurements to fit on and to search in.
     test : Record or sequence of Record, optional
-        Measurements to judge on, which decide nothing. Without them the last of several records,
-        or the last 30 % of a single one, are held out.
+        Measurements to judge on, which influence no decision. Without them the last of several
+        records, or the last 30 % of a single one, are held out.
     significance : float
         Chance to add an effect where nothing is missing, in (0, 1).
     n_twins : int
-        Twins of each step. The smallest possible p-value is 1 / (n_twins + 1).
+        Largest number of twins of each step. The smallest p-value is 1 / (n_twins + 1).
     min_share : float
         An effect must remove at least this share of the error variance that all candidates
-        together could remove, in the derivative or in the simulation, or halve the error that is
-        left. Real records always hold traces of something; this says how small a trace matters.
+        together could remove, in the derivative or in the simulation, or halve the remaining
+        error. Real records always hold small unknown effects; this sets how small one may be.
     max_effects : int
-        Stop once there are so many effects; two that only show together may make it one more. 0
-        only fits the declared model and asks whether it is all.
+        Stop at this many effects; a pair that only shows together may exceed it by one. 0 only
+        fits the declared model and tests whether anything is missing.
     refine : {"auto", "derivative", "simulation"}
-        Error that the final coefficients minimize. By default it is that of the simulation where
-        this predicts parts of the training data better that it was not fitted on, and only there.
+        Error that the final coefficients minimize. "auto" takes the simulation where that predicts
+        unseen parts of the training data better, and the derivative elsewhere.
     operators : sequence of str or Operator
-        Basis functions of the terms that are grown where no name fits; empty to grow none.
+        Basis functions of grown terms, for effects without a name; empty to grow none.
     random_state : int, Generator or None
         Seed of the twins and of the search.
     n_jobs : int, optional
@@ -94,7 +95,7 @@ def close_loop(
 
     Notes
     -----
-    An interrupt (Ctrl-C) ends the search. What was found until then is reported; if that is nothing
+    An interrupt (Ctrl-C) ends the search. Effects found by then are reported; if there are none
     yet, KeyboardInterrupt is raised. Expect 5 to 20 s of one quiet core for 10 000 samples, and
     more with each effect found. The matrices are small, so the linear algebra runs on one thread.
 
@@ -119,18 +120,18 @@ def close_loop(
         given = replace(given, train=train, test=test, wide=wide)
     if may_stop_itself(given.design, given.train, rules, rng):
         given = given.believed()
-    part = witnessed(given.design, given.wide)
-    looked_for = max_effects if given.shows_motion else 0
-    rules = replace(rules, by_trajectory=part.by_trajectory, max_effects=looked_for)
+    segments = witnessed(given.design, given.wide)
+    n_sought = max_effects if given.shows_motion else 0
+    rules = replace(rules, by_trajectory=segments.by_trajectory, max_effects=n_sought)
     basis = resolve(operators, "close_loop") if operators else ()
-    start = Found(given.design, given.train, part, rules, basis)
+    start = Found(given.design, given.train, segments, rules, basis)
     found, is_finished = _search(start, rng)
     report = settled(found, given.test, is_finished and found.has_room, rng)
     return replace(report, shows_motion=given.shows_motion)
 
 
 def _search(found: Found, rng: np.random.Generator) -> tuple[Found, bool]:
-    """Search, and tell whether the search came to its end; an interrupt keeps what was found."""
+    """Search for effects; also tell whether the search ended by itself, not by an interrupt."""
     try:
         for step in look_for_effects(found, rng):
             found = step

@@ -1,14 +1,14 @@
-"""The tables and figures of the paper, made again: what the command `paper` runs.
+"""Reproduces the tables and figures of the paper, for the command `paper`.
 
 The paper is Goharoodi, Dekemele, Loccufier, Dupre, Crevecoeur, Mathematical Problems in Engineering
-2020, 7286575, doi:10.1155/2020/7286575. Its laboratory record is not public; a rig simulated from
-its equation (7) and the coefficients of its table 4 takes its place.
+2020, 7286575, doi:10.1155/2020/7286575. Its laboratory record is not public. It is replaced by a
+rig that is simulated from equation (7) and the coefficients of table 4.
 
 `results.py` is where to begin.
 
 ==========  ====================================================================
 runs
-results     runs what is not finished, then writes tables and figures
+results     runs the trials that are not finished, then writes tables and figures
 cases       which simulated records each table needs
 trials      one trial: a simulated record, a fit, the error of the equation
 store       the file of finished trials, so that an interrupted run can continue
@@ -18,7 +18,7 @@ tables      tables of the paper beside our results, as Markdown and CSV
 peers       results of other packages on the same data
 pictures
 identified  a record and the equations found in it, for the figures
-figures     which figure shows what
+figures     the content of each figure
 plots       draws the figures; the only file that imports matplotlib
 ==========  ====================================================================
 """

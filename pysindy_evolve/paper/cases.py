@@ -24,12 +24,12 @@ class Case:
     Parameters
     ----------
     system : {"numerical", "friction", "rig"}
-        The Duffing oscillator of equation (3), noise on its acceleration; that with friction of
-        equation (7), likewise; or the same measured by two noisy accelerometers and nothing else.
+        The Duffing oscillator of equation (3), or that of equation (7) with friction, each with
+        noise on its acceleration; or the latter, measured only by two noisy accelerometers.
     snr_db : float
         Power of the signal over that of the noise, dB.
     seed : int
-        Of the noise and of the search.
+        Seed of the noise and of the search.
     experiment : {0, 1, 2, 3}
         Row of table 4; 0 for the numerical oscillator.
     fused : bool
@@ -63,14 +63,14 @@ class Case:
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is done.
+    """Seeds and signal-to-noise ratios of the runs.
 
     Parameters
     ----------
     seeds : tuple of int
-        One run each.
+        One run of each case for each seed.
     table2, figure10, table4, friction : tuple of float
-        Signal-to-noise ratios, dB; `friction` is of the noise on the acceleration alone.
+        Signal-to-noise ratios, dB; with `friction`, noise is on the acceleration only.
     """
 
     seeds: tuple[int, ...]
@@ -80,7 +80,7 @@ class Plan:
     friction: tuple[float, ...] = (SNR_RIG, 20.0)
 
     def cases(self, parts: Sequence[str]) -> list[Case]:
-        """Return what the parts need, each record once, the records of one table together."""
+        """Return the cases that the parts need, without duplicates, those of a table together."""
         makers = {
             "table2": self.for_table2,
             "figure10": self.for_figure10,
@@ -91,7 +91,7 @@ class Plan:
         return list(dict.fromkeys(case for cases in wanted for case in cases))
 
     def for_table2(self) -> list[Case]:
-        """Return the records of table 2, each fused and as it was measured."""
+        """Return the records of table 2, each with and without fusion."""
         return [
             Case("numerical", snr, seed, fused=fused)
             for fused in (True, False)
@@ -112,7 +112,7 @@ class Plan:
         return [Case("rig", SNR_RIG, seed, e) for e in TABLE_4 for seed in self.seeds]
 
     def by_noise(self) -> list[Case]:
-        """Return one record a seed at each noise, the experiments in turn."""
+        """Return one record for each noise and seed, of the experiments in turn."""
         noises: list[tuple[System, float]] = [("rig", snr) for snr in self.table4]
         noises += [("friction", snr) for snr in self.friction]
         return [
@@ -123,7 +123,7 @@ class Plan:
 
 
 def plan(n_runs: int = SEEDS, *, first_seed: int = 0, quick: bool = False) -> Plan:
-    """Return how much is done: the paper's 20 runs, or little enough to look at.
+    """Return a plan: the paper's 20 runs of each case, or a few for a quick look.
 
     Parameters
     ----------

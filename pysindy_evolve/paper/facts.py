@@ -1,4 +1,4 @@
-"""What the paper states: settings, identified equations, errors and times. Nothing is computed.
+"""Numbers from the paper: settings, identified equations, errors and times. Nothing is computed.
 
 Tables 1 and 3 are the settings; a row of table 2 or 4 has the coefficients as they are printed.
 """

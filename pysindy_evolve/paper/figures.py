@@ -1,4 +1,4 @@
-"""Which figure shows what; the pictures themselves are drawn in `plots`.
+"""The content of each figure; `plots` draws them.
 
 Figures 4, 5 and 11 show the records, 8 and 12 the identified equation as a tree, 9 and 13 the
 measured against the identified acceleration, 10 the accuracy over the noise.
@@ -25,18 +25,18 @@ def draw(parts: Sequence[str], plan: Plan, store: Store, folder: Path) -> Iterat
     Parameters
     ----------
     parts : sequence of str
-        Names of figures; others are passed over.
+        Names of figures; other parts are ignored.
     plan : Plan
-        Seeds, of which the first is shown, and signal-to-noise ratios.
+        Seeds, of which the first one is drawn, and signal-to-noise ratios.
     store : Store
         Finished trials.
     folder : Path
-        Where PNG and PDF go.
+        Folder of the PNG and PDF files.
 
     Yields
     ------
     Path
-        Of the PNG.
+        The PNG file.
 
     Raises
     ------

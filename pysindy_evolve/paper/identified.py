@@ -1,4 +1,4 @@
-"""A record and what was found in it, as the figures show it."""
+"""A record and the equations found in it, for the figures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Identified"]
 
 
 class Identified:
-    """A record and the equations found in it, each made when it is first asked for."""
+    """A record and the equations found in it, each computed when it is first used."""
 
     def __init__(self, case: Case) -> None:
         self.case = case
@@ -27,7 +27,7 @@ class Identified:
 
     @cached_property
     def equations(self) -> Equations:
-        """What was identified."""
+        """The identified equations."""
         return identify(self.case)[0]
 
     @cached_property

@@ -1,4 +1,4 @@
-"""The results of `benchmarks/peers`, other packages on the same rows, as a table beside table 5."""
+"""Results of other packages on the same data, from `benchmarks/peers`, as a table like table 5."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ def read(path: Path) -> list[Table]:
     if not path.exists():
         return []
     rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines() if line]
-    problems = [one for one in TITLES if any(row["problem"] == one for row in rows)]
-    return [_table(one, [row for row in rows if row["problem"] == one]) for one in problems]
+    problems = [title for title in TITLES if any(row["problem"] == title for row in rows)]
+    return [_table(title, [row for row in rows if row["problem"] == title]) for title in problems]
 
 
 def _table(problem: str, rows: Sequence[Row]) -> Table:
     methods = dict.fromkeys(row["method"] for row in rows)
-    cells = [_cells(one, [row for row in rows if row["method"] == one]) for one in methods]
+    cells = [_cells(method, [row for row in rows if row["method"] == method]) for method in methods]
     header = ("method", "exact", *(name for name, _ in NUMBERS.values()))
     title = f"Table 5 with other packages, same rows, one thread: {TITLES[problem]}"
     return Table(f"table5_{problem}", title, header, tuple(cells), "Medians of the runs.")

@@ -55,7 +55,7 @@ LABELS = {
 
 
 def style() -> Any:
-    """Return a context in which figures are drawn as they are printed."""
+    """Return a context with the style of the printed figures."""
     return plt.rc_context(STYLE)
 
 
@@ -68,7 +68,7 @@ def save(figure: Any, path: Path) -> Path:
 
 
 def input_and_output(rig: DuffingRig) -> Any:
-    """Draw what goes in, and displacement and measured acceleration, over time (figure 4)."""
+    """Draw input, displacement and measured acceleration over time (figure 4)."""
     figure, axes = plt.subplots(3, 1, figsize=(WIDTH, 4.2), sharex=True, layout="constrained")
     _over_time(axes, rig)
     return figure
@@ -82,7 +82,7 @@ def phase_plane(rig: DuffingRig) -> Any:
 
 
 def record(rig: DuffingRig) -> Any:
-    """Draw both side by side (figure 11)."""
+    """Draw the signals over time beside the phase plane (figure 11)."""
     figure = plt.figure(figsize=(WIDTH, 3.6), layout="constrained")
     grid = figure.add_gridspec(3, 2, width_ratios=(3, 2))
     first = figure.add_subplot(grid[0, 0])
@@ -95,7 +95,7 @@ def record(rig: DuffingRig) -> Any:
 def comparison(found: Mapping[str, Identified]) -> Any:
     """Draw measured and identified acceleration of the validation part (figures 9 and 13).
 
-    One row a record: all of it, a close-up around the largest acceleration, one against the other.
+    One row for each record: all of it, a close-up around the largest acceleration, a scatter plot.
     """
     height = 0.3 + 1.7 * len(found)
     figure, axes = plt.subplots(
@@ -116,16 +116,16 @@ def accuracy_over_noise(trials: Mapping[float, Sequence[Trial]]) -> Any:
     figure, (above, below) = plt.subplots(
         2, 1, figsize=(0.75 * WIDTH, 3.6), sharex=True, height_ratios=(2, 1), layout="constrained"
     )
-    there = {snr: found for snr, found in trials.items() if found}
-    snr = np.array(list(there))
-    mean, deviation = np.array([accuracy(found) for found in there.values()]).reshape(-1, 2).T
+    finished = {snr: found for snr, found in trials.items() if found}
+    snr = np.array(list(finished))
+    mean, deviation = np.array([accuracy(found) for found in finished.values()]).reshape(-1, 2).T
     above.errorbar(
         snr, mean, deviation, color=DARK, marker="o", ms=3.5, capsize=2.5, elinewidth=0.8, lw=1.0
     )
     above.set_ylabel("accuracy (%)")
     for share, marker, color, label in (
-        ([100.0 * np.mean([t.exact for t in f]) for f in there.values()], "s", DARK, "exact"),
-        ([100.0 * np.mean([not t.extra for t in f]) for f in there.values()], "x", RED,
+        ([100.0 * np.mean([t.exact for t in f]) for f in finished.values()], "s", DARK, "exact"),
+        ([100.0 * np.mean([not t.extra for t in f]) for f in finished.values()], "x", RED,
          "without extra terms"),
     ):  # fmt: skip
         below.plot(snr, share, marker, color=color, ms=4, label=label, clip_on=False, mfc="none")
@@ -160,9 +160,9 @@ def _orbit(ax: Any, rig: DuffingRig) -> None:
     ax.set(xlabel=LABELS["q"], ylabel=LABELS["v"])
 
 
-def _compare(row: Sequence[Any], one: Identified) -> None:
-    at = one.rig.validation
-    t, measured, identified = one.rig.t[at], one.rig.x_dot[at, 1], one.predicted
+def _compare(row: Sequence[Any], found: Identified) -> None:
+    at = found.rig.validation
+    t, measured, identified = found.rig.t[at], found.rig.x_dot[at, 1], found.predicted
     whole, close, against = row
     peak = t[np.argmax(np.abs(measured))]
     near = np.abs(t - min(peak, t[-1] - CLOSE_UP / 2)) <= CLOSE_UP / 2

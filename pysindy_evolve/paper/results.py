@@ -1,4 +1,4 @@
-"""Run what is not finished yet, then write tables and figures into the results folder."""
+"""Runs the trials that are not finished, then writes tables and figures into a results folder."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ TRIALS = "trials.jsonl"
 
 @dataclass(frozen=True)
 class Results:
-    """What was written.
+    """The tables and figures that were written.
 
     Parameters
     ----------
     tables : tuple of Table
-        Tables, from the trials that are finished.
+        Tables, made of the finished trials.
     figures : tuple of Path
-        Pictures.
+        PNG files.
     finished : bool
         Whether every trial was run and every picture drawn.
     """
@@ -50,12 +50,12 @@ def reproduce(
     n_jobs: int | None = None,
     progress: bool = False,
 ) -> Results:
-    """Make tables and figures of the paper again.
+    """Reproduce tables and figures of the paper.
 
     Parameters
     ----------
     folder : Path
-        Where results go. A trial that is in it already is not run again.
+        Folder of the results. A trial that it already holds is not run again.
     plan : Plan
         Signal-to-noise ratios and seeds.
     parts : sequence of str
@@ -63,7 +63,7 @@ def reproduce(
     peers_file : Path, optional
         Results of `benchmarks/peers`, shown with table 5 if they are there.
     n_jobs : int, optional
-        Trials at a time, as in joblib.
+        Number of parallel processes, as in joblib.
     progress : bool
         Show a progress bar.
 
@@ -73,15 +73,17 @@ def reproduce(
 
     Notes
     -----
-    Each trial is on the disk as soon as it is finished. Ctrl-C ends the trials; the tables are
-    then made of those that are there.
+    Each trial is saved as soon as it is finished. Ctrl-C ends the trials; the tables are then made
+    of the finished ones.
     """
     store = Store(folder / TRIALS)
-    left = [case for case in plan.cases(parts) if case not in store]
+    unfinished = [case for case in plan.cases(parts) if case not in store]
     finished = True
     figures: list[Path] = []
     try:
-        for trial in tqdm(_trials(left, n_jobs), "trial", len(left), disable=not progress):
+        for trial in tqdm(
+            _trials(unfinished, n_jobs), "trial", len(unfinished), disable=not progress
+        ):
             store.add(trial)
     except KeyboardInterrupt:
         finished = False
@@ -115,7 +117,7 @@ def _trials(cases: Sequence[Case], n_jobs: int | None) -> Iterator[Trial]:
 
 
 def _write_report(folder: Path, tables: Sequence[Table], figures: Sequence[Path]) -> None:
-    """Write one page with everything on it."""
+    """Write one page with all tables and figures."""
     parts = [table.to_markdown() for table in tables]
     parts += [f"![{path.stem}]({path.name})\n" for path in figures]
     (folder / "report.md").write_text("\n".join(parts), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""A file of finished trials, one a line, so that an interrupted run loses none."""
+"""A file of finished trials, one on each line, so that an interrupted run loses none."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ __all__ = ["Store"]
 
 
 class Store:
-    """Finished trials in a file, each written as soon as it is there.
+    """Finished trials in a file, each written as soon as it is added.
 
     Parameters
     ----------
     path : Path
-        The file: JSON lines. It is made with its folder if it is not there.
+        The file, in JSON lines. Its folder is created if it does not exist.
     """
 
     def __init__(self, path: Path) -> None:
@@ -33,7 +33,7 @@ class Store:
         return self._trials[case]
 
     def add(self, trial: Trial) -> None:
-        """Keep a trial: it is on the disk when this returns."""
+        """Save a trial; it is on the disk when this returns."""
         line = json.dumps(trial.to_dict())
         with self.path.open("a", encoding="utf-8") as file:
             file.write(f"{line}\n")
@@ -42,16 +42,16 @@ class Store:
         self._trials[trial.case] = trial
 
     def of(self, cases: list[Case]) -> list[Trial]:
-        """Return those of the cases that are finished, in their order."""
+        """Return the trials of the cases that are finished, in order."""
         return [self._trials[case] for case in cases if case in self]
 
 
 def _read(path: Path) -> list[Trial]:
-    """Read what is whole; a run that was killed may have left half a line, which is cut off."""
+    """Read complete lines; a half line that a killed run left is cut off the file."""
     if not path.exists():
         return []
     text = path.read_text(encoding="utf-8")
-    whole, _, rest = text.rpartition("\n")
+    complete, _, rest = text.rpartition("\n")
     if rest:
-        path.write_text(whole + "\n" if whole else "", encoding="utf-8")
-    return [Trial.from_dict(json.loads(line)) for line in whole.splitlines() if line]
+        path.write_text(complete + "\n" if complete else "", encoding="utf-8")
+    return [Trial.from_dict(json.loads(line)) for line in complete.splitlines() if line]

@@ -27,15 +27,15 @@ class Table:
     Parameters
     ----------
     name : str
-        Of its files.
+        Name of its files, without ending.
     title : str
-        What stands above it.
+        Text above the table.
     header : tuple of str
         Names of the columns.
     rows : tuple of tuple of str
         Cells.
     note : str
-        What stands below it.
+        Text below the table.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Table:
 
 
 def make_tables(parts: Sequence[str], plan: Plan, store: Store) -> list[Table]:
-    """Return the tables of the parts, from what is finished."""
+    """Return the tables of the parts, made of the finished trials."""
     found = []
     if "table2" in parts:
         found.append(table2(plan, store))
@@ -85,11 +85,11 @@ def table2(plan: Plan, store: Store) -> Table:
         fused, plain = (store.of([c for c in cases if c.fused is way]) for way in (True, False))
         ours = (_equation(fused), *_summary(fused), *_summary(plain))
         rows.append((f"{snr:g}", paper.equation, f"{paper.error:g}", *ours))
-    plainly = tuple(f"as measured: {name}" for name in _SUMMARY)
+    plain_header = tuple(f"as measured: {name}" for name in _SUMMARY)
     return Table(
         "table2",
         "Table 2. The numerical Duffing oscillator, v′ identified at four signal-to-noise ratios",
-        ("SNR dB", "paper", "error %", "here, first run", *_SUMMARY, *plainly),
+        ("SNR dB", "paper", "error %", "here, first run", *_SUMMARY, *plain_header),
         tuple(rows),
         f"Theory: {THEORY}. {_ERRORS} The noise is on the acceleration. Here it is first joined "
         "with the slope of the velocity (`signals.fuse`); the last columns are fits to the "
@@ -98,7 +98,7 @@ def table2(plan: Plan, store: Store) -> Table:
 
 
 def figure10(plan: Plan, store: Store) -> Table:
-    """Return what figure 10 shows, as numbers."""
+    """Return the numbers behind figure 10."""
     rows = []
     for snr in plan.figure10:
         trials = store.of([c for c in plan.for_figure10() if c.snr_db == snr])
@@ -123,7 +123,7 @@ def figure10(plan: Plan, store: Store) -> Table:
 
 
 def table4(plan: Plan, store: Store) -> Table:
-    """Return identified equations of the rig with friction, one row an experiment."""
+    """Return identified equations of the rig with friction, one row for each experiment."""
     rows = []
     for experiment, paper in TABLE_4.items():
         trials = store.of([c for c in plan.for_table5() if c.experiment == experiment])
@@ -143,7 +143,7 @@ def table4(plan: Plan, store: Store) -> Table:
 
 
 def table4_by_noise(plan: Plan, store: Store) -> Table:
-    """Return how much noise the identification of the rig bears."""
+    """Return the errors on the rig with friction over the signal-to-noise ratio."""
     noises = [("rig", snr) for snr in plan.table4] + [("friction", snr) for snr in plan.friction]
     rows = []
     for system, snr in noises:
@@ -213,7 +213,7 @@ def _share(count: int, trials: Sequence[Trial]) -> str:
 
 
 def _names(trials: Sequence[Trial]) -> str:
-    """Name extra and missing terms with the number of runs, the most frequent first."""
+    """Name the three most frequent extra (+) and missing (−) terms, with the number of runs."""
     signed = [f"+{name}" for trial in trials for name in trial.extra]
     signed += [f"−{name}" for trial in trials for name in trial.missing]
     counts = Counter(signed).most_common()

@@ -1,4 +1,4 @@
-"""One trial: a simulated record, a fit to it, and how far the equation is from the truth."""
+"""One trial: a simulated record, a fit to it, and the error of the equation."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["Trial", "identify", "run"]
 
 @dataclass(frozen=True)
 class Trial:
-    """What one search found.
+    """The result of one search.
 
     Parameters
     ----------
@@ -39,11 +39,10 @@ class Trial:
     coefficient_error : float
         Largest error of a coefficient of the acceleration, % of the true one.
     error : float
-        Of the identified acceleration on the clean validation motion, % of the standard deviation
-        of the clean acceleration.
+        Error of the identified acceleration on the clean validation motion, % of the standard
+        deviation of the clean acceleration.
     measured_error : float
-        The same on the measured validation part against the measured acceleration, noise and all:
-        what can be known without the truth.
+        The same on the measured validation part, against the measured acceleration with its noise.
     seconds : float
         Processor time of the fit.
     """
@@ -68,7 +67,7 @@ class Trial:
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Trial:
-        """Return the trial that `to_dict` has written."""
+        """Return the trial that `to_dict` has converted."""
         lists = {name: tuple(values[name]) for name in ("extra", "missing")}
         return cls(**{**values, **lists, "case": Case(**values["case"])})
 
@@ -94,7 +93,7 @@ def run(case: Case) -> Trial:
 def identify(case: Case) -> tuple[Equations, float]:
     """Fit an ordinary `ps.SINDy` with an evolving library; return equations and processor time.
 
-    A figure of a case that was run in this process does not fit it again.
+    Results are cached, so that a figure does not repeat a fit of this process.
     """
     rig = case.simulate()
     model = ps.SINDy(
@@ -132,7 +131,7 @@ def _coefficient_error(truth: Equations, found: Equations) -> float:
 def _error(
     found: Equations, x: np.ndarray, u: np.ndarray, target: np.ndarray, rig: DuffingRig
 ) -> float:
-    """Return the error on the validation part, %; a mass at rest obeys no function of its state."""
+    """Return the error on the validation part, %, without rows at rest (unknown friction)."""
     rows = np.arange(len(rig.t))[rig.validation]
     rows = rows[rig.v[rows] != 0.0]
     predicted = found.evaluate(x[rows], u[rows])[:, -1]

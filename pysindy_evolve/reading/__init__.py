@@ -1,4 +1,4 @@
-"""What others wrote, as terms: text, sympy, functions of arrays, fitted PySINDy models.
+"""Reads terms from text, from sympy, from Python functions and from fitted PySINDy models.
 
 `text.py` and `library_terms.py` are where to begin.
 

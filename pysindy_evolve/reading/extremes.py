@@ -1,8 +1,7 @@
-"""The smaller and the larger of several expressions, written with magnitudes.
+"""Minimum and maximum of expressions, written with magnitudes.
 
-Half of a + b -+ |a - b| is min(a, b) and max(a, b), in functions that the rest of the package
-knows. A limit such as min(max(u, -1), 1) has two magnitudes side by side, none inside of another:
-half of |u + 1| - |u - 1|.
+min(a, b) and max(a, b) are (a + b -+ |a - b|)/2, in functions that the rest of the package knows. A
+limit such as min(max(u, -1), 1) is (|u + 1| - |u - 1|)/2, with no magnitude inside another.
 """
 
 from __future__ import annotations
@@ -32,26 +31,26 @@ def _of_two(sign: float, a: Sum, b: Sum) -> Sum:
 
 
 def _limit(sign: float, inner: Sum, end: Sum) -> Sum | None:
-    """Return what is between two numbers; None unless one end limits what the other one does."""
+    """Limit x between two numbers, if `inner` is limited on one side and `end` is a number."""
     other = _limited(-sign, inner)
     if other is None or not _is_number(end):
         return None
     x, beginning = other
-    if sign * (_value(end) - _value(beginning)) > 0.0:  # the last one is never passed
+    if sign * (_value(end) - _value(beginning)) > 0.0:  # x is always beyond the outer limit
         return end
     lower, upper = (beginning, end) if sign < 0.0 else (end, beginning)
     return _half(add(lower, upper), sub(_abs(sub(x, lower)), _abs(sub(x, upper))))
 
 
 def _limited(sign: float, expression: Sum) -> tuple[Sum, Sum] | None:
-    """Return x and a number of which an expression is the larger (sign 1) or the smaller."""
+    """Return x and a number if an expression is their maximum (sign 1) or minimum (sign -1)."""
     for weight, term in expression.parts:
         ((atom, _),) = term.factors if len(term.factors) == 1 else ((None, 0),)
         if weight * sign > 0.0 and isinstance(atom, Call) and atom.operator.name == "abs":
-            both = mul(constant(2.0), sub(expression, Sum(((weight, term),))))
+            total = mul(constant(2.0), sub(expression, Sum(((weight, term),))))
             size = mul(constant(2.0 * abs(weight)), atom.args[0])
-            for apart in (size, neg(size)):
-                x, end = _half(both, apart), _half(both, neg(apart))
+            for difference in (size, neg(size)):
+                x, end = _half(total, difference), _half(total, neg(difference))
                 if _is_number(end) and not _is_number(x):
                     return x, end
     return None

@@ -1,8 +1,8 @@
-"""From text or sympy to a syntax tree that holds nothing but arithmetic and calls.
+"""Parses text or sympy into a syntax tree of arithmetic and calls only.
 
-The text is cut into numbers, names and the signs ``+ - * / ** ^ ( ) ,`` first, so that nothing else
-ever reaches Python's own expression grammar, which then settles precedence and nothing more. Names
-are handed over as _0, _1, ...: no keyword and no attribute can be among them.
+The text is first cut into numbers, names and the signs ``+ - * / ** ^ ( ) ,``. Only these reach
+Python's own expression grammar, which settles the precedence. Names are passed to it as _0, _1,
+..., so that none can be a keyword or an attribute.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from sympy.printing.str import StrPrinter
 __all__ = ["MAX_DEPTH", "MAX_EXPONENT", "MAX_SIZE", "Source", "as_text", "chain"]
 
 MAX_TOKENS = 5000
-MAX_DEPTH = 30  # levels of nesting, so that no walk over the result is near Python's own limit
+MAX_DEPTH = 30  # levels of nesting, far below Python's limit of recursion
 MAX_SIZE = 2000  # nodes of the result, as powers of sums of powers grow without bound
 MAX_EXPONENT = 64
 
@@ -27,7 +27,7 @@ _TOKEN = re.compile(
     r"(?P<space>\s+)|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
     r"|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/^(),])"
 )
-# What is meant by signs that look like others, in texts that were copied from a page.
+# Advice for signs that look like others, in text that was copied from a page.
 _MEANT = {"=": "Give the right-hand side alone."}
 _MEANT |= dict.fromkeys("\u2212\u2013\u2014", "Use - (the minus of the keyboard).")
 _MEANT |= dict.fromkeys("\u00b7\u22c5\u00d7", "Write a product with *.")
@@ -66,7 +66,7 @@ class Source:
     def __init__(self, text: str, owner: str) -> None:
         self.text, self.owner = text, owner
         self.names: list[str] = []
-        self._starts: list[int] = []  # position in the text of each character of the grammar's
+        self._starts: list[int] = []  # position in the text of each character that is parsed
         self.tree = self._parsed(self._tokens())
         self._check_depth()
 
@@ -155,14 +155,14 @@ class Source:
         try:
             return ast.parse(" ".join(pieces), mode="eval").body
         except SyntaxError as error:
-            place = (error.offset or 0) - 1  # past the end where something is missing there
+            place = (error.offset or 0) - 1  # past the end if something is missing there
             inside = 0 <= place < len(self._starts)
             self.fail_syntax(self._starts[place] if inside else len(self.text))
         except (RecursionError, MemoryError):
             self.fail_size(0)
 
     def _piece(self, token: _Token) -> str:
-        """Return what the grammar gets in place of a token."""
+        """Return the text that Python's grammar gets in place of a token."""
         if token.kind == "name":
             self.names.append(token.text)
             return f"_{len(self.names) - 1}"
@@ -196,7 +196,7 @@ class Source:
         return f" at character {position + 1} of {dots[0] + before + after + dots[1]!r}"
 
     def _fail_comma(self, before: list[_Token], position: int) -> NoReturn:
-        """Raise the error of a comma outside of parentheses; position is that of what follows."""
+        """Raise the error of a comma outside of parentheses; `position` is just behind it."""
         digits = re.match(r"[0-9]+", self.text[position:])
         advice = "Commas stand between the arguments of a function only."
         if digits and before and before[-1].kind == "number":
@@ -213,7 +213,7 @@ class Source:
 def chain(node: ast.BinOp) -> list[tuple[ast.operator | None, ast.expr]]:
     """Return the operands of a - b + c or a * b / c from left to right, with their operators.
 
-    A long sum is nested as deep as it has parts, so it is unrolled rather than walked into.
+    A sum is nested as deep as it has parts, so it is unrolled: recursion would go too deep.
     """
     links: list[tuple[ast.operator | None, ast.expr]] = []
     left: ast.expr = node

@@ -1,9 +1,9 @@
 """Reads a fitted PySINDy model into Equations.
 
-The columns of each library are built again as terms, from what the library *does* (powers,
-frequencies, functions, inputs of each part) and never from the names that it prints. Every result
-is compared with the library's own ``transform`` before it is handed out, so a subclass that does
-something else is an error and not a wrong equation.
+The columns of each library are rebuilt as terms, from its attributes (powers, frequencies,
+functions, inputs of each part) and never from the names that it prints. Every result
+is compared with the library's own ``transform``, so a subclass that computes something else raises
+an error instead of giving a wrong equation.
 """
 
 from __future__ import annotations
@@ -98,12 +98,12 @@ def columns_of(library: BaseFeatureLibrary, owner: str = "columns_of(library=...
 
 
 def check_ordinary(library: Any, owner: str) -> None:
-    """Refuse a library, fitted or not, whose columns are no functions of one row.
+    """Raise if the columns of a library, fitted or not, are not functions of one row.
 
     Parameters
     ----------
     library : pysindy feature library
-        The library, with all that it is made of.
+        The library; its parts are checked too.
     owner : str
         The call and parameter to name in an error.
 
@@ -150,7 +150,7 @@ def _from_sindy(model: ps.SINDy, owner: str) -> Equations:
 
 
 class _Reader:
-    """Builds columns; keeps the names of opaque functions apart."""
+    """Builds columns; gives functions that cannot be traced unique names."""
 
     def __init__(self, owner: str) -> None:
         self.owner = owner
@@ -159,7 +159,7 @@ class _Reader:
     def columns(self, library: Any, inputs: Sequence[int]) -> list[Sum]:
         """Return the columns of a library that sees the given variables."""
         if hasattr(library, "terms_"):
-            return self._own(library, inputs)
+            return self._with_terms(library, inputs)
         if isinstance(library, ps.PolynomialLibrary):
             return [_monomial(powers, inputs) for powers in library.powers_]
         if isinstance(library, ps.FourierLibrary):
@@ -174,7 +174,7 @@ class _Reader:
             return self._generalized(library, inputs)
         raise _not_ordinary(library, self.owner)
 
-    def _own(self, library: Any, inputs: Sequence[int]) -> list[Sum]:
+    def _with_terms(self, library: Any, inputs: Sequence[int]) -> list[Sum]:
         base = getattr(library, "base_library_", None)
         fixed = [] if base is None else self.columns(base, inputs)
         grown = [t if isinstance(t, Sum) else of_term(t) for t in library.terms_]
@@ -185,7 +185,7 @@ class _Reader:
         result = [terms.constant(1.0)] if library.include_bias else []
         for function, namer in zip(library.functions, library.function_names, strict=True):
             arity = _arity(function)
-            # The library's own rule for which variables a function of two sees.
+            # The library's own rule for the variables that a function of several sees.
             groups = library._combinations(len(inputs), arity, library.interaction_only)
             operator = None
             for group in groups:
@@ -198,7 +198,7 @@ class _Reader:
         return result
 
     def _operator(self, function: Callable[..., Any], namer: Any, arity: int) -> Operator:
-        """Wrap a function as it is, under its printed name, which no other function may have."""
+        """Wrap a function as it is, under its printed name, with a number if that is taken."""
         found = re.match(r"([^\W\d]\w*)\(", str(namer(*["_"] * arity)))
         stem = name = found.group(1) if found else "f"
         number = 0
@@ -262,7 +262,7 @@ def _check_against_transform(library: Any, columns: Sequence[Sum], owner: str) -
         cache: terms.Cache = {}
         found = np.column_stack([column.evaluate(x, cache) for column in columns])
     same_shape = found.shape == expected.shape
-    # Where the library has no value (x * 1/x at zero) a term may have one, as x * 1/x is 1.
+    # Where the library has no value, as x * 1/x at zero, the simplified term may have one.
     found = np.where(np.isfinite(expected), found, expected) if same_shape else found
     if not (same_shape and np.allclose(found, expected, rtol=1e-8, atol=1e-10, equal_nan=True)):
         raise TypeError(

@@ -1,4 +1,4 @@
-"""Names in a text: constants that must have a value, and what an unknown name was meant to be."""
+"""Names in a text: known constants are checked, and errors suggest what an unknown name means."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from typing import Any
 __all__ = ["advise_function", "advise_parameter", "check_known"]
 
 NUMERALS = re.compile(r"\d+")
-ALIKE = 0.66  # of two names: one letter of three is another, or there is one more to two
+ALIKE = 0.66  # least similarity of two names: one letter of three differs, or two have one more
 SPEEDS = ("v", "w", "omega", "vel", "velocity", "speed", "dq", "qd", "q_dot", "dx", "xd", "x_dot")
-PRODUCT = 2  # letters of a name that may have been a factor: k(q - 1) was meant as k*(q - 1)
+PRODUCT = 2  # letters up to which a name may be a factor: k(q - 1) was meant as k*(q - 1)
 
 
 def check_known(known: Mapping[str, Any], call: str) -> dict[str, float]:
-    """Return known constants as floats; raise, naming the constant, where one is no number."""
+    """Return known constants as floats; raise if one is not a finite number."""
     for name, value in known.items():
         if not isinstance(value, Real) or not math.isfinite(value):
             raise ValueError(
@@ -29,13 +29,13 @@ def check_known(known: Mapping[str, Any], call: str) -> dict[str, float]:
 
 
 def advise_function(name: str, functions: Iterable[str]) -> str:
-    """Return what to write in the place of a call of an unknown function."""
+    """Return the advice for a call of an unknown function."""
     names = list(functions)
     near = get_close_matches(name, names, 2)
-    said = f"Did you mean {' or '.join(near)}? " if near else ""
+    guess = f"Did you mean {' or '.join(near)}? " if near else ""
     if not near and len(name) <= PRODUCT:
-        said = f"Write {name}*(...) for a product. "
-    return f"{said}Functions: {', '.join(names)}."
+        guess = f"Write {name}*(...) for a product. "
+    return f"{guess}Functions: {', '.join(names)}."
 
 
 def advise_parameter(
@@ -44,16 +44,17 @@ def advise_parameter(
     inputs: Iterable[str],
     known: Iterable[str] = (),
 ) -> str:
-    """Return what one of the free parameters was meant to be: the one most like a known name.
+    """Return the advice for free parameters of which one may be a misspelled name.
 
-    Of the two factors of a product, one may be the speed, under another of its usual names.
+    If several are factors of a product and none resembles a known name, one may be a speed under
+    another of its usual names.
     """
     acting = list(inputs)
     states = [name for name in variables if name not in (*acting, "t")]
     near = {name: _meant(name, [*states, *acting, *known]) for name in names}
     if len(names) > 1 and not any(near.values()):
         near = {name: _speed(name, states) for name in names}
-    name = max(names, key=lambda one: bool(near[one]))  # the first, if none is like another name
+    name = max(names, key=lambda name: bool(near[name]))  # the first, if none resembles a name
     meant = f" Did you mean {near[name]!r}?" if near[name] else ""
     return (
         f"{name!r} is neither a state ({', '.join(states) or 'none'}) nor an input "
@@ -64,15 +65,15 @@ def advise_parameter(
 
 
 def _meant(name: str, others: Sequence[str]) -> str:
-    """Return the name that differs by case only or, of three letters and more, hardly; or none."""
+    """Return the name that differs by case only, else the most similar one; "" if there is none."""
     for other in others:
         if other.casefold() == name.casefold():
             return other
-    # k12 beside k13 is another one, not the same misspelled.
-    unlike = [other for other in others if NUMERALS.sub("", other) != NUMERALS.sub("", name)]
-    return next(iter(get_close_matches(name, unlike, 1, ALIKE)), "")
+    # k12 is another parameter than k13, not a misspelled one.
+    compared = [other for other in others if NUMERALS.sub("", other) != NUMERALS.sub("", name)]
+    return next(iter(get_close_matches(name, compared, 1, ALIKE)), "")
 
 
 def _speed(name: str, states: Sequence[str]) -> str:
-    """Return the state that is a speed by its name, where `name` is another name of one."""
+    """Return the state whose name stands for a speed, if `name` does too; else ""."""
     return next((state for state in states if name in SPEEDS and state in SPEEDS), "")

@@ -1,6 +1,6 @@
 """Right-hand sides as text or sympy: read against a whitelist, never executed.
 
-What comes out is linear in its free parameters: ``-k*q - c*v + 3`` means k times ``-q``, c times
+The result is linear in its free parameters: ``-k*q - c*v + 3`` means k times ``-q``, c times
 ``-v``, and a known part ``3``.
 """
 
@@ -83,7 +83,7 @@ def parse(
     operators : iterable of Operator
         Functions of the user, next to the built-in ones.
     inputs : collection of str
-        Those of the variables that are inputs, for the text of an error.
+        Names of the inputs among the variables, for error messages.
     owner : str
         The call and parameter to name in an error.
 
@@ -119,7 +119,7 @@ def parse(
     return RightHandSide(value.get(None, Sum(())), parts, frozenset(source.names))
 
 
-# What each free parameter multiplies; None stands for the part without any.
+# The factor of each free parameter; None is the key of the part without any.
 _Linear = dict[str | None, Sum]
 
 
@@ -202,11 +202,11 @@ class _Reader:
         return result
 
     def _multiplied(self, a: _Linear, b: _Linear, node: ast.expr) -> _Linear:
-        one, other = _parameters(a), _parameters(b)
-        if one and other:
-            what = f"the product of {one[0]!r} and {other[0]!r}"
-            self._fail_nonlinear(what, [other[0], one[0]], node)
-        if other:
+        in_a, in_b = _parameters(a), _parameters(b)
+        if in_a and in_b:
+            what = f"the product of {in_a[0]!r} and {in_b[0]!r}"
+            self._fail_nonlinear(what, [in_b[0], in_a[0]], node)
+        if in_b:
             a, b = b, a
         factor = b.get(None, Sum(()))
         return {name: terms.mul(part, factor) for name, part in a.items()}
@@ -292,7 +292,7 @@ def _total(sums: list[Sum]) -> Sum:
 def real_power(base: Sum, exponent: float) -> Sum:
     """Return an integer power, x^n sqrt(x) for halves, exp(p log(x)) for all others.
 
-    That of max(x, 0) has the root of |x|, where x is positive: x + |x| may round to less than zero.
+    A power of max(x, 0) takes that of |x| where x is positive, as x + |x| may round below zero.
     """
     whole = int(exponent)
     if exponent == whole:

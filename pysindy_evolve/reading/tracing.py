@@ -1,8 +1,8 @@
-"""From a Python function of arrays to terms, by calling it once on symbols in place of arrays.
+"""Turns a Python function of arrays into terms, by calling it once on symbols.
 
-``lambda q, v: q * np.abs(v)`` becomes the term q abs(v). What cannot be followed (branches,
-``np.where``, special functions) or does not give the same numbers is left to the caller, who wraps
-the function as it is.
+``lambda q, v: q * np.abs(v)`` becomes the term q abs(v). A function that cannot be traced
+(branches, ``np.where``, special functions), or whose terms give other numbers, is left to the
+caller, who wraps it as it is.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ for _name, _ufunc in {
 }.items():  # fmt: skip
     _UFUNCS[_ufunc] = lambda a, operator=BUILTIN[_name]: terms.call(operator, a)
 
-# Of both signs, with zeros, small and large: a function that agrees here to rounding agrees.
+# Values of both signs, zero, small and large, at which a function and its terms must agree.
 _MAGNITUDES = np.array([0.0, 1e-7, 1e-3, 0.2, 0.7, 1.0, 2.3, 5.0, 11.0, 40.0, 1e3])
 _PROBE = np.concatenate([-_MAGNITUDES[:0:-1], _MAGNITUDES])
 
@@ -57,14 +57,14 @@ def trace(function: Callable[..., Any], columns: Sequence[int]) -> Sum | None:
     Returns
     -------
     Sum or None
-        None if the function cannot be followed.
+        None if the function cannot be traced.
     """
     try:
         result = function(*(_Symbol(terms.variable(index)) for index in columns))
         traced = _as_sum(result)
         if _agree(function, traced, columns):
             return traced
-    # The function is the user's and was never meant for symbols: it may fail in any way at all.
+    # The user's function was not written for symbols, so it may fail in any of these ways.
     except (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError):
         pass
     return None
@@ -83,7 +83,7 @@ def _agree(function: Callable[..., Any], traced: Sum, columns: Sequence[int]) ->
 
 
 class _Symbol(np.lib.mixins.NDArrayOperatorsMixin):
-    """Stands for an array in a call of the user's function and records what is done to it."""
+    """A symbol in place of an array in a call of the user's function; records the operations."""
 
     def __init__(self, value: Sum) -> None:
         self.value = value

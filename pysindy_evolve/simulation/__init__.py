@@ -40,7 +40,7 @@ from .structure import structure_of
 __all__ = ["simulate"]
 
 OnDivergence = Literal["warn", "nan", "raise"]
-POINTS_PER_SAMPLE = 10  # at which an input given as a function is taken
+POINTS_PER_SAMPLE = 10  # at which an input that is a function is evaluated
 
 
 def simulate(
@@ -56,7 +56,7 @@ def simulate(
     on_divergence: OnDivergence = "warn",
     progress: bool = False,
 ) -> np.ndarray:
-    """Integrate a model from one initial state, with nothing measured fed back.
+    """Integrate a model from one initial state, without feeding measurements back.
 
     Solves dx/dt = f(x, u, t) where f may jump where the argument of a sgn changes its sign. There
     the solution is Filippov's: it crosses, or it sticks until the rest of f overcomes the jump.
@@ -73,10 +73,10 @@ def simulate(
         Times at which the state is wanted, strictly increasing, in units of t.
     u : array-like of shape (n_samples,) or (n_samples, n_inputs), or callable, optional
         Inputs at t, linear in between; or a function of an array of times that returns such an
-        array, which is taken at ten points a sample. If the last input is named "t" and is not
-        given, it is filled with time.
+        array, which is evaluated at ten points per sample. If the last input is named "t" and is
+        not given, it is filled with time.
     substeps : int, optional
-        Steps a sample interval, without error control. By default the error of each step is
+        Steps per sample interval, without error control. By default the error of each step is
         held below `tolerance`.
     tolerance : float
         Error of one step, relative to the largest value each state has had. Dimensionless.
@@ -86,7 +86,7 @@ def simulate(
     bound : float
         Absolute value of a state at which the run counts as diverged.
     on_divergence : {"warn", "nan", "raise"}
-        What follows when the states leave the bound: the rest is NaN, with or without a
+        What happens when the states leave the bound: the rest is NaN, with or without a
         RuntimeWarning, or a FloatingPointError is raised.
     progress : bool
         Show a progress bar.
@@ -153,7 +153,7 @@ def _refuse_algebraic(equations: Equations) -> None:
 
 
 def _fill(out: np.ndarray, samples: Iterator[Any], bound: float, progress: bool) -> str:
-    """Write samples into out, chunk by chunk; return why the run ended early, or nothing."""
+    """Write samples into out, chunk by chunk; return why the run ended early, else ""."""
     done, reason = 1, ""
     with tqdm(total=len(out) - 1, disable=not progress, unit="sample") as bar:
         while done < len(out) and not reason:

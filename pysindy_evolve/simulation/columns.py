@@ -1,4 +1,4 @@
-"""Right-hand sides on many columns at once, one column a window.
+"""Right-hand sides of many runs at once, one column for each run.
 
 All columns take the same Runge-Kutta steps of order 4 in one array. A switch that is *held* stays
 at zero by Filippov's rule, as in the free run.
@@ -30,9 +30,9 @@ __all__ = [
     "balance", "both_slopes", "choose_substeps", "field_of", "moved", "step", "switching",
 ]  # fmt: skip
 
-SWEEPS = 8  # over several switches at zero
-SETTLED = 1e-9  # change of a sign between two sweeps
-PROBE = 1e-3  # of a step, along which the slope of a switching function is taken
+SWEEPS = 8  # of the fixed-point iteration over several switches at zero
+SETTLED = 1e-9  # change of a sign between two sweeps at which the iteration ends
+PROBE = 1e-3  # share of a step over which the slope of a switching function is taken
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Field:
     switches : tuple of Switch
         Arguments of sgn.
     affine : bool
-        Whether every sign is but a factor of terms, so that x_dot is affine in it.
+        Whether signs are only factors of terms, so that x_dot is affine in them.
     """
 
     tape: Tape
@@ -58,16 +58,16 @@ class Field:
 
     def coef_of(self, n_columns: int) -> np.ndarray:
         """Return the coefficients of each column, those of the first model first."""
-        one = np.moveaxis(self.coef, 0, -1)
-        return np.repeat(one, n_columns // len(self.coef), axis=-1)
+        by_model = np.moveaxis(self.coef, 0, -1)
+        return np.repeat(by_model, n_columns // len(self.coef), axis=-1)
 
 
 @dataclass(frozen=True)
 class Columns:
     """State of some columns at the start of a step; see the table of the module.
 
-    `t`, of shape (n_columns,), holds the time of each column. Inside a step no `replace` is called,
-    which takes longer than what it is asked for.
+    `t`, of shape (n_columns,), holds the time of each column. Steps call the constructor and not
+    `replace`, which would take longer than the arithmetic.
     """
 
     x: np.ndarray
@@ -94,7 +94,7 @@ class Columns:
 
 
 def field_of(equations: Equations, batch: np.ndarray) -> Field:
-    """Return the right-hand side of models that share their terms, without those unused."""
+    """Return the right-hand side of models that share their terms, without unused terms."""
     used = np.flatnonzero(np.any(batch != 0.0, axis=(0, 1)))
     terms = tuple(equations.terms[i] for i in used)
     n_states = len(equations.states)
@@ -105,7 +105,7 @@ def field_of(equations: Equations, batch: np.ndarray) -> Field:
 
 
 def step(field: Field, c: Columns, h: np.ndarray) -> Columns:
-    """Take one Runge-Kutta step of length h in every column, the signs as they are."""
+    """Take one Runge-Kutta step of length h in every column, with frozen signs."""
     k1 = _rates(field, c, h)
     middle = moved(c, k1, h / 2)
     k2 = _rates(field, middle, h)
@@ -117,7 +117,7 @@ def step(field: Field, c: Columns, h: np.ndarray) -> Columns:
 
 
 def moved(c: Columns, k: np.ndarray, h: np.ndarray) -> Columns:
-    """Return the columns after h at the rates k."""
+    """Return the columns after a time h at the rates k."""
     return Columns(c.x + h * k, c.u + h * c.du, c.du, c.t + h, c.s, c.held, c.coef)
 
 
@@ -132,7 +132,7 @@ def _rates(field: Field, c: Columns, h: np.ndarray) -> np.ndarray:
     balanced = _mixed_rates(field, part, signs)
     for i, switch in enumerate(field.switches):
         if switch.state is not None:
-            balanced[switch.state, part.held[i]] = 0.0  # rest is rest, to the last digit
+            balanced[switch.state, part.held[i]] = 0.0  # a held state stays exactly zero
     rates[:, at] = balanced
     return rates
 
@@ -157,7 +157,7 @@ def _plain_rates(field: Field, c: Columns, s: np.ndarray) -> np.ndarray:
     theta = field.tape.theta([*c.x, *c.u, c.t], s)
     if len(field.coef) == 1:
         return field.coef[0] @ theta
-    if not np.isfinite(theta).all():  # a term without a value says nothing of models without it
+    if not np.isfinite(theta).all():  # NaN must not reach models without this term
         theta = np.where(np.any(c.coef != 0.0, axis=0), theta, 0.0)
     return np.einsum("skc,kc->sc", c.coef, theta)
 
@@ -174,8 +174,8 @@ def _slope(field: Field, c: Columns, s: np.ndarray, i: int, h: np.ndarray) -> np
     if state is not None:
         return rates[state]
     probe = PROBE * h
-    there = moved(c, rates, probe)
-    return (switching(field, there)[i] - switching(field, c)[i]) / probe
+    ahead = moved(c, rates, probe)
+    return (switching(field, ahead)[i] - switching(field, c)[i]) / probe
 
 
 def both_slopes(
@@ -188,7 +188,7 @@ def both_slopes(
 
 
 def _equivalent(field: Field, c: Columns, held: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """Return signs that hold all held switches at zero, not bounded by one."""
+    """Return the signs that keep all held switches at zero; they may exceed 1 in size."""
     s = c.s.copy()
     several = held.sum(axis=0).max() > 1
     for _ in range(SWEEPS if several else 1):
@@ -202,14 +202,14 @@ def _equivalent(field: Field, c: Columns, held: np.ndarray, h: np.ndarray) -> np
 
 
 def balance(up: np.ndarray, down: np.ndarray) -> np.ndarray:
-    """Return the sign between -1 and 1 (or beyond) at which a slope affine in it is zero."""
+    """Return the sign, also beyond -1 and 1, at which a slope that is affine in it is zero."""
     total, gap = up + down, down - up
     with np.errstate(all="ignore"):
         return np.where(total == 0.0, 0.0, total / gap)
 
 
 def choose_substeps(field: Field, c: Columns, h: np.ndarray, tolerance: float, largest: int) -> int:
-    """Return how many steps a sample interval needs in nine columns of ten.
+    """Return the number of steps per sample interval that is enough in nine columns of ten.
 
     Parameters
     ----------
@@ -220,9 +220,9 @@ def choose_substeps(field: Field, c: Columns, h: np.ndarray, tolerance: float, l
     h : ndarray of shape (n_columns,)
         Sample interval.
     tolerance : float
-        Error of one interval, relative to the spread of each state over the columns.
+        Error of one interval, relative to the largest magnitude of each state, or of its change.
     largest : int
-        Never more than these.
+        Largest number to return.
 
     Returns
     -------

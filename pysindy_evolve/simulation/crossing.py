@@ -14,8 +14,8 @@ from .columns import SETTLED, SWEEPS, Columns, Field, balance, both_slopes, move
 
 __all__ = ["advance", "start_signs"]
 
-MAX_EVENTS = 8  # in one step
-REFINEMENTS = 2  # of the fraction of the step at which a switch is crossed
+MAX_EVENTS = 8  # switches crossed in one step
+REFINEMENTS = 2  # steps of regula falsi after the first interpolation
 
 
 def advance(field: Field, columns: Columns, h: np.ndarray) -> Columns:
@@ -25,12 +25,12 @@ def advance(field: Field, columns: Columns, h: np.ndarray) -> Columns:
     columns = _synchronized(field, columns, h)
     after = step(field, columns, h)
     todo, crossed = _crossed(field, after)
-    now, left, end = columns, h, after
+    now, rest, end = columns, h, after
     for _ in range(MAX_EVENTS):
         if not len(todo):
             break
-        now, left = _cross(field, now.pick(crossed), left[crossed], end.pick(crossed))
-        end = step(field, now, left)
+        now, rest = _cross(field, now.pick(crossed), rest[crossed], end.pick(crossed))
+        end = step(field, now, rest)
         after.put(todo, end)
         beyond, crossed = _crossed(field, end)
         todo = todo[beyond]
@@ -38,7 +38,7 @@ def advance(field: Field, columns: Columns, h: np.ndarray) -> Columns:
 
 
 def start_signs(field: Field, columns: Columns, h: np.ndarray) -> Columns:
-    """Set the signs at measured states; a switch that is exactly at zero is decided."""
+    """Set the signs at measured states, by Filippov's rule where a switch is exactly at zero."""
     for _ in field.switches:  # inner signs first
         columns = replace(columns, s=np.sign(switching(field, columns)))
     zero = switching(field, columns) == 0.0
@@ -64,7 +64,7 @@ def _resolve(field: Field, c: Columns, zero: np.ndarray, h: np.ndarray) -> Colum
 
 
 def _synchronized(field: Field, c: Columns, h: np.ndarray) -> Columns:
-    """Release switches whose limit is passed, and renew the signs that jumped with an input."""
+    """Release held switches beyond their limit, and update signs that depend on inputs only."""
     for i, switch in enumerate(field.switches):
         if switch.external:
             g = switching(field, c)[i]
@@ -79,13 +79,13 @@ def _synchronized(field: Field, c: Columns, h: np.ndarray) -> Columns:
 
 
 def _crossed(field: Field, after: Columns) -> tuple[np.ndarray, np.ndarray]:
-    """Return the columns whose step went beyond a switch: as indices, and as a mask."""
+    """Return the columns whose step crossed a switch: as indices, and as a mask."""
     beyond = (~after.held & (after.s * switching(field, after) < 0.0)).any(axis=0)
     return np.flatnonzero(beyond), beyond
 
 
 def _cross(field: Field, c: Columns, h: np.ndarray, after: Columns) -> tuple[Columns, np.ndarray]:
-    """Go to the first switch in each column and decide there; return it and the rest of h."""
+    """Step to the first switch of each column, apply Filippov's rule; also return the rest of h."""
     fraction, first = _fractions(field, c, h, after)
     at = step(field, c, fraction * h)
     zero = at.held.copy()
@@ -112,15 +112,15 @@ def _fractions(
     first = np.argmin(share, axis=0)
     columns = np.arange(len(h))
     low, high = np.zeros(len(h)), np.ones(len(h))
-    below, above = start[first, columns], end[first, columns]
+    low_value, high_value = start[first, columns], end[first, columns]
     fraction = np.clip(share[first, columns], 0.0, 1.0)
     for _ in range(REFINEMENTS):
         trial = step(field, c, fraction * h)
         value = (signs * switching(field, trial))[first, columns]
         inside = value >= 0.0
-        low, below = np.where(inside, fraction, low), np.where(inside, value, below)
-        high, above = np.where(inside, high, fraction), np.where(inside, above, value)
+        low, low_value = np.where(inside, fraction, low), np.where(inside, value, low_value)
+        high, high_value = np.where(inside, high, fraction), np.where(inside, high_value, value)
         with np.errstate(all="ignore"):
-            fraction = low + (high - low) * below / (below - above)
+            fraction = low + (high - low) * low_value / (low_value - high_value)
         fraction = np.clip(np.nan_to_num(fraction, nan=0.0), 0.0, 1.0)
     return fraction, first

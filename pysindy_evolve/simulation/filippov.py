@@ -35,8 +35,8 @@ class Stage:
     sigmas : dict of int to expression
         Equivalent sign of each sliding switch.
     shifts : list of list of expressions
-        Newton step on each state that brings a sliding switch to zero, for each of those switches
-        that are no plain state.
+        Newton step on each state that brings a sliding switch to zero, for each sliding switch
+        that is not a plain state.
     """
 
     lines: Lines
@@ -70,7 +70,7 @@ def stage_of(rows: Rows, sliding: Sequence[int]) -> Stage:
     for k, i in enumerate(sliding):
         state = rows.structure.switches[i].state
         if state is not None:
-            x_dot[state] = sympy.Integer(0)  # rest is rest, to the last digit
+            x_dot[state] = sympy.Integer(0)  # a held state stays exactly zero
             continue
         shifts.append([jump * RATIO(rows.g[i], gains[k][k]) for jump in jumps[k]])
     return Stage([*lines, *more], x_dot, dict(zip(sliding, sigmas, strict=True)), shifts)
@@ -106,7 +106,7 @@ def _take(rest: Iterable[Any], n: int) -> list[Any]:
 def _eliminate(gains: list[list[Any]], needs: list[Any]) -> tuple[Lines, list[Any]]:
     """Solve needs + gains @ sigma = 0 in symbols, without pivots.
 
-    The gains of friction are minus a positive definite matrix, which needs none.
+    The gains of friction are minus a positive definite matrix, which needs no pivots.
     """
     lines: Lines = []
     a, b, m = [list(row) for row in gains], list(needs), len(needs)

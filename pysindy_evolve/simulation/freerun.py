@@ -26,17 +26,17 @@ Vector = Sequence[float]
 _FAILURES = (ArithmeticError, ValueError)  # what math raises where numpy gives inf or nan
 _HUGE = math.inf
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 4.0, 0.2  # usual factors of a step-size controller
-SMALLEST = 1e-6  # of a sample interval: a jump that no sgn announces is stepped over here
+SMALLEST = 1e-6  # of a sample interval: shorter steps are never rejected, as at a jump without sgn
 EVENT_TOLERANCE = 1e-12  # of the step in which a switch is located
 MAX_STEPS = 10_000  # in one sample interval: a pole, or much too stiff
 MAX_EVENTS = 200  # in one sample interval; more would be chatter
 SWEEPS = 60  # of the fixed-point iteration over several switches at zero
-LIMIT = 1.0 - 1e-9  # of the equivalent sign that still holds a switch
-CHUNK = 1024  # samples between two looks at the bound and the progress bar
+LIMIT = 1.0 - 1e-9  # largest magnitude of the equivalent sign at which a switch is held
+CHUNK = 1024  # samples between two checks of the bound, and updates of the progress bar
 
 
 class Diverged(Exception):
-    """The states left every bound, or the steps became too many."""
+    """The states are not finite, the right-hand side has no value, or the steps are too many."""
 
 
 @dataclass(frozen=True)
@@ -93,11 +93,11 @@ class FreeRun:
         self.signs = [0.0] * len(self._switches)
         first = True
         rows = zip(t.tolist(), steps.tolist(), _rows(u), _rows(slopes), strict=False)
-        for time, h, here, slope in rows:
+        for time, h, u_here, slope in rows:
             if first or external:
                 try:
-                    self._start(time, h, x, here, slope, first, external)
-                    self._weigh(h, time, x, here)
+                    self._start(time, h, x, u_here, slope, first, external)
+                    self._weigh(h, time, x, u_here)
                 except _FAILURES as failure:
                     raise Diverged("the right-hand side has no value") from failure
                 step, first = self.program.step(self.sliding), False
@@ -105,7 +105,7 @@ class FreeRun:
                 self.n_steps += 1
                 try:
                     after, _, lowest, error = step(
-                        h, time, x, here, slope, self.signs, self._weights, p
+                        h, time, x, u_here, slope, self.signs, self._weights, p
                     )
                 except _FAILURES:
                     error = math.nan
@@ -113,7 +113,7 @@ class FreeRun:
                     x = after
                     yield x
                     continue
-            x = self._interval(time, h, x, here, slope)
+            x = self._interval(time, h, x, u_here, slope)
             step = self.program.step(self.sliding)
             yield x
 
@@ -122,17 +122,17 @@ class FreeRun:
         return self.program.structure.switches
 
     def _weigh(self, h: float, t: float, x: Vector, u: Vector) -> bool:
-        """Let the error weights follow the largest states so far; tell whether they changed.
+        """Update the error weights to the largest states so far; tell whether they changed.
 
-        What the single terms of a row move in one step, and in the next one, counts as well: it
-        is the size of the rounding errors of a state that its terms hold at zero between them.
+        The change by each single term in this step and the next counts as well. If large terms
+        cancel and hold a state at zero, this is the scale of its rounding errors.
         """
         rates = self.program.sizes
         signs = [1.0 if i in self.sliding else s for i, s in enumerate(self.signs)]
         moves = [h * rate for rate in rates(t, x, u, signs, self.parameters)]
         moved = [value + move for value, move in zip(x, moves, strict=True)]
-        further = [h * rate for rate in rates(t, moved, u, signs, self.parameters)]
-        size = [max(z) for z in zip(self._size, map(abs, x), moves, further, strict=True)]
+        next_moves = [h * rate for rate in rates(t, moved, u, signs, self.parameters)]
+        size = [max(z) for z in zip(self._size, map(abs, x), moves, next_moves, strict=True)]
         changed = size != self._size
         self._size = size
         self._weights = [1.0 / max(self.limits.tolerance * value, 1e-290) for value in size]
@@ -162,25 +162,25 @@ class FreeRun:
         while done < h:
             if self.n_steps > most:
                 raise Diverged(f"one sample interval took more than {MAX_STEPS} steps")
-            left = h - done
+            rest = h - done
             wanted = h / substeps if substeps else self.trial
-            trial = left / max(math.ceil(left / wanted - 1e-9), 1)
-            here = [a + done * b for a, b in zip(u, du, strict=True)]
-            after, margins, error = self._try(trial, t + done, x, here, du)
+            trial = rest / max(math.ceil(rest / wanted - 1e-9), 1)
+            u_here = [a + done * b for a, b in zip(u, du, strict=True)]
+            after, margins, error = self._try(trial, t + done, x, u_here, du)
             if not error <= 1.0 and not substeps and trial > SMALLEST * h:
-                self._reject(trial, t + done, after, here, error)
+                self._reject(trial, t + done, after, u_here, error)
                 continue
             if not all(map(math.isfinite, after)):
                 raise Diverged("the states are not finite")
             lowest = min(margins, default=1.0)
             if lowest < 0.0 and events < MAX_EVENTS:
                 events += 1
-                length, x = self._event(trial, t + done, x, here, du)
+                length, x = self._event(trial, t + done, x, u_here, du)
                 done = min(done + length, h)
                 continue
             if not substeps:
-                self._accept(trial, error, whole=trial == left)
-            x, done = after, h if trial == left else done + trial
+                self._accept(trial, error, whole=trial == rest)
+            x, done = after, h if trial == rest else done + trial
         return x
 
     def _try(self, h: float, t: float, x: Any, u: Any, du: Any) -> tuple[Any, Any, float]:
@@ -196,7 +196,7 @@ class FreeRun:
         return after, margins, error
 
     def _reject(self, h: float, t: float, after: Vector, u: Vector, error: float) -> None:
-        """Shorten the next trial, unless it was the weights that were stale."""
+        """Shorten the next trial step, unless only the weights were out of date."""
         try:
             if math.isfinite(error) and self._weigh(h, t, after, u):
                 return
@@ -206,7 +206,7 @@ class FreeRun:
         self.trial = h * max(min(shrink, SAFETY), SHRINK)
 
     def _accept(self, h: float, error: float, whole: bool) -> None:
-        """Lengthen the next trial; the last step of an interval was cut and says less."""
+        """Set the next trial step; the cut last step of an interval cannot shorten it."""
         grown = h * min(GROW, SAFETY * max(error, 1e-10) ** -ORDER)
         self.trial = max(self.trial, grown) if whole else max(grown, h)
 
@@ -222,17 +222,17 @@ class FreeRun:
             if self._switches[i].external:
                 self.signs[i] = -self.signs[i]
         zero = [i for i in {*hit, *self.sliding} if not self._switches[i].external]
-        here = [a + length * b for a, b in zip(u, du, strict=True)]
+        u_here = [a + length * b for a, b in zip(u, du, strict=True)]
         try:
-            self._resolve(sorted(zero), h, t + length, after, here, du)
+            self._resolve(sorted(zero), h, t + length, after, u_here, du)
             self._release(hit)
-            self._follow(hit, h, t + length, after, here, du)
+            self._follow(hit, h, t + length, after, u_here, du)
         except _FAILURES as failure:
             raise Diverged("the right-hand side has no value") from failure
         return length, after
 
     def _locate(self, h: float, t: float, x: Any, u: Any, du: Any) -> tuple[float, Any, Any]:
-        """Return the shortest length found at which a margin is negative, and what is there."""
+        """Return the shortest step found with a negative margin, and its states and margins."""
 
         def look(length: float) -> tuple[Any, Any, float]:
             after, margins, _ = self._try(length, t, x, u, du)
@@ -241,7 +241,7 @@ class FreeRun:
         high, (after, margins, above) = h, look(h)
         low, below = 0.0, 0.0
         trial = h
-        for _ in range(40):  # a switch that starts at zero: find where it is on its side at all
+        for _ in range(40):  # the margin may start at zero: find a step with a positive one
             trial *= 0.5
             found = look(trial)
             if found[2] > 0.0:
@@ -289,7 +289,7 @@ class FreeRun:
         return (up + down) / (down - up) if down != up else 0.0
 
     def _release(self, hit: list[int]) -> None:
-        """Let go a switch that reached its limit, where rounding would hold it a little longer."""
+        """Release switches that reached their limit; rounding would hold them a little longer."""
         free = [i for i in hit if i in self.sliding and abs(self.signs[i]) > LIMIT]
         for i in free:
             self.signs[i] = _sign(self.signs[i])
@@ -306,7 +306,7 @@ class FreeRun:
 
 
 def _rows(columns: np.ndarray) -> Iterator[tuple[float, ...]]:
-    """Go through the rows of an array as tuples of plain floats."""
+    """Yield the rows of an array as tuples of plain floats."""
     return zip(*columns.T.tolist(), strict=True) if columns.shape[1] else repeat(())
 
 

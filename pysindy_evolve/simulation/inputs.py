@@ -1,4 +1,4 @@
-"""Shapes of what a simulation is given."""
+"""Checks of the times, initial states and inputs of a simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Run several models over many pieces of records at once, each from a start of its own."""
+"""Runs several models over many pieces of records at once, each from its own initial state."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .crossing import advance, start_signs
 
 __all__ = ["simulate_pieces"]
 
-TOLERANCE = 1e-5  # of a sample interval, relative to the state: runs are compared with a sensor
+TOLERANCE = 1e-5  # error of a sample interval, relative to the state: enough beside a sensor
 MAX_SUBSTEPS = 20
 
 
@@ -21,7 +21,7 @@ def simulate_pieces(
     t: np.ndarray,
     u: np.ndarray,
 ) -> np.ndarray:
-    """Integrate models that share their terms, each over as many pieces.
+    """Integrate models that share their terms, each over the same number of pieces.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def simulate_pieces(
     coef : ndarray of shape (n_models, n_states, n_terms)
         Coefficients of each model.
     x0 : ndarray of shape (n_pieces, n_states)
-        Where the pieces begin, those of the first model first.
+        Initial states of the pieces, those of the first model first.
     t : ndarray of shape (n_pieces, n)
         Times of each piece, all with the same steps.
     u : ndarray of shape (n_pieces, n, n_inputs)
@@ -47,8 +47,8 @@ def simulate_pieces(
     slopes = np.diff(given, axis=0) / steps.T[:, None]
     out = np.empty((n, len(equations.states), n_pieces))
     out[0] = x0.T
-    nothing = np.zeros((len(field.switches), n_pieces))
-    signs = nothing, nothing.astype(bool)
+    zeros = np.zeros((len(field.switches), n_pieces))
+    signs = zeros, zeros.astype(bool)
     columns = Columns(out[0], given[0], slopes[0], t[:, 0], *signs, field.coef_of(n_pieces))
     with np.errstate(all="ignore"):
         columns = start_signs(field, columns, steps[:, 0])

@@ -1,9 +1,8 @@
 """Compile equations into straight-line scalar programs: one integration step in one call.
 
 The symbols are those of `rows`. A step is a Runge-Kutta step of order 5 with an embedded one of
-order 4. Signs are frozen while it lasts, and each switch has a *margin* that turns negative where
-its sign ceases to be right: s*g for a frozen sign, 1 - abs(sigma) for one that slides, see
-`filippov`.
+order 4. Signs are frozen during a step. Each switch has a *margin* that turns negative where its
+sign is no longer valid: s*g for a frozen sign, 1 - abs(sigma) for one that slides, see `filippov`.
 
 References
 ----------
@@ -40,7 +39,7 @@ FOURTH = (2825 / 27648, 0.0, 18575 / 48384, 13525 / 55296, 277 / 14336, 1 / 4)
 
 
 class Program:
-    """The compiled programs of one structure; each is made when it is first needed.
+    """The programs of one structure; each is compiled when it is first needed.
 
     Parameters
     ----------
@@ -120,7 +119,7 @@ def _move(
 
 
 def _at(rows: Rows, node: float, lines: Lines, states: Sequence[Any]) -> dict[Any, Any]:
-    """Assign the variables at a node of the step; return what stands for each."""
+    """Assign the variables at a node of the step; return the symbol of each."""
     at: dict[Any, Any] = {}
     if node == 0.0:
         return at

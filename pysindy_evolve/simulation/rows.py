@@ -41,7 +41,7 @@ class Rows:
     f : list of expressions
         x_dot of each state.
     parts : list of list of expressions
-        The terms that each row of f is the sum of, with their coefficients.
+        The terms of each row of f, with their coefficients.
     g : list of expressions
         Argument of each switch.
     namespace : Namespace
@@ -51,7 +51,7 @@ class Rows:
     def __init__(self, structure: Structure) -> None:
         self.structure = structure
         self.namespace = Namespace()
-        self._nested = 0  # how many functions the atom that is being translated stands in
+        self._nested = 0  # number of functions around the atom that is being translated
         self._symbols()
         self._build()
 

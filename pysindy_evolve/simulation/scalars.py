@@ -32,7 +32,7 @@ def symbols(name: str, n: int) -> list[Any]:
 
 
 class Namespace:
-    """What the compiled functions of one structure call by name.
+    """Numbers and functions that the compiled programs of one structure use by name.
 
     sympy.lambdify takes the whole program as its list of common subexpressions, so that no code
     is put together from text here. Numbers enter as symbols: printed floats would lose digits.
@@ -69,7 +69,7 @@ class Namespace:
 
 
 def ratio(a: float, b: float) -> float:
-    """Return -a/b, the sign that balances a + b*sigma; no net force needs none."""
+    """Return -a/b, the sign sigma at which a + b*sigma is zero; 0 if both are zero."""
     if b:
         return -a / b
     return math.copysign(math.inf, a) if a else 0.0

@@ -1,8 +1,8 @@
 """Structure of equations: which terms, where they switch, and the numbers that may change.
 
-Two sets of equations that differ in coefficients and inner constants only have one structure, so
-that the scalar right-hand side is compiled once while coefficients are fitted. A *switch* is the
-argument g of an sgn(g): the right-hand side jumps where g changes its sign.
+Equations that differ only in coefficients and inner constants share one structure, so that the
+scalar right-hand side is compiled once while coefficients are fitted. A *switch* is the argument g
+of an sgn(g): the right-hand side jumps where g changes its sign.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Switch:
     g : Sum
         Its argument.
     state : int or None
-        The state that g is, if it is nothing but one state.
+        Index of the state that g is, if it is a plain state.
     external : bool
         Whether g depends on inputs and time only, so that no state can hold it at zero.
     """
@@ -44,7 +44,7 @@ class Switch:
 
 @dataclass(frozen=True)
 class Structure:
-    """What remains of equations without their numbers; the key of compiled programs.
+    """Equations without their numbers; the key of compiled programs.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ def find_switches(terms: tuple[Product, ...], n_states: int) -> tuple[Switch, ..
 
 
 def is_affine(terms: tuple[Product, ...]) -> bool:
-    """Tell whether signs are nothing but factors: none squared, and none inside a function."""
+    """Tell whether signs are only factors: none squared, and none inside a function."""
     for term in terms:
         for atom, exponent in term.factors:
             if isinstance(atom, Call) and atom.operator == BUILTIN["sgn"] and exponent == 1:
@@ -139,5 +139,5 @@ def _plain_state(g: Sum, n_states: int) -> int | None:
 
 
 def _kind(coefficient: float) -> int:
-    """Keep plain ones, as in dq/dt = v, out of the parameters: they are never fitted."""
+    """Keep coefficients of 1 and -1, as in dq/dt = v, out of the parameters."""
     return int(coefficient) if abs(coefficient) == 1.0 else FREE

@@ -1,7 +1,8 @@
 """Evaluate the terms of a structure on many columns at once, with the signs as arguments.
 
-A tape is a list of instructions over numpy arrays, each distinct subtree once. It costs nothing to
-make, so that every candidate of a search can be simulated, and calls the numpy form of operators.
+A tape is a list of instructions over numpy arrays, each distinct subtree once. It needs no
+compilation, so that every candidate of a search can be simulated. Operators are called in their
+numpy form.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class Tape:
         self._first_sign = n_variables
         self._signs = {switch.g: n_variables + i for i, switch in enumerate(switches)}
         self._n_given = n_variables + len(switches)
-        self._nested = 0  # how many functions the atom that is being recorded stands in
+        self._nested = 0  # number of functions around the atom that is being recorded
         self._known: dict[Any, int] = {}
         self._constants: list[tuple[int, float]] = []
         self._instructions: list[Instruction | None] = []
@@ -109,7 +110,7 @@ class Tape:
         return self._constant(0.0) if total is None else total
 
     def _product(self, term: Product) -> int:
-        above: int | None = None
+        result: int | None = None
         for atom, exponent in term.factors:
             base = self._atom(atom)
             factor = base
@@ -117,8 +118,8 @@ class Tape:
                 factor = self._emit(np.multiply, factor, base)
             if exponent < 0:
                 factor = self._emit(np.divide, self._constant(1.0), factor)
-            above = factor if above is None else self._emit(np.multiply, above, factor)
-        return self._constant(1.0) if above is None else above
+            result = factor if result is None else self._emit(np.multiply, result, factor)
+        return self._constant(1.0) if result is None else result
 
     def _atom(self, atom: Atom) -> int:
         if isinstance(atom, Variable):

@@ -1,8 +1,8 @@
-"""Best subsets by beam search, symbols as in `gram`: small equations of columns that are alike.
+"""Best small subsets of nearly collinear columns by beam search; symbols as in `gram`.
 
-Over the range of a record, smooth terms are nearly collinear: a path of the elastic net, and every
-greedy one, then takes combinations of wrong terms on its way and misses the right few. Keeping a
-handful of supports of each size, and exchanging single terms in the best, does not.
+Over the range of a record, smooth terms are nearly collinear. The elastic net, like any greedy
+path, then goes through combinations of wrong terms and misses the right few. To find these, a beam
+search keeps several supports of each size and exchanges single terms in the best one.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from .gram import Gram
 
 __all__ = ["best_subsets", "with_exchanges"]
 
-WIDTH = 8  # supports of a size that are followed
-MAX_SIZE = 6  # terms; larger equations are the elastic net's
+WIDTH = 8  # supports of each size that are kept
+MAX_SIZE = 6  # terms; larger equations are left to the elastic net
 
 
 def best_subsets(
@@ -65,9 +65,9 @@ def best_subsets(
 
 
 def with_exchanges(front: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Add to the supports of a front the same without one term each.
+    """Add to a front the supports with one term left out.
 
-    A new term shows its worth, and is tuned, where the term is missing whose place it will take.
+    A new term shows its gain, and can be tuned, only where the term that it replaces is missing.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def with_exchanges(front: Sequence[np.ndarray]) -> list[np.ndarray]:
     Returns
     -------
     list of ndarray of int
-        All different: the best and the small supports also without one of their terms.
+        Without duplicates; the best and the small supports also with each term left out.
     """
     found = {frozenset(support.tolist()): support for support in front}
     for i, support in enumerate(front):

@@ -13,7 +13,7 @@ from .gram import LEAST, Gram, inverse, least_squares, rss
 
 __all__ = ["default_penalty", "eliminate", "front", "gains", "information"]
 
-HEALTHY = 0.1  # of 1 / n, below which no diagonal of an inverse lies where columns have unit RMS
+HEALTHY = 0.1  # of 1 / n, the least diagonal element of the inverse for columns of unit RMS
 
 
 def front(
@@ -41,8 +41,8 @@ def front(
     Returns
     -------
     list of ndarray of int
-        The one with the least information criterion first, then the best of each smaller size. The
-        whole way down is walked, as the criterion may have local minima.
+        The one with the least information criterion first, then the best of each smaller size.
+        Elimination goes on to the empty support, as the criterion may have local minima.
     """
     n, nothing = n_effective, np.arange(0)
     best: dict[int, tuple[float, np.ndarray]] = {0: (n * np.log(_share(gram, gram.yy)), nothing)}
@@ -84,7 +84,7 @@ def eliminate(
     penalty: np.ndarray,
     n_effective: float,
 ) -> list[tuple[np.ndarray, float]]:
-    """Eliminate terms backward, the one that is worth least first, until none is left.
+    """Eliminate terms backward, the least useful first, until none is left.
 
     Parameters
     ----------
@@ -113,14 +113,14 @@ def eliminate(
     coef, price = inverted @ part.xy, penalty[columns]
     floor = max(LEAST * gram.yy, np.finfo(float).tiny)
     error = max(float(gram.yy - coef @ part.xy), floor)
-    way = [(columns, error)]
+    path = [(columns, error)]
     alive = np.ones(len(columns), dtype=bool)
     for _ in columns:
-        # Columns that went keep their place, with zeros in the inverse.
+        # Dropped columns keep their place, with zeros in the inverse.
         if inverted.diagonal()[alive].min() < HEALTHY / gram.n:  # downdating has lost its digits
             inverted, coef = _inverted_again(part, alive)
         rise = _rise(coef, inverted, gram.n)
-        with np.errstate(over="ignore"):  # of one without which nothing is left of a fit
+        with np.errstate(over="ignore"):  # rise / error may overflow after an exact fit
             worth = n_effective * np.log1p(rise / error) - price
         worth[~alive] = np.inf
         worst = int(worth.argmin())
@@ -131,21 +131,21 @@ def eliminate(
             coef -= column * (coef[worst] / pivot)
             inverted -= column[:, None] * (column / pivot)
         inverted[worst], inverted[:, worst], coef[worst] = 0.0, 0.0, 0.0
-        way.append((columns[alive], error))
-    return way
+        path.append((columns[alive], error))
+    return path
 
 
 def _inverted_again(part: Gram, alive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the inverse of the columns alive, zeros for the others, and their coefficients."""
+    """Return the inverse for the columns alive, zeros for the others, and the coefficients."""
     inverted, coef = np.zeros_like(part.xx), np.zeros_like(part.xy)
-    left = np.flatnonzero(alive)
-    inverted[np.ix_(left, left)] = inverse(part.select(left))
-    coef[left] = inverted[np.ix_(left, left)] @ part.xy[left]
+    kept = np.flatnonzero(alive)
+    inverted[np.ix_(kept, kept)] = inverse(part.select(kept))
+    coef[kept] = inverted[np.ix_(kept, kept)] @ part.xy[kept]
     return inverted, coef
 
 
 def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weigh every column against the best equation.
+    """Return the residual sum of squares of an equation with and without each column.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, 
     Returns
     -------
     with_column, without_column : ndarray of shape (p,)
-        Residual sums of squares of the equation with and without each column.
+        Residual sums of squares, in units of the target squared.
     """
     support = np.asarray(support, dtype=int)
     inverted = inverse(gram.select(support))
@@ -167,8 +167,8 @@ def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, 
     cross = gram.xx[support]
     slope = gram.xy - coef @ cross
     power = np.diag(gram.xx) - np.einsum("ij,ij->j", cross, inverted @ cross)
-    new = power > 1e-9 * np.diag(gram.xx)
-    gain = np.divide(slope**2, power, out=np.zeros(len(power)), where=new)
+    independent = power > 1e-9 * np.diag(gram.xx)
+    gain = np.divide(slope**2, power, out=np.zeros(len(power)), where=independent)
     with_column, without_column = np.maximum(error - gain, floor), np.full(len(gram.xy), error)
     with_column[support] = error
     without_column[support] = error + _rise(coef, inverted, gram.n)
@@ -176,7 +176,7 @@ def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, 
 
 
 def _rise(coef: np.ndarray, inverted: np.ndarray, n: int) -> np.ndarray:
-    """Return what the sum of squares rises by without each column; nothing for a zero column."""
+    """Return the rise of the residual sum of squares without each column; 0 for a zero column."""
     diagonal = inverted.diagonal()
     usable = diagonal > 1e-12 / n
     return np.divide(coef * coef, diagonal, out=np.zeros_like(coef), where=usable)

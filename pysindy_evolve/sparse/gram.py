@@ -34,7 +34,7 @@ RIDGE = 1e-12  # keeps nearly equal columns of unit size solvable without moving
 
 @dataclass(frozen=True, eq=False)
 class Gram:
-    """What least squares needs to know of n rows.
+    """Inner products of n rows, which are all that least squares needs.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class Gram:
     def without(self, n_fixed: int) -> Gram:
         """Project the first `n_fixed` columns out of the others and of the target.
 
-        Regression on what is left gives the coefficients of a regression on all of them
+        Regression on the result gives the same coefficients as regression on all columns
         (Frisch and Waugh), so fixed columns cost nothing in the search.
         """
         if n_fixed == 0:
@@ -193,10 +193,10 @@ def residual(columns: Callable[[slice], np.ndarray], y: np.ndarray, coef: np.nda
     -------
     ndarray of shape (n,)
     """
-    left = np.empty(len(y))
+    result = np.empty(len(y))
     for rows in chunks(0, len(y)):
-        left[rows] = y[rows] - columns(rows) @ coef
-    return left
+        result[rows] = y[rows] - columns(rows) @ coef
+    return result
 
 
 def refined(columns: Callable[[slice], np.ndarray], y: np.ndarray, whole: Gram) -> np.ndarray:
@@ -215,16 +215,16 @@ def refined(columns: Callable[[slice], np.ndarray], y: np.ndarray, whole: Gram) 
 
     Notes
     -----
-    Gram matrices square the condition number. What the rounding took is in the residual, so one
-    more solution, for the residual, gives it back (iterative refinement).
+    Gram matrices square the condition number. A second solution, for the residual, restores the
+    digits that were lost to rounding (iterative refinement).
     """
     every = np.arange(len(whole.xy))
     coef = least_squares(whole, every)
-    left = np.zeros_like(coef)
+    gradient = np.zeros_like(coef)
     for rows in chunks(0, len(y)):
         theta = columns(rows)
-        left += theta.T @ (y[rows] - theta @ coef)
-    return coef + least_squares(Gram(whole.xx, left, whole.yy, whole.n), every)
+        gradient += theta.T @ (y[rows] - theta @ coef)
+    return coef + least_squares(Gram(whole.xx, gradient, whole.yy, whole.n), every)
 
 
 def total(grams: Iterable[Gram]) -> Gram:
@@ -257,7 +257,7 @@ def least_squares(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray
 
 
 def rss(gram: Gram, coef: np.ndarray) -> float:
-    """Residual sum of squares, not below what rounding allows to see."""
+    """Residual sum of squares, at least the size of its rounding error."""
     value = gram.yy - 2.0 * coef @ gram.xy + coef @ gram.xx @ coef
     return max(float(value), LEAST * gram.yy, np.finfo(float).tiny)
 
@@ -270,6 +270,6 @@ def inverse(part: Gram) -> np.ndarray:
     factor, failed = dpotrf(xx, lower=1)
     if not failed:
         half, failed = dpotri(factor, lower=1)
-    if failed:  # rounding has made it indefinite; ten times slower, but always there
+    if failed:  # rounding has made it indefinite: ten times slower, but works
         return np.linalg.pinv(xx, rcond=1e-15, hermitian=True)
     return np.tril(half) + np.tril(half, -1).T

@@ -7,8 +7,8 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 __all__ = ["effective_size"]
 
-DIRECT = 8  # lags taken one by one: where they are quiet already, as in white noise, that is all
-BLOCK = 1 << 17  # samples whose correlations are taken at once; lags go to half of it
+DIRECT = 8  # lags taken one by one; for nearly white noise the sum ends among them
+BLOCK = 1 << 17  # samples whose correlations are taken at once; lags go up to half of it
 
 
 def effective_size(residual: np.ndarray) -> float:
@@ -22,7 +22,8 @@ def effective_size(residual: np.ndarray) -> float:
     Returns
     -------
     float
-        n / (1 + 2 sum of autocorrelations up to their first zero), at least 8.
+        n / (1 + 2 sum of autocorrelations before the first below 2 / sqrt(n)), at least 8; n
+        itself for fewer than 16 samples.
     """
     n = len(residual)
     centered = residual - residual.mean()

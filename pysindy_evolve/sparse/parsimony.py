@@ -1,6 +1,6 @@
-"""Which terms an equation may keep, beyond any test of significance, symbols as in `gram`.
+"""Drops terms that are significant, but not needed. Symbols as in `gram`.
 
-A term may be significant and still be none: it fits the smooth error of a derivative, it shows in
+A term may be significant and still be false: it fits the smooth error of a derivative, it shows in
 one part of the record only, or it takes the place of a simpler one.
 """
 
@@ -16,16 +16,16 @@ from .gram import Gram, inverse, least_squares, rss
 __all__ = ["MIN_ROWS", "N_BLOCKS", "PERFECT", "frugal", "material", "plainer", "stable"]
 
 N_BLOCKS = 12  # parts of the record that a coefficient must agree on
-MIN_ROWS = 20  # rows a block must have for that to be worth asking
+MIN_ROWS = 20  # least rows of such a part
 PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
-MATERIAL = 1e-5  # share of the target's power: no derivative is good to better than 0.3 %
-SURE = 6.0  # standard errors of a term that one block shows alone
+MATERIAL = 1e-5  # share of the target's power: no derivative is more accurate than 0.3 %
+SURE = 6.0  # standard errors that keep a term which only one block shows
 DOMINANT = 1e-2  # share of the target's power that no chance correlation explains
-REMAINDER = 1e-2  # share of the error that a smaller term may leave, if it is to count
+REMAINDER = 1e-2  # a term below `MATERIAL` still counts if it cuts the error to this share
 
 
 def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Leave out equations of a front where a smaller one fits as well as a derivative is known.
+    """Drop equations of a front where a smaller one fits within the accuracy of a derivative.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
     Returns
     -------
     list of ndarray of int
-        What is left of the front; see `material` for the reason and the measure.
+        The rest of the front; see `material` for the reason and the limit.
     """
     errors = [rss(gram, least_squares(gram, support)) for support in front]
     limit = max(errors[0], MATERIAL * gram.yy)
@@ -49,7 +49,7 @@ def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0) -> np.ndarray:
-    """Drop terms too small to be told from the error of a derivative.
+    """Drop terms too small to be distinguished from the error of a derivative.
 
     Parameters
     ----------
@@ -63,8 +63,8 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0
     Returns
     -------
     ndarray of int
-        Terms without which more than `MATERIAL` of the target's power would be left, or a
-        hundred times as much as with them, as on exact data. The smallest goes first.
+        Terms whose removal would leave more than `MATERIAL` of the target's power, or, on exact
+        data, a hundred times the error. The smallest is dropped first.
 
     Notes
     -----
@@ -78,8 +78,8 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0
         error = rss(scaled, least_squares(scaled, support))
         rise = without[support] - error
         worst = int(np.argmin(rise))
-        seen = error + rise[worst] >= MATERIAL * gram.yy or rise[worst] >= error / REMAINDER
-        if seen and rise[worst] >= least:
+        counts = error + rise[worst] >= MATERIAL * gram.yy or rise[worst] >= error / REMAINDER
+        if counts and rise[worst] >= least:
             break
         support = np.delete(support, worst)
     return support
@@ -88,7 +88,7 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0
 def plainer(
     gram: Gram, support: Sequence[int] | np.ndarray, cost: np.ndarray, n_free: np.ndarray
 ) -> np.ndarray:
-    """Exchange terms for cheaper ones that say the same.
+    """Exchange terms for cheaper ones that fit as well.
 
     Parameters
     ----------
@@ -108,11 +108,11 @@ def plainer(
 
     Notes
     -----
-    Noise in the variables makes v/(1 + q v) fit a little better than v, where q is small. The
-    plain term takes its place if that costs a hundredth of the error, and of what the term gains,
-    at most. A constant that is free takes up the smooth error of a finite difference besides: for
-    a term with fewer of them it is enough to fit as well as a derivative is known, see `material`.
-    An equation that leaves nothing but rounding is kept as it is.
+    Where q is small, noise in the variables makes v/(1 + q v) fit a little better than v. A cheaper
+    term takes its place if the error rises by at most a hundredth of itself and of the gain of the
+    term. A free constant also fits the smooth error of a finite difference, so a term with fewer
+    constants only has to fit within the accuracy of a derivative, see `material`. An equation that
+    leaves nothing but rounding is kept as it is.
     """
     chosen = list(support)
     for j in sorted(support, key=lambda column: -cost[column]):
@@ -121,17 +121,17 @@ def plainer(
             break
         rest = [i for i in chosen if i != j]
         gain = rss(gram, least_squares(gram, rest)) - error
-        instead = gains(gram, rest)[0]
-        same = instead - error <= REMAINDER * min(error, gain)
-        same |= (n_free < n_free[j]) & (instead <= max(error, MATERIAL * gram.yy))
-        same[chosen] = False
-        options = [chosen, *([*rest, int(i)] for i in np.flatnonzero(same))]
+        exchanged = gains(gram, rest)[0]
+        as_good = exchanged - error <= REMAINDER * min(error, gain)
+        as_good |= (n_free < n_free[j]) & (exchanged <= max(error, MATERIAL * gram.yy))
+        as_good[chosen] = False
+        options = [chosen, *([*rest, int(i)] for i in np.flatnonzero(as_good))]
         chosen = min(options, key=lambda columns: _total_price(gram, columns, cost))
     return np.array(sorted(chosen), dtype=int)
 
 
 def _total_price(gram: Gram, support: Sequence[int], cost: np.ndarray) -> float:
-    """Return the price of an equation: terms that nearly cancel need more digits."""
+    """Return the price of an equation; terms that nearly cancel each other cost more."""
     coef = least_squares(gram, support)[support]
     size = np.abs(coef) * np.sqrt(np.diag(gram.xx)[support] / gram.yy)
     return float(np.sum(cost[support] + 2.0 * np.log(np.maximum(size, 1.0))))
@@ -143,7 +143,7 @@ def stable(
     support: Sequence[int] | np.ndarray,
     min_ratio: float = 3.0,
 ) -> np.ndarray:
-    """Drop terms whose coefficient is not the same, within its scatter, all along the record.
+    """Drop terms whose coefficient scatters too much between parts of the record.
 
     Parameters
     ----------
@@ -159,16 +159,16 @@ def stable(
     Returns
     -------
     ndarray of int
-        What is left of the support.
+        The rest of the support.
 
     Notes
     -----
     The standard error is the jackknife's over blocks, which holds for autocorrelated residuals as
-    long as blocks are longer than their memory. The weakest term goes first.
-    A term that shows in one part of the record only, as a stiffness does in a resonance or a growth
-    before a limit cycle is reached, has no small scatter: without that part it is not known at all.
-    It stays if it alone explains a hundredth of the target's power, or if the rows of that part,
-    taken as independent, know it to a sixth.
+    long as blocks are longer than their memory. The weakest term is dropped first.
+    A term that shows in one part of the record only, such as a stiffness in a resonance or a growth
+    before a limit cycle, scatters much, as nothing determines it without that part. It stays if it
+    explains a hundredth of the target's power, or if it exceeds six standard errors with rows taken
+    as independent.
     """
     support = np.asarray(support, dtype=int)
     while len(support):
@@ -183,7 +183,7 @@ def stable(
 
 
 def _dominant(whole: Gram, support: np.ndarray) -> np.ndarray:
-    """Tell which terms the equation cannot be without, wherever in the record they show."""
+    """Tell which terms explain so much that they stay, wherever in the record they show."""
     scaled = whole.scaled(whole.scale)
     error = rss(scaled, least_squares(scaled, support))
     rise = gains(scaled, support)[1][support] - error
@@ -191,9 +191,9 @@ def _dominant(whole: Gram, support: np.ndarray) -> np.ndarray:
 
 
 def _shown_at_once(whole: Gram, folds: Sequence[Gram], support: np.ndarray) -> np.ndarray:
-    """Tell which terms are known from a single block, and known well there."""
+    """Tell which terms are determined mostly by one block, and are significant."""
     inverted = inverse(whole.select(support))
-    contrast = inverted / np.diag(inverted)  # what each column has that the others have not
+    contrast = inverted / np.diag(inverted)  # theta @ contrast: each column less all others
     power = 1.0 / np.diag(inverted)
     xx = [(whole - fold).xx[np.ix_(support, support)] for fold in folds]
     largest = np.max([np.einsum("ij,ik,kj->j", contrast, part, contrast) for part in xx], axis=0)

@@ -1,7 +1,7 @@
 """Which terms may belong together: supports from elastic nets and from forward selection.
 
-The elastic net, equation (11) of the paper, proposes; it alone never gives the exact support, as it
-keeps shadows of the true terms. Elimination decides, see `selection`. Symbols as in `gram`.
+The elastic net, equation (11) of the paper, only proposes: besides the true terms it keeps others
+that correlate with them. Elimination decides, see `selection`. Symbols as in `gram`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .gram import LEAST, Gram
 __all__ = ["LAMBDA2", "path", "supports"]
 
 FORWARD = 6  # steps of forward selection beside the elastic net
-LAMBDA2 = (1e-3, 1e-1)  # relative to columns of unit RMS; orders of magnitude are enough
+LAMBDA2 = (1e-3, 1e-1)  # for columns of unit RMS; orders of magnitude are enough
 
 
 def path(gram: Gram, lambda2: float, max_steps: int = 40) -> tuple[np.ndarray, np.ndarray]:
@@ -71,8 +71,8 @@ def supports(gram: Gram, max_terms: int, lambda2: Sequence[float] = LAMBDA2) -> 
     Returns
     -------
     list of ndarray of int
-        The largest support of each path, one of half its size, and what forward selection finds:
-        where all terms are nearly collinear, as on a closed orbit, it is the short way.
+        The largest support of each path, one of half its size, and that of forward selection, a
+        shorter way where all terms are nearly collinear, as on a closed orbit.
     """
     scaled = gram.scaled(gram.scale)
     found = []

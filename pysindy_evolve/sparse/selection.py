@@ -1,4 +1,4 @@
-"""Which equation of all that were proposed: pruned, judged by its residual, pruned once more.
+"""Chooses one equation among all proposals, allowing for the autocorrelation of its residual.
 
 Symbols as in `gram`.
 """
@@ -20,7 +20,7 @@ __all__ = ["Selection", "select"]
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """The best equations, and what decided between them.
+    """The best equations, with the prices and the number of rows that decided between them.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def select(
     max_terms: int | None = None,
     propose: Callable[[np.ndarray, float], list[np.ndarray]] | None = None,
 ) -> Selection:
-    """Prune proposed supports, first as if all rows were independent, then for as many as are.
+    """Prune proposed supports, first with all rows as independent, then with their true number.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def select(
     price : callable
         Maps a number of independent rows to the price of each column.
     residual : callable
-        Maps a support to what it leaves of the target, in order of time.
+        Maps a support to its residual, in order of time.
     power : float
         Sum of squares of the target, that of its fixed part included.
     max_terms : int, optional
@@ -80,10 +80,10 @@ def select(
         if propose is not None:
             proposals = [*proposals, *propose(cost, n_effective)]
         supports = frugal(gram, front(gram, proposals, cost, n_effective, max_terms))
-        left = residual(supports[0])
-        if left @ left <= PERFECT * power:
-            break  # what is left is rounding
-        n_before, n_effective = n_effective, effective_size(left)
+        remainder = residual(supports[0])
+        if remainder @ remainder <= PERFECT * power:
+            break  # the residual is rounding
+        n_before, n_effective = n_effective, effective_size(remainder)
         if n_effective == n_before:
-            break  # as white noise leaves it: the next look would be the same
+            break  # white residual: a second pass would change nothing
     return Selection(supports, cost, n_effective)

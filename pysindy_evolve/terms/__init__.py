@@ -14,14 +14,14 @@ Floats inside an atom (the 2.1 and 0.3 above) are the *inner constants* of a ter
 
 ==========  ===================================================================
 classes
-node        what all classes share: hash, order and pickling
+node        base of all classes: hash, order and pickling
 atoms       Variable and Call
 products    Product
 sums        Sum
 operations
 arithmetic  sums added, multiplied, divided and raised to a power
 calls       operators applied to sums
-canonical   the one form of a product: powers collected, sgn and abs simplified
+canonical   canonical form of a product: powers collected, sgn and abs simplified
 lowest      fractions in lowest terms
 ==========  ===================================================================
 """

@@ -13,7 +13,7 @@ from .sums import Sum, as_sum, collect
 
 __all__ = ["add", "as_atom", "constant", "div", "mul", "neg", "power", "sub", "variable"]
 
-MAX_PARTS = 64  # what would have more parts than this is not multiplied out
+MAX_PARTS = 64  # a result with more parts is not multiplied out
 MAX_DEGREE = 8  # nor is a higher power: (q + v)^40 near q = -v would lose all its digits
 
 
@@ -50,17 +50,17 @@ def mul(a: Sum, b: Sum) -> Sum:
 
 
 def div(a: Sum, b: Sum) -> Sum:
-    """Return a / b; a sum below the line stays one, with its last coefficient made one."""
+    """Return a / b; a sum in the denominator becomes one atom, with 1 as its last coefficient."""
     ratio = _common_factor(a, b)
     return mul(a, power(b, -1)) if ratio is None else constant(ratio)
 
 
 def power(a: Sum, exponent: int) -> Sum:
-    """Return a to an integer power, multiplied out or, if that is long, with the sum as one."""
+    """Return a to an integer power, multiplied out, or with the sum as one atom if it is long."""
     if exponent in (0, 1):
         return a if exponent else constant(1.0)
     if not a.parts:
-        # Zero below the line is not finite anywhere: rejected.
+        # 1/0 has no value anywhere, like log(-1); terms without finite values are rejected.
         return a if exponent > 0 else as_sum(Call(BUILTIN["log"], (neg(constant(1.0)),)))
     if exponent > 0 and len(a.parts) > 1 and _n_opened(a, exponent) <= MAX_PARTS:
         result = a
@@ -76,7 +76,7 @@ def power(a: Sum, exponent: int) -> Sum:
 def as_atom(a: Sum) -> Sum:
     """Return a sum of one term: itself, or (its last coefficient) times a sum as an atom.
 
-    The last term is never the constant one, so that x/(c + x) has one inner constant and not two.
+    The last term is never the constant, so that x/(c + x) has one inner constant, not two.
     """
     if len(a.parts) <= 1:
         return a
@@ -91,24 +91,24 @@ def _distributed(a: Sum, b: Sum) -> Sum:
 
 
 def _common_factor(a: Sum, b: Sum) -> float | None:
-    """Return the number that a is of b, where both are sums of the same terms."""
+    """Return a / b if it is a number: both are sums of the same terms, in the same proportions."""
     if len(a.parts) != len(b.parts) or len(a.parts) < 2:
         return None
     ratio = a.parts[-1][0] / b.parts[-1][0]
     pairs = zip(a.parts, b.parts, strict=True)
-    # Rounding of the coefficients, such as of 0.1 q + 0.3 v over 0.2 q + 0.6 v, counts as none.
+    # Coefficients may differ by rounding, as in (0.1 q + 0.3 v) / (0.2 q + 0.6 v).
     same = all(p == q and math.isclose(c, ratio * d, rel_tol=1e-14) for (c, p), (d, q) in pairs)
     return ratio if same else None
 
 
 def _multiplied_out(coefficient: float, term: Product) -> Iterable[tuple[float, Product]]:
-    """Open short sums that abs(q + v) sgn(q + v) = q + v has brought above the line."""
-    above = [(atom, n) for atom, n in term.factors if isinstance(atom, Sum) and n > 0]
-    if not above or math.prod(_n_opened(atom, n) for atom, n in above) > MAX_PARTS:
+    """Multiply out short sums among the factors, such as from abs(q + v) sgn(q + v) = q + v."""
+    sums = [(atom, n) for atom, n in term.factors if isinstance(atom, Sum) and n > 0]
+    if not sums or math.prod(_n_opened(atom, n) for atom, n in sums) > MAX_PARTS:
         return [(coefficient, term)]
-    rest = Product(tuple(factor for factor in term.factors if factor not in above))
+    rest = Product(tuple(factor for factor in term.factors if factor not in sums))
     result = Sum(((coefficient, rest),))
-    for atom, n in above:
+    for atom, n in sums:
         result = _distributed(result, power(atom, n))
     return result.parts
 
@@ -121,7 +121,7 @@ def _n_opened(a: Sum, exponent: int) -> int:
 
 
 def _float_power(value: float, exponent: int) -> float:
-    """Return what repeated products would: infinity, not an error, beyond the largest float."""
+    """Return a power as repeated products give it: infinity, not an error, on overflow."""
     try:
         return value**exponent
     except OverflowError:

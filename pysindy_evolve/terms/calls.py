@@ -29,7 +29,7 @@ _ARITHMETIC: dict[str, Callable[..., Sum]] = {
 
 
 def call(operator: Operator, *args: Sum) -> Sum:
-    """Return operator(*args) in its one form; arithmetic operators are carried out.
+    """Return operator(*args) in canonical form; arithmetic operators are carried out.
 
     Parameters
     ----------
@@ -70,11 +70,11 @@ def _of_constant(operator: Operator, argument: Sum) -> Sum:
 
 def _exponential(argument: Sum) -> Sum:
     """Take the constant out: exp(0.5 + x) = exp(0.5) exp(x)."""
-    held = [part for part in argument.parts if part[1] == ONE]
+    offset = [part for part in argument.parts if part[1] == ONE]
     rest = Sum(tuple(part for part in argument.parts if part[1] != ONE))
     with np.errstate(all="ignore"):
-        factor = float(np.exp(sum(c for c, _ in held)))
-    if not held or not 0.0 < factor < math.inf:
+        factor = float(np.exp(sum(c for c, _ in offset)))
+    if not offset or not 0.0 < factor < math.inf:
         return as_sum(Call(BUILTIN["exp"], (argument,)))
     return mul(constant(factor), as_sum(Call(BUILTIN["exp"], (rest,))))
 

@@ -1,4 +1,4 @@
-"""The one form of a product: powers collected, and what sgn and abs make of each other."""
+"""The canonical form of a product: powers collected, sgn and abs simplified."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EXP = BUILTIN["exp"]
 
 
 def multiply(p: Product, q: Product) -> Product:
-    """Return the product of two terms in its one form."""
+    """Return the product of two terms in canonical form."""
     exponents: dict[Atom, int] = dict(p.factors)
     for atom, n in q.factors:
         exponents[atom] = exponents.get(atom, 0) + n
@@ -27,12 +27,12 @@ def multiply(p: Product, q: Product) -> Product:
 def simplified(factors: tuple[tuple[Atom, int], ...]) -> Product:
     """Apply x sgn(x) = abs(x), abs(x) sgn(x) = x, abs(x)^2 = x^2, sgn(x)^3 = sgn(x); sort.
 
-    Exponentials are one: exp(x)^2 exp(v) = exp(2 x + v).
+    Exponentials are joined: exp(x)^2 exp(v) = exp(2 x + v).
     """
     exponents = dict(factors)
-    grown = [atom for atom in exponents if isinstance(atom, Call) and atom.operator == EXP]
-    if len(grown) > 1 or any(exponents[atom] != 1 for atom in grown):
-        _join(exponents, grown)
+    exponentials = [atom for atom in exponents if isinstance(atom, Call) and atom.operator == EXP]
+    if len(exponentials) > 1 or any(exponents[atom] != 1 for atom in exponentials):
+        _join(exponents, exponentials)
     for atom in list(exponents):
         if isinstance(atom, Call) and atom.operator in (BUILTIN["sgn"], BUILTIN["abs"]):
             _fold(exponents, atom.args[0])
@@ -42,18 +42,18 @@ def simplified(factors: tuple[tuple[Atom, int], ...]) -> Product:
     return Product(tuple(kept))
 
 
-def _join(exponents: dict[Atom, int], grown: list[Call]) -> None:
-    """Make one exponential of several, and of its powers."""
-    parts = ((exponents[one] * c, term) for one in grown for c, term in one.args[0].parts)
+def _join(exponents: dict[Atom, int], exponentials: list[Call]) -> None:
+    """Replace exponentials and their powers by one exponential of the summed arguments."""
+    parts = ((exponents[exp] * c, term) for exp in exponentials for c, term in exp.args[0].parts)
     argument = collect(parts)
-    for one in grown:
-        del exponents[one]
+    for exp in exponentials:
+        del exponents[exp]
     if argument.parts:
         exponents[Call(EXP, (argument,))] = 1
 
 
 def _fold(exponents: dict[Atom, int], argument: Sum) -> None:
-    """Bring x^n abs(x)^a sgn(x)^s to its one form: at most one abs or sgn remains beside x^n."""
+    """Simplify x^n abs(x)^a sgn(x)^s: at most one abs or sgn remains beside a power of x."""
     base: Atom = argument
     if len(argument.parts) == 1 and argument.parts[0][0] == 1.0:
         factors = argument.parts[0][1].factors

@@ -1,7 +1,7 @@
 """Fractions in lowest terms: x^4 / (0.5 x^3 + x^4) is x / (0.5 + x), which has a value at zero.
 
-A search does better with the longer forms, where numbers to be tuned come and go; what it has found
-is easier to read, and defined at more places, in the shorter one.
+A search works better with the longer forms, whose inner constants may come and go. The shorter form
+of its result is easier to read and has values at more places.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def lowest(term: Product) -> Product:
     Returns
     -------
     Product
-        With other values by a constant factor only.
+        Equal to the given term up to a constant factor.
 
     Examples
     --------
@@ -47,6 +47,6 @@ def lowest(term: Product) -> Product:
 def _shared(a: Sum) -> tuple[tuple[Atom, int], ...]:
     """Return the powers that all terms of a sum share: x^3 of 0.5 x^3 + x^4, 1/x of 2 + 1/x."""
     powers = [dict(term.factors) for _, term in a.parts]
-    atoms = dict.fromkeys(atom for one in powers for atom in one)
-    least = ((atom, min(one.get(atom, 0) for one in powers)) for atom in atoms)
+    atoms = dict.fromkeys(atom for exponents in powers for atom in exponents)
+    least = ((atom, min(exponents.get(atom, 0) for exponents in powers)) for atom in atoms)
     return tuple((atom, n) for atom, n in least if n)

@@ -1,4 +1,4 @@
-"""What all nodes of an expression share: hash, order and pickling."""
+"""The base of all nodes of an expression: hash, order and pickling."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ Cache = dict[Any, np.ndarray]  # values of subtrees on the same x
 
 
 class Node:
-    """Base of all nodes; its cached hash and sort key do not travel in a pickle.
+    """Base of all nodes; its cached hash and sort key are not pickled.
 
-    Hashes of strings differ from process to process, so a pickled hash would be a wrong one.
+    Hashes of strings differ from process to process, so a pickled hash would be wrong.
     """
 
     def __getstate__(self) -> dict[str, Any]:
@@ -47,7 +47,7 @@ class Node:
 
 
 class _PrintedForm:
-    """A node's printed form in a sort key, written only where nothing before it decides."""
+    """A node's printed form in a sort key, computed only if the parts before it are equal."""
 
     def __init__(self, node: Any) -> None:
         self.node = node

@@ -44,7 +44,7 @@ class Product(Node):
         Returns
         -------
         ndarray of shape (n_samples,)
-            May hold values that are not finite: nothing is protected.
+            May hold values that are not finite: no operator is protected.
         """
         if cache is not None and self in cache:
             return cache[self]
@@ -60,12 +60,12 @@ class Product(Node):
 
     def name(self, names: Sequence[str]) -> str:
         """Return the printed form, such as ``q^2 sgn(v)`` or ``q/(0.5 + q)``."""
-        above = " ".join(_power_name(a, n, names) for a, n in self.factors if n > 0)
-        below = " ".join(_power_name(a, -n, names) for a, n in self.factors if n < 0)
-        if not below:
-            return above or "1"
-        many = sum(n < 0 for _, n in self.factors) > 1
-        return f"{above or '1'}/{f'({below})' if many else below}"
+        numerator = " ".join(_power_name(a, n, names) for a, n in self.factors if n > 0)
+        denominator = " ".join(_power_name(a, -n, names) for a, n in self.factors if n < 0)
+        if not denominator:
+            return numerator or "1"
+        several = sum(n < 0 for _, n in self.factors) > 1
+        return f"{numerator or '1'}/{f'({denominator})' if several else denominator}"
 
     def to_sympy(self, symbols: Sequence[Any]) -> Any:
         """Return the sympy expression.
@@ -79,14 +79,14 @@ class Product(Node):
         -------
         sympy.Expr
         """
-        one = symbols[0] ** 0 if len(symbols) else 1
-        return math.prod((a.to_sympy(symbols) ** n for a, n in self.factors), start=one)
+        unit = symbols[0] ** 0 if len(symbols) else 1
+        return math.prod((a.to_sympy(symbols) ** n for a, n in self.factors), start=unit)
 
     @lazily
     def size(self) -> int:
         """Number of nodes; a power counts as one node above its atom."""
-        own = max(len(self.factors) - 1, 0) + sum(n != 1 for _, n in self.factors)
-        return max(own + sum(atom.size for atom, _ in self.factors), 1)
+        joints = max(len(self.factors) - 1, 0) + sum(n != 1 for _, n in self.factors)
+        return max(joints + sum(atom.size for atom, _ in self.factors), 1)
 
     @lazily
     def depth(self) -> int:
@@ -136,7 +136,7 @@ ONE = Product(())
 
 
 def _integer_power(value: np.ndarray, exponent: int) -> np.ndarray:
-    """Multiply out small powers, as many times faster than np.power and exact for squares."""
+    """Take powers by repeated products: much faster than np.power, and exact for squares."""
     magnitude = abs(exponent)
     result = value
     for _ in range(magnitude - 1):

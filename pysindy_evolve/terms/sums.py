@@ -19,7 +19,7 @@ Term = TypeVar("Term")  # of this package, or of sympy
 
 
 def signed(parts: Iterable[tuple[float, Term]]) -> Iterator[tuple[str, float, Term]]:
-    """Go through sign, size and term of each part; a first one that is positive has no sign."""
+    """Yield sign, size and term of each part; a leading plus is left out."""
     for place, (coefficient, term) in enumerate(parts):
         yield "-" if coefficient < 0 else "+" if place else "", abs(coefficient), term
 
@@ -36,7 +36,7 @@ def join_terms(
     parts : iterable of (float, term)
         Coefficients and terms, in the order in which they are written.
     number, term : callable
-        Print a positive number, and a term, of which nothing is printed where it is one.
+        Print a positive number, and a term; the term 1 prints as an empty string.
 
     Returns
     -------
@@ -85,9 +85,9 @@ class Sum(Node):
 
     @lazily
     def size(self) -> int:
-        """Number of nodes: of the terms, and one for each coefficient that is not one."""
-        own = max(len(self.parts) - 1, 0) + sum(abs(c) != 1.0 for c, _ in self.parts)
-        return own + sum(term.size for _, term in self.parts)
+        """Number of nodes: of terms and additions, and one for each coefficient but 1 and -1."""
+        joints = max(len(self.parts) - 1, 0) + sum(abs(c) != 1.0 for c, _ in self.parts)
+        return joints + sum(term.size for _, term in self.parts)
 
     @lazily
     def depth(self) -> int:
@@ -103,7 +103,7 @@ class Sum(Node):
 
     @lazily
     def constants(self) -> tuple[float, ...]:
-        """Coefficients other than one and minus one, each before the constants of its term."""
+        """The constant, and all coefficients but 1 and -1, each before those inside its term."""
         return tuple(
             c
             for coefficient, term in self.parts
@@ -141,7 +141,7 @@ def only_term(a: Sum) -> Product:
 
 
 def as_product(a: Sum) -> Product:
-    """Return a sum as one term; a function such as 1 + 2 q becomes one atom."""
+    """Return a sum as one term; a sum such as 1 + 2 q becomes one atom."""
     if len(a.parts) == 1 and a.parts[0][0] == 1.0:
         return a.parts[0][1]
     return Product(((a, 1),))

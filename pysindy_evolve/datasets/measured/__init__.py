@@ -1,8 +1,8 @@
-"""Loaders of records measured on real hardware, each with the split it is judged on.
+"""Loaders of records measured on real hardware, each split into records to fit and to judge on.
 
 Every loader takes ``folder``, the folder that holds one subfolder per set; None searches this
-machine and then downloads, see `pysindy_evolve.datasets.sources.read_columns`. What comes back is
-raw: nothing is filtered, and nothing but the stated input mean is removed.
+machine and then downloads, see `pysindy_evolve.datasets.sources.read_columns`. Records are raw:
+nothing is filtered, and only the mean of an input is removed where the loader says so.
 
 ==============  ======================================================================
 loaders

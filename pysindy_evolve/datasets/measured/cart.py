@@ -11,7 +11,7 @@ __all__ = ["load_cart"]
 
 
 def load_cart(folder: Folder = None) -> MeasuredSet:
-    """Cart under proportional position control at four gains, 1 kHz: nothing visible is missing.
+    """Cart under proportional position control at four gains, 1 kHz; no missing effect shows.
 
     Parameters
     ----------

@@ -67,6 +67,6 @@ def _published() -> sources.Columns:
             "ParameterEstimation/SinglePendulum/SinglePendulumDataForParameterEstimation.mat",
         )
     )
-    times = [np.ravel(one) for part in ("Time_id", "Time_vad") for one in variables[part]]
-    states = np.hstack([one for part in ("Y_id", "Y_vad") for one in variables[part]])
+    times = [np.ravel(piece) for part in ("Time_id", "Time_vad") for piece in variables[part]]
+    states = np.hstack([piece for part in ("Y_id", "Y_vad") for piece in variables[part]])
     return {"t": np.concatenate(times), "theta": states[0], "omega_given": states[1]}

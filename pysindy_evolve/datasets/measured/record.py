@@ -16,7 +16,7 @@ Folder = str | os.PathLike[str] | None  # the folder of measured sets; None sear
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRecord:
-    """One record as it was measured.
+    """One raw measured record.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class MeasuredRecord:
     extras : mapping of str to ndarray of shape (n_samples,)
         Other columns of the source.
     constants : mapping of str to float
-        What is known about the rig of this record.
+        Known constants of the rig of this record.
     """
 
     name: str
@@ -57,7 +57,7 @@ class MeasuredSet:
     train : tuple of MeasuredRecord
         Records for fitting.
     test : tuple of MeasuredRecord
-        Records for judging, of no influence on any choice.
+        Records for judging, which must not influence any choice.
     """
 
     train: tuple[MeasuredRecord, ...]

@@ -23,8 +23,8 @@ def load_silverbox(folder: Folder = None) -> MeasuredSet:
     MeasuredSet
         Of the multisine (samples 40650 to 127400) the first 75 % train and the last 25 % test as
         ``"multisine"``; ``"arrow"`` (samples 100 to 40575) tests beyond the amplitudes of the
-        training. y: voltage in V; u: voltage in V, the mean of the whole record removed, as the
-        generator has none.
+        training. y: voltage in V; u: voltage in V, without its mean over the whole record, as the
+        generator has no offset.
 
     Raises
     ------
