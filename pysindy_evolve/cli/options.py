@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import inspect
 from collections.abc import Callable, Mapping
 from importlib import metadata
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from ..library import OPERATORS
+from ..library import OPERATORS, EvolvingLibrary
+from ..loop import close_loop
 from ..operators import BUILTIN
 from . import reproduction
 from .help_texts import ABOUT, EXAMPLES, FIT, FIT_EXAMPLES, LOOP, LOOP_EXAMPLES
@@ -114,12 +116,14 @@ def _add_fit(parser: argparse.ArgumentParser) -> None:
         help=f"functions to build terms from ({','.join(OPERATORS)}); also "
         + ",".join(name for name in BUILTIN if name not in OPERATORS),
     )
-    for name, default, text in (
-        ("--population", 80, "new terms in each generation"),
-        ("--generations", 30, "most generations"),
-        ("--max-depth", 4, "height of the tallest term"),
-        ("--max-terms", 12, "most terms in one equation"),
+    defaults = _defaults(EvolvingLibrary)
+    for name, parameter, text in (
+        ("--population", "population_size", "new terms in each generation"),
+        ("--generations", "n_generations", "most generations"),
+        ("--max-depth", "max_depth", "height of the tallest term"),
+        ("--max-terms", "max_terms", "most terms in one equation"),
     ):
+        default = defaults[parameter]
         search.add_argument(
             name, type=count(1), default=default, metavar="N", help=f"{text} ({default})"
         )
@@ -148,15 +152,22 @@ def _add_loop(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(states={})  # they are taken from the equations
     parser.add_argument("--report", type=folder, metavar="FOLDER", help="save report and picture")
     search = parser.add_argument_group("search")
-    for name, kind, default, text in (
-        ("--significance", float, 0.05, "chance to add an effect where nothing is missing"),
-        ("--twins", int, 299, "simulated twins to test an effect on, at least 3/significance - 1"),
-        ("--min-share", float, 0.05, "share of the explainable error that an effect must remove"),
-        ("--max-effects", int, 8, "stop after so many effects"),
-        ("--jobs", int, None, "processes that work on the twins"),
+    defaults = _defaults(close_loop)
+    for name, kind, text in (
+        ("significance", float, "chance to add an effect where nothing is missing"),
+        ("n_twins", int, "simulated twins to test an effect on, at least 3/significance - 1"),
+        ("min_share", float, "share of the explainable error that an effect must remove"),
+        ("max_effects", int, "stop after so many effects"),
+        ("n_jobs", int, "processes that work on the twins"),
     ):
+        flag, default = f"--{name.removeprefix('n_').replace('_', '-')}", defaults[name]
         shown = f"{text} ({default or 1})"
-        search.add_argument(name, type=kind, default=default, metavar="N", help=shown)
+        search.add_argument(flag, type=kind, default=default, metavar="N", help=shown)
+
+
+def _defaults(call: Callable[..., Any]) -> dict[str, Any]:
+    """Return the defaults of a call, which are those of the flags for its parameters."""
+    return {name: one.default for name, one in inspect.signature(call).parameters.items()}
 
 
 def _add_columns(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
