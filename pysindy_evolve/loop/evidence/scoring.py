@@ -50,12 +50,12 @@ __all__ = [
     "tuned",
 ]
 
-LOOKS = 16  # at each number of a shape
+LOOKS = 16  # evaluations for each number of a shape
 Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
 
-MARGIN = 0.02  # of the log error: names do not change for less
+MARGIN = 0.02  # gain in log error: names do not change for less
 PRICE = 0.1  # log error that a grown term must gain for each node: one of ten nodes must gain 1.0
-# Of the log error: extra gain asked of an effect that brings a hidden state. A filter makes the
+# Log error: extra gain asked of an effect that brings a hidden state. A filter makes the
 # sign of a speed look as if it remembered; with less, a pendulum lost its drag to a hysteresis.
 LEAD = 0.1
 
@@ -80,14 +80,14 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     proposed = candidates(design, ranges)
     if part.by_trajectory:
         proposed = for_trajectories(proposed)
-    left = [residual_on(equations, record) for record in records]
+    by_record = [residual_on(equations, record) for record in records]
     first = int(np.argmax([len(record) for record in records]))
     longest, time = records[first], design.time
     drivers = longest.x[:, :0] if longest.u is None else longest.u
     made = longest.preparation
     cutoff = np.inf if made is None or made.cutoff is None else made.cutoff
     for state in design.open_states:
-        residual, dt = left[first][:, state], longest.dt
+        residual, dt = by_record[first][:, state], longest.dt
         proposed += periodic_candidates(state, time, residual, drivers, dt, cutoff)
         position = design.position_of(state)
         sides = (one for one in parts_of(design, state) if time not in one.variables)
@@ -105,7 +105,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
             if not part.by_trajectory:
                 inputs = range(len(design.states), time)
                 proposed += inertias(state, position, equations.sums[state], ranges, inputs)
-            residuals = [own[:, state] for own in left]
+            residuals = [rows[:, state] for rows in by_record]
             proposed += _ripples(state, position, residuals, records)
     return [*proposed, *partner_pumps(design, len(longest) * longest.dt)]
 
@@ -126,7 +126,7 @@ def _ripples(
 
 
 def _noise_of(record: Record, position: int) -> float:
-    """Return the standard deviation of the sensor of a position; zero if nobody knows."""
+    """Return the noise of the sensor of a position, a standard deviation; zero if unknown."""
     made = record.preparation
     return 0.0 if made is None else float(made.noise[position // made.order])
 
@@ -161,22 +161,28 @@ def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
 
 
 def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> list[Candidate]:
-    """Return candidates with the promising shapes tuned, beside those on the grid.
+    """Return the candidates on the grid, and the promising shapes among them tuned.
 
-    Between two places of the grid a power of the input can look more like a saturation than
-    either of them does. What holds its parents, as an end stop holds an offset, is tuned without
-    them: the offset stands for what is wrong with the place.
+    For a saturation between two places of the grid, a power of the input may fit better than both.
+    A candidate that contains its parents, as an end stop contains an offset, is tuned without them:
+    the offset would make up for a wrong place.
     """
     scores = score(design, part, [_by_itself(one) for one in proposed], pairs=False)
-    leader = scores[0].value if scores else 0.0
-    first: dict[tuple[str, int, int], Candidate] = {}
+    best_value = scores[0].value if scores else 0.0
+    best_shapes: dict[tuple[str, int, int], Candidate] = {}
     for s in scores:
         (one,) = s.group
-        if one.shape is not None and s.value > max(MARGIN, leader / 2):
-            first.setdefault((one.name, one.state, one.shape.branch), one)
+        if one.shape is not None and s.value > max(MARGIN, best_value / 2):
+            best_shapes.setdefault((one.name, one.state, one.shape.branch), one)
     parents = {_by_itself(one): one.parents for one in proposed}
-    there = [replace(tuned(one, design, part), parents=parents[one]) for one in first.values()]
-    return [*proposed, *there, *(end for one in there for end in one_end_each(one))]
+    tuned_candidates = [
+        replace(tuned(one, design, part), parents=parents[one]) for one in best_shapes.values()
+    ]
+    return [
+        *proposed,
+        *tuned_candidates,
+        *(end for one in tuned_candidates for end in one_end_each(one)),
+    ]
 
 
 def _by_itself(candidate: Candidate) -> Candidate:
@@ -184,7 +190,7 @@ def _by_itself(candidate: Candidate) -> Candidate:
 
 
 def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
-    """Tune the numbers that a candidate's shape depends on, from their place on the grid."""
+    """Tune the numbers that a candidate's shape depends on, starting from the grid."""
     shape = candidate.shape
     if shape is None:
         return candidate
@@ -193,12 +199,12 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
         return candidate.at(np.exp(logs).tolist())
 
     def loss(logs: np.ndarray) -> float:
-        there = at(np.atleast_1d(logs))
-        if candidate.contains_parents and not begins_within(there, part.rows):
+        moved = at(np.atleast_1d(logs))
+        if candidate.contains_parents and not begins_within(moved, part.rows):
             return 0.0
-        if candidate.passive and not takes_energy(there, design, part):
+        if candidate.passive and not takes_energy(moved, design, part):
             return 0.0
-        scores = score(design, part, [there], pairs=False)
+        scores = score(design, part, [moved], pairs=False)
         return -scores[0].value if scores else 0.0
 
     start = np.log(shape.values)
@@ -213,7 +219,7 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
 
 
 def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
-    """Tell whether the coefficient of a candidate's own column is negative beside a design."""
+    """Tell whether the coefficient of a candidate's first column is negative beside a design."""
     coef = _coefficients(design.adding(columns_of(candidate, design)), part)
     return bool(coef[len(design.columns)] < 0.0)  # partners come after it
 
@@ -221,7 +227,7 @@ def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
 def plainest(scores: Sequence[Score]) -> Score:
     """Return the smallest of the groups that do as well as the first, to one percent.
 
-    Of equally small ones a constant comes first, and powers before sines, as in the vocabulary.
+    Of equally small ones, that with fewer variables, and then the first in the vocabulary.
     """
     equal = [
         s
