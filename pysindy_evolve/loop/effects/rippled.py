@@ -48,7 +48,7 @@ def rippled_candidates(
     Returns
     -------
     list of Candidate
-        One or none: none for a term of the position alone, which is a spring of another shape.
+        One or none. None for a term of the position alone: that would be a spring of another shape.
     """
     n_bins = len(q) // SAMPLES_PER_BIN
     if part.variables <= {position} or n_bins < 2 * PERIODS_IN_SPACE or np.ptp(q) == 0.0:
