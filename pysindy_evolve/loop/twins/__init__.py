@@ -8,7 +8,7 @@ paths          a noise-free path close to a record, which twins follow
 signs          residuals times slow random signals, so that they depend on nothing
 colored        twins whose whole residual is sensor noise, which may be colored
 drifting       twins of trajectories, pushed by a random force
-what they tell
+p-values
 values         values of a statistic on twins, in several processes
 chance         the p-value that follows from these values
 =============  ===================================================================
