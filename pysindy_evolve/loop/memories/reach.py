@@ -128,7 +128,7 @@ def trade_of(memory: Traded, design: Design, part: Segments) -> Traded:
         value, given = np.exp(logs).tolist()
         return -exchanged([replace(memory, values=(value,), given=given)], design, part)[0].gain
 
-    value, given = _minimizer(loss, (memory.values[0], memory.given))
+    value, given = _least(loss, (memory.values[0], memory.given))
     tuned = replace(memory, values=(value,), given=given)
     return tuned if tuned.leaves_some else memory  # a trade of all changes nothing
 
@@ -140,10 +140,10 @@ def chain_of(chain: Chain, design: Design, part: Segments) -> Chain:
         moved = replace(chain, values=tuple(np.exp(logs).tolist()))
         return -exchanged([moved], design, part)[0].gain
 
-    return replace(chain, values=_minimizer(loss, chain.values))
+    return replace(chain, values=_least(loss, chain.values))
 
 
-def _minimizer(loss: Callable[[np.ndarray], float], start: Sequence[float]) -> tuple[float, ...]:
+def _least(loss: Callable[[np.ndarray], float], start: Sequence[float]) -> tuple[float, ...]:
     """Return the positive numbers whose logarithms minimize a loss."""
     options = {"maxfev": 80, "xatol": 0.005, "fatol": 1e-4}
     found = minimize(loss, np.log(start), method="Nelder-Mead", options=options)
