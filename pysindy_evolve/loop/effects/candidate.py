@@ -23,7 +23,7 @@ def bare(expression: Sum) -> Sum:
 
 @dataclass(frozen=True)
 class Shape:
-    """Positive numbers that terms depend on other than linearly, and how to build the terms.
+    """Positive numbers on which terms depend nonlinearly, and how to build the terms.
 
     Attributes
     ----------
@@ -84,14 +84,13 @@ class Candidate:
     passive : bool
         Whether it can only take energy, so that the coefficient of its one term is negative.
     partners : tuple of Candidate
-        Effects of other equations that are tuned with it, and that it stands for. They have
-        coefficients of their own, see partners.py.
+        Effects of other equations that are tuned and added with it. They have coefficients of
+        their own, see partners.py.
     acts_at : tuple, optional
-        Of an effect that enters as a declared force or rate does: the place, and what acts there.
-        The same one at the same place stands in several equations, see entries.py.
+        Of an effect that enters as a declared force or rate does: the place, and the terms that
+        act there. The same terms at the same place may be in several equations, see entries.py.
     free_nodes : int
-        Nodes that cost nothing: a declared term that a grown one holds whole is known, and reads as
-        one node.
+        Nodes without a price: a declared term inside a grown one is known, and counts as one node.
     """
 
     name: str
@@ -206,7 +205,7 @@ class CandidateMaker:
         never_paired: bool = False,
         passive: bool = False,
     ) -> Candidate:
-        """Return a candidate; the columns of one with a shape are built from it."""
+        """Return a candidate; with a shape, its columns are built from that."""
         columns = terms if shape is None else shape.terms
         return Candidate(
             name,

@@ -1,4 +1,4 @@
-"""Lines in the spectrum of a signal: frequencies at which it stands out of the noise around."""
+"""Lines in the spectrum of a signal: frequencies at which it stands out of the noise."""
 
 from __future__ import annotations
 

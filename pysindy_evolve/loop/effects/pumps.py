@@ -68,7 +68,7 @@ def other_pumps(forcing: Candidate, design: Design) -> list[Candidate]:
     Parameters
     ----------
     forcing : Candidate
-        What was found; nothing else can stand for what is no forcing.
+        The forcing that was found; the list is empty for another effect.
     design : Design
         The model without it.
 

@@ -33,7 +33,7 @@ def rippled_candidates(
     Parameters
     ----------
     state, position : int
-        Equation, and the variable that is the position to it.
+        Velocity, in whose equation the term is, and its position.
     residual, q : ndarray of shape (n_samples,)
         What the model leaves, and the position.
     part : Sum

@@ -176,7 +176,7 @@ def _between_ends(
 def _two_ends(q: Sum, low: float, high: float) -> Shape:
     below, above = _sign_of(low), _sign_of(high)
     builds = (partial(_above, q, above), partial(_below, q, below))
-    (branch,) = (one for one, signs in SIGNS.items() if signs == (below, above))
+    (branch,) = (number for number, signs in SIGNS.items() if signs == (below, above))
     meanings = (_meaning("lower end", below), _meaning("upper end", above))
     return Shape((abs(low), abs(high)), builds, meanings=meanings, branch=branch)
 

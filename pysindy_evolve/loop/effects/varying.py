@@ -74,14 +74,14 @@ def saturating(
         return
     for part in parts_of(design, effect.state):
         acting = sorted(part.variables - {design.time}) if len(part.variables) > 1 else []
-        levels = [one for one in acting if 2.0 * middle[one] > scales[one]]
-        for one in levels:
-            crowded = (_crowded,) if _saturates(part, one) else ()
+        levels = [level for level in acting if 2.0 * middle[level] > scales[level]]
+        for level in levels:
+            crowded = (_crowded,) if _saturates(part, level) else ()
             for build in (_over, _hiding, *crowded):
-                yield from _sated(effect, partial(build, part, one), one, float(scales[one]))
-        for one, other in combinations(levels, 2):
-            ratio = float(scales[other] / scales[one])
-            yield from _sated(effect, partial(_for_each, part, one, other), one, ratio)
+                yield from _sated(effect, partial(build, part, level), level, float(scales[level]))
+        for level, other in combinations(levels, 2):
+            ratio = float(scales[other] / scales[level])
+            yield from _sated(effect, partial(_for_each, part, level, other), level, ratio)
 
 
 def _sated(
@@ -191,7 +191,7 @@ def _name_in_time(part: Sum) -> str:
 
 def _name_of(acting: frozenset[int], design: Design, state: int) -> str:
     """Return the name of a product of these variables; empty if it is a power of a spring."""
-    if any(one >= len(design.states) for one in acting):
+    if any(v >= len(design.states) for v in acting):
         return INPUT_GAIN
     if acting == {design.position_of(state)}:
         return ""

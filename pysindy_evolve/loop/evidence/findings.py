@@ -136,8 +136,8 @@ def excluding(findings: Iterable[Finding], *gone: Finding) -> list[Finding]:
 
 def is_needed(finding: Finding, others: Iterable[Finding]) -> bool:
     """Tell whether others of its equation have a term of a finding as a parent."""
-    own, state = set(finding.candidate.terms), finding.candidate.state
-    return any(own & set(f.candidate.parents) for f in others if f.candidate.state == state)
+    terms, state = set(finding.candidate.terms), finding.candidate.state
+    return any(terms & set(f.candidate.parents) for f in others if f.candidate.state == state)
 
 
 def next_step(findings: Iterable[Finding]) -> int:

@@ -69,8 +69,8 @@ class NoiseFloor:
 
     def excess(self, equations: Equations) -> float:
         """Return the largest ratio of a model's residual power to that of noise, over all bands."""
-        left = [residual_on(equations, record) for record in self.part.records]
-        power = _power(left, self.design, self.part)
+        residuals = [residual_on(equations, record) for record in self.part.records]
+        power = _power(residuals, self.design, self.part)
         return float(np.max(power / np.maximum(self.power, TINY)))
 
 

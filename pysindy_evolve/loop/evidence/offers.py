@@ -40,7 +40,7 @@ class Offer:
     ways : tuple of Candidate
         Candidates beside the vocabulary.
     relaxes : bool
-        Whether these are relaxations, which need more proof than others.
+        Whether these are followers of a state, which need more proof than others.
     """
 
     part: Segments
@@ -69,7 +69,7 @@ def offer_for(
     part : Segments
         Pieces of the training records.
     relaxing : bool
-        Whether relaxations may be candidates.
+        Whether followers of a state, such as relaxations, may be candidates.
     springs : bool
         Whether springs with hysteresis may be candidates.
 

@@ -90,7 +90,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
         residual, dt = by_record[first][:, state], longest.dt
         proposed += periodic_candidates(state, time, residual, drivers, dt, cutoff)
         position = design.position_of(state)
-        sides = (one for one in parts_of(design, state) if time not in one.variables)
+        sides = (term for term in parts_of(design, state) if time not in term.variables)
         for branch, side in enumerate(sides, N_LINES):
             values = side.evaluate(variables_of(longest))
             proposed += pumped_candidates(
@@ -113,7 +113,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
 def _ripples(
     state: int, position: int, residuals: Sequence[np.ndarray], records: Sequence[Record]
 ) -> list[Candidate]:
-    """Return the ripples that any record shows: one that went slowly may show it best."""
+    """Return the ripples that any record shows: a slow one may show them best."""
     found: list[Candidate] = []
     for residual, record in zip(residuals, records, strict=True):
         q, noise = record.x[:, position], _noise_of(record, position)
@@ -153,11 +153,13 @@ def net(score: Score) -> float:
 def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
     """Return the columns that a candidate, and then its partners, add to a design."""
     n_states = len(design.states)
-    own = [in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms]
+    columns = [
+        in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms
+    ]
     if isinstance(candidate, InertiaCandidate):
-        pairs = zip(own, candidate.waves, strict=True)
-        own = [replace(column, inertia=wave) for column, wave in pairs]
-    return (*own, *(c for partner in candidate.partners for c in columns_of(partner, design)))
+        pairs = zip(columns, candidate.waves, strict=True)
+        columns = [replace(column, inertia=wave) for column, wave in pairs]
+    return (*columns, *(c for partner in candidate.partners for c in columns_of(partner, design)))
 
 
 def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> list[Candidate]:
@@ -167,22 +169,16 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
     A candidate that contains its parents, as an end stop contains an offset, is tuned without them:
     the offset would make up for a wrong place.
     """
-    scores = score(design, part, [_by_itself(one) for one in proposed], pairs=False)
+    scores = score(design, part, [_by_itself(c) for c in proposed], pairs=False)
     best_value = scores[0].value if scores else 0.0
     best_shapes: dict[tuple[str, int, int], Candidate] = {}
     for s in scores:
-        (one,) = s.group
-        if one.shape is not None and s.value > max(MARGIN, best_value / 2):
-            best_shapes.setdefault((one.name, one.state, one.shape.branch), one)
-    parents = {_by_itself(one): one.parents for one in proposed}
-    tuned_candidates = [
-        replace(tuned(one, design, part), parents=parents[one]) for one in best_shapes.values()
-    ]
-    return [
-        *proposed,
-        *tuned_candidates,
-        *(end for one in tuned_candidates for end in one_end_each(one)),
-    ]
+        (c,) = s.group
+        if c.shape is not None and s.value > max(MARGIN, best_value / 2):
+            best_shapes.setdefault((c.name, c.state, c.shape.branch), c)
+    parents = {_by_itself(c): c.parents for c in proposed}
+    sharp = [replace(tuned(c, design, part), parents=parents[c]) for c in best_shapes.values()]
+    return [*proposed, *sharp, *(end for c in sharp for end in one_end_each(c))]
 
 
 def _by_itself(candidate: Candidate) -> Candidate:

@@ -26,7 +26,7 @@ __all__ = ["Look", "find"]
 
 # Score of an effect that halves the RMS error: it matters, whatever its share.
 ERROR_HALVED = float(np.log(4.0))
-NEARLY = 0.98  # share of what a term with a number removes, which one without may do instead
+NEARLY = 0.98  # share of what a term with a number removes: enough to prefer one without
 
 
 @dataclass(frozen=True, eq=False)

@@ -176,7 +176,7 @@ def slow_waves(design: Design, part: Segments) -> list[Column]:
     base = 2.0 * np.pi / max(float(np.ptp(time)), TINY)
     t = variable(part.rows.shape[1] - 1)
     arguments = [mul(constant(base * k), t) for k in range(1, N_WAVES + 1)]
-    waves = [call(BUILTIN[name], one) for one in arguments for name in ("sin", "cos")]
+    waves = [call(BUILTIN[name], argument) for argument in arguments for name in ("sin", "cos")]
     return [in_state("wave", wave, s, n_states) for s in design.open_states for wave in waves]
 
 
@@ -187,7 +187,7 @@ def generic_gain(design: Design, models: Sequence[Sequence[Column]], part: Segme
     """
     grams = [spectral_grams(part, design, [*design.columns, *columns]) for columns in models]
     n_fixed = len(design.columns)
-    whole = max(_gain(one, np.arange(one.shape[1] - 1)[None, :], n_fixed, part) for one in grams)
+    whole = max(_gain(gram, np.arange(gram.shape[1] - 1)[None, :], n_fixed, part) for gram in grams)
     new = n_fixed + np.flatnonzero(are_new(grams[0].sum(axis=0)[:-1, :-1], n_fixed))
     if not len(new):
         return whole

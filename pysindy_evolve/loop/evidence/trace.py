@@ -55,7 +55,7 @@ def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.
 def _judge_of(grams: np.ndarray, folds: np.ndarray) -> Judge:
     held = summed(grams, folds)
     # Not total minus fold: for a column that is zero elsewhere, rounding would be left.
-    before, after = (np.cumsum(one, axis=0) for one in (held, held[::-1]))
+    before, after = (np.cumsum(sums, axis=0) for sums in (held, held[::-1]))
     rest = np.zeros_like(held)
     rest[1:] += before[:-1]
     rest[:-1] += after[-2::-1]
@@ -140,11 +140,17 @@ def ranked(
 
 
 def _errors(
-    judge: Judge, n_fixed: int, own: Sequence[tuple[int, ...]], groups: Sequence[tuple[int, ...]]
+    judge: Judge,
+    n_fixed: int,
+    by_candidate: Sequence[tuple[int, ...]],
+    groups: Sequence[tuple[int, ...]],
 ) -> np.ndarray:
     """Solve all groups with equally many columns at once; errors are (n_groups, n_folds)."""
-    columns = [own[g[0]] + own[g[1]] if len(g) == 2 else own[g[0]] for g in groups]
-    sizes = np.array([len(one) for one in columns], dtype=int)
+    columns = [
+        by_candidate[g[0]] + by_candidate[g[1]] if len(g) == 2 else by_candidate[g[0]]
+        for g in groups
+    ]
+    sizes = np.array([len(group_columns) for group_columns in columns], dtype=int)
     found: list[tuple[np.ndarray, np.ndarray]] = []
     for size in np.unique(sizes).tolist():
         at = np.flatnonzero(sizes == size)

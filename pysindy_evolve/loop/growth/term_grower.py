@@ -121,7 +121,7 @@ class TermGrower:
         return (s for s in scores if len(s.group) == 2)
 
     def find(self, design: Design, n_searches: int = 1) -> list[Finding]:
-        """Grow terms on what a design leaves, and return the best one that passes."""
+        """Grow terms on the residual of a design, and return the best one that passes."""
         grown = [c for _ in range(n_searches) for c in self._grow(design)]
         return self._test(design, list(dict.fromkeys(grown)))
 

@@ -35,17 +35,17 @@ class Traded(Memory):
     def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return what acts, from an input behind the whole other memory; `u` if none is left."""
         (value,) = self.values
-        left = self.present - self.given
+        shortened = self.present - self.given
         if not self.leaves_some or np.ptp(u) == 0.0:
             return u
         if self.kind == LAG:
             early = np.asarray(CubicSpline(t, u)(np.minimum(t + self.given, t[-1])))
             return Memory(LAG, self.column, (value,)).response(t, early)
-        # Undo the lag of T = present, after one more of a = left: with w = both, a w' = u - w, and
-        # w + T w' is the input behind a lag of a alone.
-        both = Memory(LAG, self.column, (left,)).response(t, u)
-        shorter = both + self.present / left * (u - both)
-        return Memory(DELAY, self.column, (value,)).response(t, shorter)
+        # Undo the lag of T = present, after one more of a = shortened: a w' = u - w for w = lagged,
+        # and w + T w' is the input behind a lag of a alone.
+        lagged = Memory(LAG, self.column, (shortened,)).response(t, u)
+        behind_short_lag = lagged + self.present / shortened * (u - lagged)
+        return Memory(DELAY, self.column, (value,)).response(t, behind_short_lag)
 
 
 @dataclass(frozen=True)

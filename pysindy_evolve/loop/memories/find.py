@@ -109,7 +109,7 @@ def _narrowed(finding: Finding, probes: Probes) -> Finding:
 
 
 def _as_finding(finding: Finding, memory: Memory, design: Design) -> MemoryFinding:
-    """Return a memory as a finding, with the evidence of another one."""
+    """Return a memory as a finding, with the evidence of another finding."""
     state, term = users_of(design, memory.column)[0], variable(len(design.states) + memory.column)
     named = Candidate(memory.kind, state, (term,))
     evidence = finding.score, finding.p_value, finding.twin_scores
@@ -124,7 +124,7 @@ def _settled(
     rng: np.random.Generator,
     present: Sequence[Memory],
 ) -> MemoryFinding:
-    """Return a memory tuned, of the best kind, with the kinds that do as well as rivals."""
+    """Return a memory of the best kind, tuned; kinds that do as well become its rivals."""
     if isinstance(finding.memory, Traded):
         return replace(finding, memory=trade_of(finding.memory, design, part))
     memory, rivals = settled_memory(finding.memory, design, part, level, rng, present)

@@ -100,7 +100,7 @@ def hold_beside_another(column: int, design: Design, part: Segments, held: Segme
     column : int
         The input.
     design : Design
-        The model, without effects that may stand for the two.
+        The model, without effects that may have taken the place of both.
     part, held : Segments
         Pieces of the training records as they are, and with the input held.
 

@@ -19,7 +19,7 @@ from .twins import like
 
 __all__ = ["ColoredTwins"]
 
-LOUDEST = 5.0  # most colored noise of a sensor, in units of its noise from one reading to the next
+LOUDEST = 5.0  # error of a free run that may be noise, over noise from reading to reading
 
 
 @dataclass(frozen=True, eq=False)

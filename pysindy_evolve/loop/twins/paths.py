@@ -28,10 +28,7 @@ __all__ = ["Path", "follow"]
 FAITHFUL = 0.5  # largest RMS distance of a path from the record, in its standard deviations
 SHORTEST = 64  # raw samples of a piece, at least: in less, little of the model shows
 FADE = 4  # pieces fade into one another over 1/FADE of their length
-TOLERANCES = (
-    1e-10,
-    1e-7,
-)  # range, for a simulation step: well below the noise, which may be rounding
+TOLERANCES = (1e-10, 1e-7)  # limits, of a simulation step: far below noise that may be rounding
 REFINEMENT = 4  # steps per raw sample of an input, by splines, where that is cheap
 CHEAP = 160_000  # refined samples, at most
 
