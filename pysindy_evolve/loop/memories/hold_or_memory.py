@@ -148,7 +148,7 @@ def _missing(design: Design, part: Segments) -> list[Candidate]:
 def memory_beside_hold(
     memory: Memory, design: Design, part: Segments
 ) -> tuple[float, Memory | None]:
-    """Return how late an input with a memory is because it is held, and what memory remains.
+    """Return how late an input with a memory is between its samples, and what memory remains.
 
     Parameters
     ----------
@@ -162,9 +162,9 @@ def memory_beside_hold(
     Returns
     -------
     late : float
-        Sampling times. Zero if the input is declared as held, if no record shows jumps and the
-        memory is not as short as a hold that a user's low-pass has hidden, or if the hold fits
-        worse.
+        Sampling times: half of one for a hold, or the delay of jumps within a step. Zero if the
+        input is declared as held, if no record shows jumps and the memory is not as short as a hold
+        that a user's low-pass has hidden, or if the hold fits worse.
     memory : Memory or None
         None if nothing remains.
     """

@@ -2,7 +2,7 @@
 
 The residual keeps its strength at each time, and its color over the memory of the signal. A slow
 wander fits a trend or a square by chance, as white noise never does, but sensor noise hides its
-long memory. So the slow part of a residual has a signal of its own, with a longer memory.
+long memory. So the slow part of a residual has a signal and a memory of its own.
 
 References
 ----------
