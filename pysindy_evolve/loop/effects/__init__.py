@@ -12,22 +12,22 @@ shaping            the numbers inside an effect, such as a rate, prepared for tu
 partners           effects in several equations that share the same inner numbers
 forces
 entries            forces that enter through an inverse mass matrix
-inertia            inertias that go up and down with an angle, which a model lacks
-angles             forces between rotating bodies, periodic in the difference of angles
+inertia            inertias that vary with an angle
+angles             forces of rotating bodies, periodic in angles or their difference
 radial             forces along or against a motion in a plane or in space
 stops              end stops, contacts, slack ropes
 flows and changes
 differences        flows in proportion to a difference, such as heat between two walls
-varying            declared coefficients that change with a variable or with time
+varying            declared terms whose coefficient changes, with a variable or time
 with memory
 hysteresis         hysteresis, and friction with a rounded sign
 relaxation         springs whose force fades, bodies that store heat
-flexible           masses that nobody measured, and that swing
-followers          relaxation and flexible masses together: what follows a measured state
+flexible           unmeasured masses on springs
+followers          both of them: hidden states that follow a measured one
 by frequency
 lines              frequencies at which the spectrum of a signal stands above the noise
 periodic           forcing and ripple at these frequencies
-modulation         how often what a term is worth goes up and down
+modulation         frequency at which the strength of a term varies
 pumps              terms of the model times a wave of the time
 rippled            terms of the model times a wave of the position
 =================  ======================================================================

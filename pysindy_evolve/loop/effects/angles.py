@@ -1,4 +1,4 @@
-"""Forces between what turns: functions of the difference of two angles, the same after a turn."""
+"""Forces of rotating bodies: periodic functions of an angle, or of the difference of two."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ __all__ = [
 ]
 
 RADIAN, DEGREE = 1.0, math.pi / 180.0
-UNITS = (RADIAN, DEGREE)  # what an angle is measured in, in radians
-BENT = 30.0  # degrees, from where on a sine is clearly no line
+UNITS = (RADIAN, DEGREE)  # units of angles, in radians
+BENT = 30.0  # degrees of swing, from which on a sine is clearly no straight line
 WAVES = (BUILTIN["sin"], BUILTIN["cos"])
 
 
@@ -54,7 +54,7 @@ def angles_of(design: Design) -> frozenset[int]:
 
 
 def waves_angles(expression: Sum, design: Design) -> bool:
-    """Tell whether all sines and cosines of an expression are those of angles of a model."""
+    """Tell whether an expression has sines or cosines, and all are of angles of a model."""
     waved = _in_waves(expression)
     return bool(waved) and waved <= angles_of(design)
 
@@ -62,10 +62,10 @@ def waves_angles(expression: Sum, design: Design) -> bool:
 def units_of(
     design: Design, variable: int, scales: np.ndarray, middle: np.ndarray
 ) -> tuple[float, ...]:
-    """Return in radians what a variable may be measured in, if it is an angle.
+    """Return the units, in radians, that a variable may be measured in if it is an angle.
 
-    In degrees only where these go far enough to both sides of their middle, as no height of a fall
-    from forty metres does, and where no sine of the model says what it is.
+    Degrees are possible only if it swings by more than 30 of them, as the height of a fall from
+    forty metres does not, and if no sine of the model tells the unit.
     """
     swing = swing_of(variable, scales, middle)
     if not bends(swing, DEGREE) or variable in angles_of(design):
@@ -74,17 +74,17 @@ def units_of(
 
 
 def swing_of(variable: int, scales: np.ndarray, middle: np.ndarray) -> float:
-    """Return how far a variable goes to both sides of its middle, at least."""
+    """Return how far a variable goes to each side of its middle."""
     return float(scales[variable] - abs(middle[variable]))
 
 
 def bends(swing: float, unit: float) -> bool:
-    """Tell whether sine and cosine of what swings so far are clearly no straight lines."""
+    """Tell whether sine and cosine are clearly no straight lines over a swing in some unit."""
     return swing * unit > math.radians(BENT)
 
 
 def without_turns(term: Product) -> Product:
-    """Return a term whose sines and cosines have phases of no more than half a turn."""
+    """Return a term with the phases of its sines and cosines reduced to at most half a turn."""
     plain: dict[int | Call, Sum] = {}
     for atom, _ in term.factors:
         if isinstance(atom, Call) and atom.operator in WAVES:
@@ -99,7 +99,7 @@ def without_turns(term: Product) -> Product:
 
 
 def is_wave_of(term: Product, variable: int) -> bool:
-    """Tell whether a term is the sine or cosine of an angle in radians, counted from anywhere."""
+    """Tell whether a term is the sine or cosine of an angle in radians, with any zero."""
     if len(term.factors) != 1:
         return False
     ((atom, power),) = term.factors
@@ -127,7 +127,7 @@ def _in_waves(expression: Sum) -> frozenset[int]:
 
 
 def between_angles(effect: CandidateMaker, own: Sum, other: Sum) -> Iterator[Candidate]:
-    """Go through what one angle does to another one, in the equation of that, or of its speed."""
+    """Yield what one angle does to another one, in the equation of that angle or of its speed."""
     apart = sub(other, own)
     yield effect(COUPLING, call(BUILTIN["sin"], apart))
     yield effect(COUPLING, call(BUILTIN["cos"], apart), parents=(OFFSET,), contains_parents=True)
@@ -137,7 +137,7 @@ def between_angles(effect: CandidateMaker, own: Sum, other: Sum) -> Iterator[Can
 def centripetal(
     effect: CandidateMaker, design: Design, turning: frozenset[int]
 ) -> Iterator[Candidate]:
-    """Go through what a mass on an arm that turns does to what carries the arm, which may turn."""
+    """Yield what a mass on a rotating arm does to the body that carries it, which may turn too."""
     for angle in sorted(turning):
         rate = design.derivative_of(angle) if angle < len(design.states) else None
         if rate is not None and rate != effect.state:
@@ -151,23 +151,23 @@ def centripetal(
 def centrifugal(
     effect: CandidateMaker, design: Design, position: int, turning: frozenset[int]
 ) -> Iterator[Candidate]:
-    """Go through what the speed of another axis does: to an arm that it swings out, or a slide.
+    """Yield centrifugal forces by the rotation of another axis, on a hinged arm or on a slide.
 
-    That axis is a state, or an input that acts nowhere else in the equation.
+    The speed of that axis is a state, or an input that does not act in the equation yet.
     """
     sides = design.sides_of(effect.state)
     axes = [rate for rate in design.velocities if rate != effect.state]
     inputs = range(len(design.states), design.time)
-    idle = [u for u in inputs if not any(u in side.variables for side in sides)]
-    for rate in (*axes, *idle):
+    unused = [u for u in inputs if not any(u in side.variables for side in sides)]
+    for rate in (*axes, *unused):
         name = COUPLING if rate in axes else INPUT_GAIN
         yield effect(name, mul(power(variable(rate), 2), _outward(position, turning)))
 
 
 def _outward(position: int, turning: frozenset[int]) -> Sum:
-    """Return what the square of a speed of rotation acts with on a position, or on an angle.
+    """Return the factor of the squared speed of rotation in a centrifugal force.
 
-    A mass on a turntable is driven out by w^2 r, one in a hoop that turns by w^2 sin(q) cos(q).
+    A mass on a turntable is driven out by w^2 r, one in a turning hoop by w^2 sin(q) cos(q).
     """
     q = variable(position)
     return mul(call(BUILTIN["sin"], q), call(BUILTIN["cos"], q)) if position in turning else q

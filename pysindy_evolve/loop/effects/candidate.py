@@ -12,7 +12,7 @@ __all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"
 
 OFFSET = of_term(ONE)  # the parent of whatever has a mean
 NUMBER = 3  # nodes that a number inside a grown term counts as
-REACH = 1.2  # of the logarithms of a shape about its place on the grid: a factor of three
+REACH = 1.2  # how far a number is tuned from the grid, in its logarithm: a factor of three
 
 
 def bare(expression: Sum) -> Sum:
@@ -23,7 +23,7 @@ def bare(expression: Sum) -> Sum:
 
 @dataclass(frozen=True)
 class Shape:
-    """Positive numbers that terms depend on other than linearly, and how to build the terms.
+    """Positive numbers on which terms depend nonlinearly, and how to build the terms.
 
     Attributes
     ----------
@@ -84,14 +84,13 @@ class Candidate:
     passive : bool
         Whether it can only take energy, so that the coefficient of its one term is negative.
     partners : tuple of Candidate
-        Effects of other equations that are tuned with it, and that it stands for. They have
-        coefficients of their own, see partners.py.
+        Effects of other equations that are tuned and added with it. They have coefficients of
+        their own, see partners.py.
     acts_at : tuple, optional
-        Of an effect that enters as a declared force or rate does: the place, and what acts there.
-        The same one at the same place stands in several equations, see entries.py.
+        Of an effect that enters as a declared force or rate does: the place, and the terms that
+        act there. The same terms at the same place may be in several equations, see entries.py.
     free_nodes : int
-        Nodes that cost nothing: a declared term that a grown one holds whole is known, and reads as
-        one node.
+        Nodes without a price: a declared term inside a grown one is known, and counts as one node.
     """
 
     name: str
@@ -119,12 +118,12 @@ class Candidate:
 
     @property
     def variables(self) -> frozenset[int]:
-        """What acts in it."""
+        """The variables in its terms."""
         return frozenset().union(*(term.variables for term in self.terms))
 
     @property
     def is_straight(self) -> bool:
-        """Whether it is a constant or a variable, of which nothing plainer could take the place."""
+        """Whether it is a constant or a variable, so that nothing plainer could replace it."""
         return all(term.size == 1 for term in self.terms)
 
     @property
@@ -163,9 +162,9 @@ class Candidate:
         """Return the effect, and its partners, with other numbers in their shapes."""
         if self.shape is None:
             return self
-        there = replace(self.shape, values=tuple(values))
-        partners = tuple(partner.at(there.values) for partner in self.partners)
-        return replace(self, terms=there.terms, shape=there, partners=partners)
+        moved = replace(self.shape, values=tuple(values))
+        partners = tuple(partner.at(moved.values) for partner in self.partners)
+        return replace(self, terms=moved.terms, shape=moved, partners=partners)
 
 
 @dataclass(frozen=True)
@@ -182,7 +181,7 @@ class _Rewritten:
 
 def rewritten(candidate: Candidate, rewrite: Callable[[Sum], Sum]) -> Candidate:
     """Return a candidate with each of its expressions rewritten, also when it is tuned."""
-    terms, parents = (tuple(map(rewrite, those)) for those in (candidate.terms, candidate.parents))
+    terms, parents = (tuple(map(rewrite, sums)) for sums in (candidate.terms, candidate.parents))
     shape = candidate.shape
     if shape is not None:
         shape = replace(shape, builds=tuple(_Rewritten(build, rewrite) for build in shape.builds))
@@ -206,7 +205,7 @@ class CandidateMaker:
         never_paired: bool = False,
         passive: bool = False,
     ) -> Candidate:
-        """Return a candidate; the columns of one with a shape are built from it."""
+        """Return a candidate; with a shape, its columns are built from that."""
         columns = terms if shape is None else shape.terms
         return Candidate(
             name,

@@ -1,12 +1,13 @@
-"""What flows or pulls by a difference: one coefficient, not two.
+"""Flows and forces that depend on a difference, with one coefficient instead of two.
 
-Heat between two walls, current between two nodes, the loss of a tank to the room. Where an equation
-has a coefficient for one part of the difference already, the other one alone says as much.
+Examples are heat between two walls, current between two nodes, the loss of a tank to the room.
+Where an equation has a coefficient for one part of the difference already, the other part alone
+says as much.
 
-Between what stores, of the first order, also flows that are not in proportion: a turbulent one
-through a valve goes with the root of the difference, a draft with its square, radiation with the
-fourth powers; and what a measured flow carries, as the air of a fan does, with both. And where a
-pull by a difference is declared, as that of a tyre that slips, it may be no more than a grip.
+Between first-order states, flows may also be nonlinear: a turbulent one through a valve goes with
+the root of the difference, a draft with its square, radiation with fourth powers. What a measured
+flow carries, such as the air of a fan, goes with flow times difference. And a declared force by a
+difference, such as that of a slipping tyre, may saturate at a grip.
 """
 
 from __future__ import annotations
@@ -27,17 +28,17 @@ from .varying import parts_of
 
 __all__ = ["acting_differences", "differences", "gripping", "leveling", "losses", "radiated"]
 
-GRIPS = (0.03, 0.1, 0.3, 1.0)  # differences at which a grip gives way, in the largest of the record
+GRIPS = (0.03, 0.1, 0.3, 1.0)  # differences at which a grip saturates, as shares of the largest one
 
 
 def differences(
     effect: CandidateMaker, design: Design, state: int, other: int, apart: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through what the difference of two states does: of positions, or of states alike."""
+    """Yield what the difference of two positions, or of two states of one kind, does."""
     position, is_position = design.position_of(state), design.derivative_of(other) is not None
     own = state if position is None or not is_position else position
-    alike = (is_position or design.position_of(other) is not None) == (position is not None)
-    if alike:  # a current is not compared with an angle
+    same_kind = (is_position or design.position_of(other) is not None) == (position is not None)
+    if same_kind:  # a current is not compared with an angle
         yield from _difference(effect, design, own, other)
         if position is None:
             yield from _flows(effect, own, other)
@@ -48,9 +49,9 @@ def differences(
 
 
 def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:
-    """Go through what a state of the first order loses to surroundings, measured as an input.
+    """Yield what a first-order state loses to its surroundings, measured as an input.
 
-    An input that acts on the state already is no such surroundings, but what heats it.
+    An input that acts on the state already is a source, and not the surroundings.
     """
     if not any(column in side.variables for side in design.sides_of(effect.state)):
         yield from _difference(effect, design, effect.state, column)
@@ -61,9 +62,9 @@ def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Cand
 def radiated(
     effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through what radiates where heat is declared to flow: fourth powers of temperatures.
+    """Yield radiation where heat is declared to flow: differences of fourth powers.
 
-    They are above zero all the time, as those in kelvin are.
+    Both temperatures must always be above zero, as those in kelvin are.
     """
     own, sides = effect.state, design.sides_of(effect.state)
     above = [v for v in range(design.time) if 2.0 * middle[v] > scales[v]]
@@ -73,9 +74,9 @@ def radiated(
 
 
 def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
-    """Go through declared sums, such as the slip of a tyre, that pull no more than they grip.
+    """Yield declared sums, such as the slip of a tyre, as forces that saturate at a grip.
 
-    The same slip may stand in two equations: of what a tyre pushes aside, and of what it turns.
+    The same slip may stand in two equations: that of a sideways motion, and that of a rotation.
     """
     for slip in parts_of(design, effect.state):
         linear = [(c, term.variables) for c, term in slip.parts if term.size == 1]
@@ -88,7 +89,7 @@ def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iter
 
 
 def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:
-    """Yield what pulls by a difference, at most by its grip; `reach` is the largest difference."""
+    """Yield forces by a difference that saturate; `reach` is the largest difference."""
     if reach == 0.0:  # one is a copy of the other
         return
     for share in GRIPS:
@@ -97,10 +98,10 @@ def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iter
 
 
 def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
-    """Yield what flows by a power of a difference, toward the lower one.
+    """Yield flows by a power of a difference, toward the lower one.
 
-    The root is that of an orifice, the square that of a resistance, and what lies between that of
-    a slot or of air that flows as it is warm.
+    The root is that of an orifice, the square that of a resistance, and the power 1.5 that of a
+    slot or of rising warm air.
     """
     head = sub(variable(other), variable(own))
     size = call(BUILTIN["abs"], head)
@@ -110,7 +111,7 @@ def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:
 
 
 def _carried(effect: CandidateMaker, design: Design, own: int, other: int) -> Iterator[Candidate]:
-    """Yield what a measured flow carries in: as much as it is, times the difference."""
+    """Yield what a measured flow carries in: flow times difference."""
     head = sub(variable(other), variable(own))
     for flow in range(len(design.states), design.time):
         if flow != other:
@@ -127,10 +128,10 @@ def _difference(
 
 
 def acting_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
-    """Go through what may act relative to an input: a speed in the wind, a stretch.
+    """Yield the states that may act relative to an input: a speed in the wind, a stretch.
 
-    That is a difference that the equation declares, or one to an input that acts nowhere: somebody
-    measured it for a reason.
+    The equation declares their difference, or the input acts nowhere: somebody measured it for a
+    reason.
 
     Parameters
     ----------
@@ -145,10 +146,10 @@ def acting_differences(design: Design, state: int) -> Iterator[tuple[int, int]]:
         The state itself or its position, and the input.
     """
     position = design.position_of(state)
-    able = [state] if position is None else [state, position]
+    possible = [state] if position is None else [state, position]
     first = len(design.states)
     used = {v for k in range(first) for side in design.sides_of(k) for v in side.variables}
-    for own in able:
+    for own in possible:
         for other in range(first, first + len(design.inputs)):
             sides = design.sides_of(state)
             if other not in used or any(_holds_difference(side, own, other) for side in sides):

@@ -1,8 +1,8 @@
 """Where forces enter: through an inverse mass matrix, a torque at one joint moves them all.
 
-In the acceleration of a cart with a pendulum, a force F stands as F / (M + m sin(theta)^2), and
-what rubs at the cart enters as F does. So what stands beside an input, or beside the speed that a
-declared damping acts on, is how any force at that place enters.
+In the acceleration of a cart with a pendulum, a force F enters as F / (M + m sin(theta)^2), and so
+does friction at the cart. So the factor of an input, or of the velocity of a declared damping, is
+the factor of any force at that place.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .candidate import bare
 
 __all__ = ["AS_INPUT", "Entry", "entered", "entries_of"]
 
-AS_INPUT = "as if"  # so begins what is said of a coefficient that adds to an input
+AS_INPUT = "as if"  # how the text for a coefficient that adds to an input begins
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Entry:
 
 
 def entries_of(design: Design, state: int) -> list[Entry]:
-    """Return the places where forces enter one equation by other than a constant factor.
+    """Return the places where forces enter one equation with a factor that is not constant.
 
     Parameters
     ----------
@@ -45,19 +45,19 @@ def entries_of(design: Design, state: int) -> list[Entry]:
     Returns
     -------
     list of Entry
-        Where a declared damping says which speed belongs to a place, only that; else all.
+        With the velocity that a declared damping gives for the place; without one, all of them.
     """
     sides = [column.parts[state] for column in design.columns if column.parts[state].parts]
     found: dict[Sum, Entry] = {}
     for velocity in design.velocities:
         for side in sides:
-            factor = _beside(side, velocity)
+            factor = _factor_of(side, velocity)
             if len(factor.parts) == len(side.parts):
                 found.setdefault(bare(factor), Entry(factor, (velocity,), velocity))
     first = len(design.states)
     for column in range(first, first + len(design.inputs)):
         for side in (design.fixed[state], *sides):
-            factor = _beside(side, column)
+            factor = _factor_of(side, column)
             if factor.parts:
                 known = found.get(bare(factor))
                 where = design.velocities if known is None else known.velocities
@@ -66,7 +66,7 @@ def entries_of(design: Design, state: int) -> list[Entry]:
 
 
 def entered(design: Design, state: int, expression: Sum) -> tuple[Entry, Sum] | None:
-    """Return where an effect enters its equation, and the force that it is there.
+    """Return where an effect enters its equation, and which force it is there.
 
     Parameters
     ----------
@@ -80,8 +80,8 @@ def entered(design: Design, state: int, expression: Sum) -> tuple[Entry, Sum] | 
     Returns
     -------
     Entry and Sum, or None
-        The effect is the factor of the one times the other, the plainest if there are several; None
-        if it has another factor than a declared force.
+        The effect is the entry's factor times the force, the smallest of several; None if no
+        declared force has such a factor.
     """
     first = expression.parts[0][1]
     found = [
@@ -90,17 +90,17 @@ def entered(design: Design, state: int, expression: Sum) -> tuple[Entry, Sum] | 
         for force in (_over(first, term) for _, term in entry.factor.parts)
         if bare(mul(entry.factor, force)) == bare(expression) and force.size < expression.size
     ]
-    return min(found, key=lambda one: one[1].size, default=None)
+    return min(found, key=lambda pair: pair[1].size, default=None)
 
 
 def _over(term: Product, other: Product) -> Sum:
-    """Divide a term by another; sums stay closed, so that they cancel."""
+    """Divide a term by another; sums stay single factors, so that they cancel."""
     inverse = Product(tuple((atom, -n) for atom, n in other.factors))
     return mul(of_term(term), of_term(inverse))
 
 
-def _beside(side: Sum, index: int) -> Sum:
-    """Return what stands beside a variable where it enters linearly, in an expression."""
+def _factor_of(side: Sum, index: int) -> Sum:
+    """Return the factor of a variable in the terms of an expression that are linear in it."""
     linear = tuple(
         (c, term)
         for c, term in side.parts

@@ -1,7 +1,7 @@
-"""Masses that an equation of motion may lack: nobody measured them, and they swing.
+"""Unmeasured masses on springs, which an equation of motion may lack.
 
-What acts is what such a mass pulls with, see flexible_mode.py. Far below its own frequency it is
-one more mass, far above it a spring; in between nothing else of the vocabulary has the same phase.
+The term is the pull of such a mass, see flexible_mode.py. Far below its own frequency it acts as
+more mass, far above as a spring; in between no other effect of the vocabulary has the same phase.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from .relaxation import PLAINER
 
 __all__ = ["flexible_ways", "within_band"]
 
-FEWEST_PERIODS = 16.0  # of a record
-HIGHEST = 0.5  # frequency, in those up to which a filter leaves what there is ...
-FASTEST = 0.1  # ... and in samplings: a filter may look like one that is higher
+FEWEST_PERIODS = 16.0  # of the lowest frequency, in a record
+HIGHEST = 0.5  # highest frequency, as a share of the cutoff of a filter ...
+FASTEST = 0.1  # ... and of the sampling rate: a filter may look like a higher one
 RATIO = 1.25  # between frequencies of the grid, from each of which it is tuned
-DAMPING = 0.1  # ratio, before it is tuned: wide enough to be felt at the next frequency
-CLEAR = 1.1  # times by which a frequency must lie within the range
+DAMPING = 0.1  # ratio before tuning: wide enough to show at the next frequency of the grid
+CLEAR = 1.1  # factor by which a frequency must keep away from the ends of its range
 NUMBERS = ("angular frequency", "damping ratio")
 
 
@@ -38,7 +38,7 @@ class Flexible:
     x, v, time : Sum
         Position and velocity of the measured mass, and the time.
     fastest : float
-        Angular frequency, radians per unit of t; no higher one can be told.
+        Highest angular frequency that a record can tell, radians per unit of t.
     """
 
     x: Sum
@@ -66,8 +66,8 @@ def flexible_ways(state: int, position: int, record: Record) -> list[Candidate]:
     Returns
     -------
     list of Candidate
-        None where nothing drives the motion: two frequencies and how fast each dies away are four
-        numbers, and two masses have five.
+        Empty where nothing drives the motion: a free decay shows two frequencies and two decay
+        rates, which are four numbers, and two masses have five.
     """
     if record.u is None:
         return []
@@ -77,14 +77,16 @@ def flexible_ways(state: int, position: int, record: Record) -> list[Candidate]:
     build, found = Flexible(*places, fastest), []
     while frequency < fastest:
         shape = Shape((frequency, DAMPING), (build,), meanings=NUMBERS, branch=1)
-        own = effect(HIDDEN_STATE, shape=shape, must_beat=PLAINER, never_paired=True, passive=True)
-        found.append(own)
+        candidate = effect(
+            HIDDEN_STATE, shape=shape, must_beat=PLAINER, never_paired=True, passive=True
+        )
+        found.append(candidate)
         frequency *= RATIO
     return found
 
 
 def within_band(path: Call, record: Record) -> bool:
-    """Tell whether the frequency of a hidden mass lies clearly within those that are tried."""
+    """Tell whether the frequency of a hidden mass lies clearly within the range tried."""
     (frequency, _), (low, high) = kind_of(path).numbers(path), _band(record)
     return CLEAR * low < frequency < high / CLEAR
 

@@ -1,4 +1,4 @@
-"""What follows a measured state by itself: a relaxation, or a mass that swings behind it."""
+"""Hidden states that follow a measured one: a relaxation, or a mass that swings behind it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["followers_for", "followers_of", "is_sound"]
 
 
 def followers_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
-    """Return what may follow a state of a design, which it does not hold yet.
+    """Return the followers of states that a design may lack.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ def followers_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
 
 
 def followers_of(design: Design) -> list[Call]:
-    """Return what follows a state in a design, and has to learn where it is."""
+    """Return the followers in a design: hidden states whose start is unknown."""
     return [path for path in design.paths if path.operator in (RELAXING, FLEXIBLE_MODE)]
 
 
 def is_sound(path: Call, record: Record) -> bool:
-    """Tell whether a record can tell the time, or the frequency, of what follows a state."""
+    """Tell whether a record can tell the relaxation time, or the frequency, of a follower."""
     if path.operator == RELAXING:
         return within_reach(path, record)
     return path.operator != FLEXIBLE_MODE or within_band(path, record)

@@ -1,9 +1,9 @@
 """Hysteresis, and friction whose sign is rounded off.
 
 Hysteresis is a friction whose sign changes before or after the velocity does, sgn(v + c x) or
-sgn(v + c a), sharp or rounded off. A position may be measured from anywhere, so the middle of the
-stroke takes the place of its zero. Bouc and Wen's hysteresis depends on the path only: a friction,
-see boucwen.py, or a spring, see wen_spring.py.
+sgn(v + c a), sharp or rounded off. A position may have an arbitrary zero, so it counts from the
+middle of the stroke. Bouc and Wen's hysteresis depends on the path only: a friction, see
+boucwen.py, or a spring, see wen_spring.py.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from .names import (
 
 __all__ = ["SIMPLER", "remembered_ways", "remembering", "rounded", "rounded_sign", "yields"]
 
-PLAINER = (COULOMB_FRICTION,)  # which hysteresis may be taken for, where the velocity is noisy
+PLAINER = (COULOMB_FRICTION,)  # may look like hysteresis where the velocity is noisy
 # In an equation of motion position and velocity are noisy states, and any friction or spring may
-# look like a friction that remembers.
+# look like Bouc and Wen's hysteresis.
 SIMPLER = (
     *PLAINER,
     STRIBECK_FRICTION,
@@ -52,16 +52,16 @@ SIMPLER = (
     GRAVITY,
     HARMONIC,
 )
-SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in ratios of the sizes of v and x
-WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, in sizes of v
+SLANTS = (0.05, 0.2, 0.8)  # c in sgn(v + c x), in units of the size of v over that of x
+WIDTHS = (0.04, 0.1, 0.25)  # of a rounded sign, as shares of the size of v
 LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the stroke
 PATH_NUMBERS = ("length", "rate of unloading")
 SPRING_LENGTHS = (0.1, 0.3, 1.0)  # over which a spring forgets, in halves of the stroke
 SPRING_NUMBERS = ("length", "loss")
 EVEN = 0.5  # loss of a spring that grows neither stiffer nor softer on the way out
 UNLOADINGS = (0.25, 1.0, 4.0)  # Dahl's friction in the middle
-ENOUGH = 8  # times that a friction must have turned round, or its memory does not show
-CENTERED = 0.1  # share of half the stroke that a zero of the position may lie off its middle
+ENOUGH = 8  # sign changes of a hysteresis in a record, at least: in fewer no memory shows
+CENTERED = 0.1  # distance of zero from the middle, over half the stroke, that is neglected
 
 
 def rounded_sign(v: Sum, width: float) -> Sum:
@@ -75,7 +75,7 @@ def _slanted(v: Sum, x: Sum, slant: float, middle: float) -> Sum:
 
 
 def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Candidate]:
-    """Go through frictions whose sign is rounded off."""
+    """Yield frictions whose sign is rounded off."""
     for width in WIDTHS:
         build = partial(rounded_sign, variable(v))
         smooth = Shape((width * float(scales[v]),), (build,), meanings=("width of the transition",))
@@ -84,7 +84,7 @@ def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Cand
 
 @dataclass(frozen=True)
 class Yield:
-    """Builds the sign of v + c (x - m) from the sizes of c, of its width if any, and of m if any.
+    """Builds the sign of v + c (x - m) from |c|, its width if any, and |m| if any.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Yield:
 def yields(
     effect: CandidateMaker, x: int, v: int, scales: np.ndarray, middle: float
 ) -> Iterator[Candidate]:
-    """Go through hysteretic frictions of a velocity, led or followed by another variable."""
+    """Yield hysteretic frictions of a velocity, led or followed by another variable."""
     speed, stroke = float(scales[v]), float(scales[x]) - abs(middle)
     side = float(np.sign(middle)) if abs(middle) > CENTERED * stroke else 0.0
     places = {"distance of the middle from zero": abs(middle)} if side else {}
@@ -135,9 +135,9 @@ def remembering(
     must_beat: tuple[str, ...] = PLAINER,
     spring_lengths: Sequence[float] = SPRING_LENGTHS,
 ) -> Iterator[Candidate]:
-    """Go through frictions and springs of Bouc and Wen, which remember the path of a position.
+    """Yield frictions and springs of Bouc and Wen, which remember the path of a position.
 
-    `stroke` is half of what the position goes through.
+    `stroke` is half the range of the position.
     """
     friction = partial(yielding, variable(x), variable(v))
     for length in LENGTHS:
@@ -169,7 +169,7 @@ def remembered_ways(
     Returns
     -------
     list of Candidate
-        Frictions as Dahl's, and springs; their second numbers are tuned from there.
+        Dahl's frictions, and springs; all their numbers are tuned from there.
     """
     stroke, dahl = 0.5 * float(np.ptp(x)), UNLOADINGS[1:2]
     effect, lengths = CandidateMaker(state), SPRING_LENGTHS if springs else ()
@@ -178,7 +178,7 @@ def remembered_ways(
 
 
 def _turns(way: Candidate, position: int, x: np.ndarray) -> int:
-    """Return how often what remembers changes its sign along a path."""
+    """Return how often a hysteresis changes its sign along a path."""
     rows = np.zeros((len(x), max(position, way.state) + 1))
     rows[:, position] = x
     w = way.terms[0].evaluate(rows)

@@ -1,4 +1,4 @@
-"""Inertia that changes with the position, as the effect that a model of a constant one lacks."""
+"""Inertia that changes with the position, as an effect that a model of a constant one lacks."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .periodic import WAVE_NUMBER
 __all__ = ["InertiaCandidate", "inertia_candidate", "inertias"]
 
 FUNCTIONS = ("cos", "sin")
-NEAR = 0.2  # of the logarithm of a wave number
+NEAR = 0.2  # how far the logarithm of a wave number is tuned
 
 
 @dataclass(frozen=True)
 class InertiaCandidate(Candidate):
     """Two waves of an inertia, whose coefficients are their amplitudes.
 
-    Its terms hold what the model says of the acceleration, as it was fitted last.
+    Its terms contain the acceleration by the model, as last fitted.
     """
 
     position: int = field(kw_only=True)
@@ -45,10 +45,10 @@ class InertiaCandidate(Candidate):
 def inertias(
     state: int, position: int, rate: Sum, ranges: Ranges, inputs: range
 ) -> list[InertiaCandidate]:
-    """Return the inertias of what turns by more than a quarter each way: once, or twice a turn.
+    """Return inertias that vary once or twice a turn, for a swing of a quarter turn each way.
 
-    Only a force that was measured tells an inertia from other forces of the position: without an
-    input in the equation there are none.
+    Only a measured force tells an inertia from other forces of the position: without an input in
+    the equation there are none.
     """
     turns = 2.0 * swing_of(position, ranges.largest, ranges.middle) >= np.pi
     if not (turns and rate.variables & set(inputs)):
@@ -59,14 +59,14 @@ def inertias(
 def inertia_candidate(
     state: int, position: int, rate: Sum, number: float, reach: float, branch: int = 0
 ) -> InertiaCandidate:
-    """Return what an inertia lacks that goes up and down with a position.
+    """Return the candidate of an inertia that goes up and down with a position.
 
     Parameters
     ----------
     state, position : int
         Velocity, in whose equation it stands, and its position.
     rate : Sum
-        What the model says of the acceleration.
+        The acceleration by the model.
     number : float
         Wave number, radians per unit of the position.
     reach : float

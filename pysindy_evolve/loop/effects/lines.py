@@ -1,4 +1,4 @@
-"""Lines in the spectrum of a signal: frequencies at which it stands out of the noise around."""
+"""Lines in the spectrum of a signal: frequencies at which it stands out of the noise."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ...checks import TINY
 
 __all__ = ["FEWEST_FREQUENCIES", "find_lines", "vertex"]
 
-FINENESS = 4  # of the grid of frequencies: the true one lies close to it
-LINE = 5.0  # prominence that makes a peak a line; noise reaches three to four
-ROUGHLY = 0.8  # of it, that half frequencies of the record show of any line; a Hann window has 0.85
-VALLEYS, COMB = 0.1, 15.0  # quantile about a place, and how far lines of many sines rise above it
-ALIKE = 0.2  # of the largest line, that the others of a comb have at least
-MOST_TRIED = 16  # lines; what is left beside as many that inputs have is their skirts
-HALF = FINENESS // 2  # of these make half of what the record resolves
-AROUND, SKIRT = 10, 2  # frequencies of the record about a line that say what inputs do, but these
-SURROUNDINGS = 81  # half frequencies of the record, about a place, whose median is the noise there
-FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know the noise about a line
+FINENESS = 4  # grid points per frequency that the record resolves
+LINE = 5.0  # ratio to the noise floor that makes a peak a line; noise reaches three to four
+ROUGHLY = 0.8  # of it, that a coarse grid shows of any line; a Hann window has 0.85
+VALLEYS, COMB = 0.1, 15.0  # quantile around a place, and ratio to it that makes a line of a comb
+ALIKE = 0.2  # of the largest line, that other lines of a comb have at least
+MOST_TRIED = 16  # peaks; after as many lines of inputs, only their skirts are left
+HALF = FINENESS // 2  # grid points per half frequency of the record
+AROUND, SKIRT = 10, 2  # frequencies about a line that predict a response, nearer ones do not
+SURROUNDINGS = 81  # half frequencies around a place, whose median is the noise floor
+FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know its noise floor
 
 
 def find_lines(
@@ -56,13 +56,13 @@ def find_lines(
     Lines stand out of noise that may be much stronger elsewhere. Each is subtracted before the next
     is looked for, so that its skirts are no lines.
     """
-    if not np.isfinite(signal).all():  # the root of a level, in a twin that runs dry
+    if not np.isfinite(signal).all():  # such as the root of a level, in a twin that runs dry
         return
     n_fine = FINENESS * fft.next_fast_len(len(signal), real=True)
     places = np.arange(n_fine // 2 + 1)
     free = (places > FINENESS * n_periods) & (places < highest * n_fine)
-    n_found, whole = 0, signal
-    of_others = cache(lambda: [_spectrum_and_floor(other, n_fine) for other in others])
+    n_found, original = 0, signal
+    spectra_of_others = cache(lambda: [_spectrum_and_floor(other, n_fine) for other in others])
     for _ in range(MOST_TRIED):
         if n_found == n_peaks or not _may_have_line(signal, n_fine, free):
             break
@@ -71,11 +71,11 @@ def find_lines(
         if not free[peak] or spectrum[peak] < LINE * floor[peak]:
             break
         cycles = vertex(spectrum, peak) / n_fine
-        # A peak that begins to rise where the search does belongs to what is too slow for a line.
-        its_own = cycles * n_fine > FINENESS * n_periods - 1 and not any(
-            _has_line(*of_other, peak) for of_other in of_others()
+        # A peak at the low end of the search belongs to something too slow for a line.
+        is_new = cycles * n_fine > FINENESS * n_periods - 1 and not any(
+            _has_line(*of_other, peak) for of_other in spectra_of_others()
         )
-        if its_own and not _is_response(whole, others, peak, n_fine):
+        if is_new and not _is_response(original, others, peak, n_fine):
             yield cycles
             n_found += 1
         free[max(peak - FINENESS, 0) : peak + FINENESS + 1] = False
@@ -114,14 +114,14 @@ def _without(signal: np.ndarray, cycles: float) -> np.ndarray:
 
 
 def _may_have_line(signal: np.ndarray, n_fine: int, free: np.ndarray) -> bool:
-    """Tell from every fourth frequency, in a fourth of the time, whether there may be a line."""
+    """Tell from every other frequency, which takes less time, whether there may be a line."""
     spectrum = np.abs(_transform(signal, n_fine // HALF))
     floor = median_filter(spectrum, SURROUNDINGS)
     return bool(np.any(free[::HALF] & (spectrum > ROUGHLY * LINE * floor)))
 
 
 def _spectrum_and_floor(signal: np.ndarray, n_fine: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the amplitude spectrum, finer than the record gives, and its median around."""
+    """Return the amplitude spectrum on the fine grid, and its running median."""
     spectrum = np.abs(_transform(signal, n_fine))
     places = np.arange(len(spectrum))
     coarse = places[::HALF]
@@ -142,9 +142,9 @@ def _taper(n: int) -> np.ndarray:
 def _is_response(
     signal: np.ndarray, others: Sequence[np.ndarray] | np.ndarray, peak: int, n_fine: int
 ) -> bool:
-    """Tell whether half of a line is what the frequencies around it let expect of the inputs.
+    """Tell whether half of a line is a response to inputs, as frequencies around it predict.
 
-    There a response is the spectrum of each input times a quadratic function of the frequency
+    A response there is the spectrum of each input times a quadratic function of the frequency
     (local polynomial method: Schoukens et al., Eur. J. Control 15 (2009),
     DOI 10.3166/ejc.15.260-274).
     """
@@ -166,7 +166,7 @@ def _has_line(spectrum: np.ndarray, floor: np.ndarray, peak: int) -> bool:
     top, place = _top(spectrum, peak, FINENESS)
     if top >= LINE * floor[place]:
         return True
-    # Of many lines, close together and alike, the median holds their skirts; not so the valleys.
+    # Between many close lines of equal height the median lies on their skirts, the valleys do not.
     top, _ = _top(spectrum, peak, HALF)
     reach = HALF * (SURROUNDINGS // 2)
     valley = np.quantile(spectrum[max(peak - reach, 0) : peak + reach + 1 : HALF], VALLEYS)

@@ -42,87 +42,88 @@ def candidates(design: Design, ranges: Ranges) -> list[Candidate]:
     design : Design
         The model so far.
     ranges : Ranges
-        How far states, inputs and time go. The powers of a variable that keeps its sign pose as an
-        offset no more than itself, and need none beside them.
+        Ranges of states, inputs and time. Powers of a variable that keeps its sign pose as an
+        offset no more than the variable itself, and need none beside them.
 
     Returns
     -------
     list of Candidate
         Effects whose terms all stand in the equation already are left out, unless their coefficient
-        is known: what is known may be wrong. The weight of what only falls is not looked at again,
-        for a free one absorbs a part of whatever is missing. Nor is what has one value only: the
-        sign of a temperature in kelvin.
+        is known: what is known may be wrong. The known weight of a falling body is left out as
+        well, as a free one absorbs a part of whatever is missing, and so are effects that are
+        constant, such as the sign of a temperature in kelvin.
     """
-    free = {int(v) for v in np.flatnonzero(~ranges.signed)}
-    taken = _taken(design, free)
+    one_signed = {int(v) for v in np.flatnonzero(~ranges.signed)}
+    taken = _taken(design, one_signed)
     return [
-        _freed(candidate, design, free)
+        _without_offset(candidate, design, one_signed)
         for state in design.open_states
         for candidate in of_equation(design, state, ranges.largest, ranges.apart, ranges.middle)
         if not all((state, bare(term)) in taken for term in candidate.terms)
-        and not (candidate.variables & free and _is_idle(candidate, design, ranges))
+        and not (candidate.variables & one_signed and _is_idle(candidate, design, ranges))
     ]
 
 
 def for_trajectories(offered: Iterable[Candidate]) -> list[Candidate]:
-    """Return what may be told from the rest on short trajectories.
+    """Return the candidates that can be told from the rest on short trajectories.
 
-    There two waves of an angle, a rate with a constant below the line, or a flow with one under a
-    root, are almost any curve, and do as well as whatever is the cause.
+    There second harmonics, saturating rates and flows of valves can take almost any shape, and do
+    as well as any cause.
     """
     return [one for one in offered if one.name not in (HARMONIC, SATURATING, VALVE)]
 
 
 def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:
-    """Tell whether an effect of a variable that keeps its sign is constant, or that variable.
+    """Tell whether an effect of a variable that keeps its sign is a constant, or that variable.
 
-    A dead zone about zero is nothing to what never is there. A friction of a body that moves one
-    way only has a name all the same.
+    A dead zone about zero is idle where the variable never is near zero. The friction of a body
+    that moves one way only is not idle: it has its name.
     """
     if candidate.name == DEAD_ZONE:
-        return not candidate.contains_parents  # what begins at one end lies in the range
+        return not candidate.contains_parents  # stops lie in the range
     if candidate.name in (COULOMB_FRICTION, ASYMMETRIC_FRICTION):
         return design.position_of(candidate.state) is None
     if candidate.name != SATURATION or candidate.shape is None or candidate.contains_parents:
         return False
     (own,) = candidate.variables
-    least = 2.0 * abs(ranges.middle[own]) - ranges.largest[own]  # magnitude
+    least = 2.0 * abs(ranges.middle[own]) - ranges.largest[own]  # smallest magnitude
     return bool(candidate.shape.values[0] <= least)
 
 
-def _freed(candidate: Candidate, design: Design, free: set[int]) -> Candidate:
+def _without_offset(candidate: Candidate, design: Design, one_signed: set[int]) -> Candidate:
     """Drop the offset from the parents of an effect of variables that keep their sign.
 
-    Not so in the equation of a velocity: a position that is never zero is only measured from
-    somewhere else.
+    Not so in the equation of a velocity: a position that keeps its sign has an arbitrary zero.
     """
     positioned = design.position_of(candidate.state) is not None
-    if positioned or not candidate.variables & free or candidate.name == DRIFT:
+    if positioned or not candidate.variables & one_signed or candidate.name == DRIFT:
         return candidate
     kept = tuple(parent for parent in candidate.parents if parent != OFFSET)
     return replace(candidate, parents=kept)
 
 
-def _taken(design: Design, free: set[int]) -> set[tuple[int, Sum]]:
-    """Return equation and expression of what need not be looked at again in a design.
+def _taken(design: Design, one_signed: set[int]) -> set[tuple[int, Sum]]:
+    """Return equation and expression of the terms of a design that are not tried again.
 
-    That is what is fitted, and a known constant force on what moves one way only.
+    These are fitted terms, and the known weight of a body that moves one way only.
     """
-    falling = {s for s in design.open_states if s in free and design.position_of(s) is not None}
+    falling = {
+        s for s in design.open_states if s in one_signed and design.position_of(s) is not None
+    }
     weights = {(s, term) for s, term in standing(design) if term == OFFSET and s in falling}
     return fitted(design) | weights
 
 
 def fitted(design: Design) -> set[tuple[int, Sum]]:
-    """Return equation and expression, without its coefficient, of all that has a free one."""
+    """Return equation and expression of all with a free coefficient, without the coefficient."""
     return standing(replace(design, fixed=(Sum(()),) * len(design.states)))
 
 
 def standing(design: Design) -> set[tuple[int, Sum]]:
-    """Return equation and expression, without its coefficient, of all that stands in a design.
+    """Return equation and expression of all that stands in a design, without its coefficient.
 
-    What shares a coefficient with others, as q does in k (q - p), does not stand by itself: a
-    spring to the ground may be missing beside it.
+    Terms that share a coefficient, such as q and p in k (q - p), are one expression: a spring to
+    the ground may be missing beside it.
     """
     found = set()
     for state in range(len(design.states)):
@@ -140,7 +141,7 @@ def with_parents(offered: Iterable[Candidate], design: Design) -> list[Candidate
 def beside(candidate: Candidate, design: Design) -> Candidate:
     """Return a candidate with those of its parents that stand in a design.
 
-    Runs have shown that it does without the others, whose place it may have taken.
+    Free runs have shown that it needs no others; it may have taken their place.
     """
     present = standing(design)
     kept = tuple(parent for parent in candidate.parents if (candidate.state, parent) in present)
@@ -148,9 +149,9 @@ def beside(candidate: Candidate, design: Design) -> Candidate:
 
 
 def zeros_of(found: Iterable[tuple[int, Sum]], n_states: int) -> set[tuple[int, Sum]]:
-    """Return the offsets that would say where states are measured from.
+    """Return the offsets that would set the zeros of states that were added.
 
-    A leak k (p - p0) is found as k p first, whose size hides how much the rest matters.
+    A leak k (p - p0) is found as k p first, whose size hides how much the offset matters.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Waves times a signal: how often what a term is worth goes up and down, in time or in space.
+"""Waves times a signal: the frequency at which the strength of a term varies, in time or space.
 
-Beside the signal itself, the frequency counts at which its product with a sine and a cosine
-explains most of a residual.
+At this frequency, the signal times a sine and a cosine explains most of a residual, beside the
+signal itself.
 
 References
 ----------
@@ -20,9 +20,9 @@ from .lines import vertex
 
 __all__ = ["pumping", "rippling"]
 
-ROUGHNESS = 2  # of the grid, in what a record resolves: a frequency is tuned afterwards
-PUMPED = 0.1  # of the squares of a residual, that a wave times a term explains
-SINGULAR = 0.01  # determinant below which cosine and sine are one on the record
+ROUGHNESS = 2  # grid points per frequency that a record resolves; tuned afterwards
+PUMPED = 0.1  # share of a residual's square that a wave times a term must explain
+SINGULAR = 0.01  # determinant below which cosine and sine are the same on a record
 
 
 def pumping(
@@ -58,7 +58,7 @@ def rippling(
     n_periods: int,
     highest: float = np.inf,
 ) -> list[float]:
-    """Return the wave number at which a wave of the position does the same.
+    """Return the wave number at which a wave of the position, times a signal, explains most.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def _strongest(
     weight = fft.rfft(weights, n_fine)
     total = max(float(weight[0].real), TINY)
     once, twice = weight[places] / total, weight[2 * places] / total
-    b = moved[places] - moved[0].real * once  # beside the multiple: cosine less i times sine
+    b = moved[places] - moved[0].real * once  # beside the multiple: cosine - i sine
     cosines = 0.5 * (1.0 + twice.real) - once.real**2
     sines = 0.5 * (1.0 - twice.real) - once.imag**2
     both = 0.5 * twice.imag - once.real * once.imag

@@ -1,7 +1,7 @@
 """The names of all effects, each written once, as code compares them.
 
-A saturation is also a state that stops at a limit; delays, lags and hidden states are also memories
-of inputs. Their names stand where those are defined.
+A saturation may also be a state that stops at a limit; delays, lags and hidden states may also be
+memories of inputs. These names are defined with limits and memories.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ INERTIA = "position-dependent inertia"
 HYSTERESIS = "hysteresis"
 SATURATION = LIMITED
 HIDDEN_STATE = VESSEL
-EVOLVED = "evolved term"  # of which two are two effects, not two shapes of one
+EVOLVED = "evolved term"  # two of this name are two effects, not two shapes of one
 
 VOCABULARY = (
     COULOMB_FRICTION,

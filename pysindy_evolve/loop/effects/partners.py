@@ -1,9 +1,9 @@
 """Effects that share their numbers: one expression, in the equations of several states.
 
-A force between two bodies acts on both of them, and one input may drive several states. What is
-inside of such an expression, such as the gap of a clutch, is one number and not two. Tuned one
-after the other, each number makes up for what is wrong with the other one: a step along either of
-them leads uphill where a step along both would lead down.
+A force between two bodies acts on both of them, and one input may drive several states. A number
+inside such an expression, such as the gap of a clutch, is one number and not two. Tuned one after
+the other, each of two would make up for the error of the other: a step along either leads uphill
+where a step along both leads down.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ def are_partners(one: Candidate, other: Candidate) -> bool:
         return False
     if len(one.shape.values) != len(other.shape.values):
         return False
-    there = other.at(one.shape.values)
-    return [bare(term) for term in one.terms] == [bare(term) for term in there.terms]
+    aligned = other.at(one.shape.values)
+    return [bare(term) for term in one.terms] == [bare(term) for term in aligned.terms]
 
 
 def shares_number(one: Candidate, other: Candidate) -> bool:
-    """Tell whether two effects are partners, and have the same numbers in them."""
+    """Tell whether two effects are partners with the same numbers in them."""
     if one.shape is None or other.shape is None or one.shape.values != other.shape.values:
         return False
     return are_partners(one, other)
 
 
 def partnerships(candidates: Sequence[Candidate]) -> list[list[int]]:
-    """Return the places of those effects that are partners, of two or more each."""
+    """Return the groups of two or more partners, by their places."""
     groups: list[list[int]] = []
     for place, candidate in enumerate(candidates):
-        own = (g for g in groups if are_partners(candidates[g[0]], candidate))
-        group = next(own, None)
+        matching = (g for g in groups if are_partners(candidates[g[0]], candidate))
+        group = next(matching, None)
         if group is None:
             groups.append([place])
         elif all(candidates[k].state != candidate.state for k in group):

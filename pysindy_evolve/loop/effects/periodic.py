@@ -31,7 +31,7 @@ __all__ = [
 
 FREQUENCY = "angular frequency"
 WAVE_NUMBER = "wave number"
-N_LINES = 2  # that are looked at in an equation
+N_LINES = 2  # to try in each equation
 PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
 FEWEST_PERIODS = 4  # of a plain forcing, which acts whatever the state is
 PERIODS_IN_SPACE = 4  # fewer within the stroke look like a spring or a slope
@@ -48,8 +48,8 @@ def periodic_candidates(
 ) -> list[Candidate]:
     """Return sines and cosines of time at the strongest frequencies of a residual.
 
-    A line that an input has too is no forcing of its own, but a response to the input that the
-    model gets wrong, and is left out.
+    A line that an input has too is left out: it is no forcing, but a response to the input that the
+    model gets wrong.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def periodic_candidates(
 def of_line(
     frequency: float, length: float, waves: tuple[Callable[[float], Sum], ...], branch: int
 ) -> Shape:
-    """Return waves at a frequency, to be tuned by half of what a record of a length resolves."""
+    """Return waves at a frequency, tuned by up to half of what a record of a length resolves."""
     reach = 0.5 / (frequency * length)
     return Shape((2 * np.pi * frequency,), waves, reach, (FREQUENCY,), branch)
 
@@ -131,10 +131,10 @@ def ripple_candidates(
 ) -> list[Candidate]:
     """Return sine and cosine of a position at the strongest wave number of a residual.
 
-    Cogging of a motor, teeth of a gear and the pitch of a screw come again at the same places,
-    whenever the machine passes there. So the residual is averaged over short pieces of the stroke
-    first. What is finer than the noise of the position is no place: the steps of an encoder come
-    again at the same places as well, in its readings.
+    Cogging of a motor, teeth of a gear and the pitch of a screw repeat at the same places, whenever
+    the machine passes there. So the residual is averaged over short pieces of the stroke first.
+    Waves finer than the noise of the position are left out: the steps of an encoder, too, repeat at
+    the same readings.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def ripple_candidates(
     return [
         effect(
             RIPPLE,
-            # Pieces that were passed less often bend the line; it is half a period wide each way.
+            # Half a period over the stroke: pieces that were passed less often shift the line.
             shape=Shape(
                 (2 * np.pi * cycles / width,),
                 waves_of(position),
@@ -187,12 +187,12 @@ def is_same_ripple(one: Candidate, other: Candidate) -> bool:
 
 
 def waves_of(column: int) -> tuple[Callable[[float], Sum], ...]:
-    """Return what builds a sine and a cosine of a variable from a frequency, radians a unit."""
+    """Return builders of sine and cosine of a variable, from a frequency in radians per unit."""
     return partial(_wave, "sin", column), partial(_wave, "cos", column)
 
 
 def waves_times(part: Sum, column: int) -> tuple[Callable[[float], Sum], ...]:
-    """Return the same for waves that an expression is multiplied by."""
+    """Return the same for an expression times these waves."""
     return tuple(partial(_times, part, wave) for wave in waves_of(column))
 
 

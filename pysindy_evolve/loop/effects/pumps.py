@@ -1,4 +1,4 @@
-"""Terms of the model that are pumped: times a sine and a cosine of the time."""
+"""Pumped terms: terms of the model times a sine and a cosine of the time."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def pumped_candidates(
 ) -> list[Candidate]:
     """Return a declared term times sines and cosines of time: a stiffness that is pumped.
 
-    What such a term leaves is a line where it is multiplied by the term itself. A population that
-    is pumped itself has that line as well: then the wave counts that explains most beside the term.
+    The residual that lacks such a term has a line once it is multiplied by the term. A pumped
+    population has that line itself; then the wave that explains most beside the term is taken.
 
     Parameters
     ----------
@@ -62,13 +62,13 @@ def pumped_candidates(
 def other_pumps(forcing: Candidate, design: Design) -> list[Candidate]:
     """Return what else may act at the frequency of a forcing: the wave, or a term times the wave.
 
-    What is pumped at a frequency near its own moves with the pump. Then each term has a line there,
-    and the residual does not tell which of them is pumped; free runs do.
+    A system pumped near its own frequency moves with the pump. Then each term has a line there, and
+    the residual does not tell which of them is pumped; free runs do.
 
     Parameters
     ----------
     forcing : Candidate
-        What was found; nothing else can stand for what is no forcing.
+        The forcing that was found; the list is empty for another effect.
     design : Design
         The model without it.
 
@@ -86,10 +86,10 @@ def other_pumps(forcing: Candidate, design: Design) -> list[Candidate]:
 
 
 def partner_pumps(design: Design, length: float) -> list[Candidate]:
-    """Return terms pumped at the frequencies of the waves that stand in a model already.
+    """Return terms pumped at the frequencies of waves that stand in a model already.
 
-    What is pumped where it leaves one equation is pumped where it enters another, whose residual
-    may have a stronger line elsewhere.
+    A flow that is pumped where it leaves one equation is pumped where it enters another, whose
+    residual may have a stronger line elsewhere.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def partner_pumps(design: Design, length: float) -> list[Candidate]:
     """
     plain = waves_of(design.time)
     shapes = (
-        of_line(frequency, length, plain, -1 - k)  # no branch of what a residual shows
+        of_line(frequency, length, plain, -1 - k)  # differs from branches of a residual's lines
         for k, frequency in enumerate(_frequencies_in(design))
     )
     return [

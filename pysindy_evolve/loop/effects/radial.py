@@ -18,9 +18,9 @@ __all__ = ["radial"]
 
 
 def radial(effect: CandidateMaker, design: Design, turning: frozenset[int]) -> Iterator[Candidate]:
-    """Go through what acts on one velocity along a motion: with one more coordinate, or with all.
+    """Yield forces on one velocity along a motion: in a plane with each other one, or in space.
 
-    What is turning, an angle, is no coordinate of a plane.
+    Angles (`turning`) are no coordinates of a plane.
     """
     flat = [v for v in design.velocities if design.position_of(v) not in turning]
     if effect.state not in flat:

@@ -1,8 +1,8 @@
 """Relaxation that an equation may lack: a spring whose force fades, a body that stores heat.
 
-What acts is how far a state is ahead of a hidden one that follows it, see relaxing.py. Short
-relaxation times look like a damping, long ones like a spring or an outflow; in between nothing else
-of the vocabulary has the same phase, but noise, a filter or a late input can look like it.
+The term is how far a state is ahead of a hidden one that follows it, see relaxing.py. Short
+relaxation times look like a damping, long ones like a spring or an outflow. In between no other
+effect of the vocabulary has the same phase, but noise, a filter or a late input can look like it.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from .names import HIDDEN_STATE, VISCOUS_DAMPING
 
 __all__ = ["longest_relaxation", "relaxed_ways", "within_reach"]
 
-# A shorter one looks like one more derivative of the state, in which noise of the target, and any
-# late or lagging input, can be told from the measured state itself.
+# A shorter one looks like one more derivative of the state, which also explains noise of the target
+# and any late or lagging input.
 SHORTEST = 0.5  # relaxation time, in periods of the highest frequency that a filter left
-SAMPLES = 2.0  # the same, in samples
-LONGEST = 0.125  # of the record
-CLEAR = 1.25  # times the shortest one, that a relaxation time must be
+SAMPLES = 2.0  # and in samples
+LONGEST = 0.125  # relaxation time, as a share of the record
+CLEAR = 1.25  # least relaxation time, over the shortest one tried
 RATIO = 2.5  # between places of the grid, from each of which it is tuned
 PLAINER = (*SIMPLER, VISCOUS_DAMPING, DELAY, LAG)
 
@@ -39,7 +39,7 @@ class Relaxed:
     source, time : Sum
         The state that a hidden one follows, and the time.
     shortest : float
-        Relaxation time, units of t.
+        Shortest relaxation time, units of t.
     """
 
     source: Sum
@@ -76,10 +76,10 @@ def relaxed_ways(
     build, found = Relaxed(variable(source), variable(time), value), []
     while value < longest:
         shape = Shape((value,), (build,), meanings=("relaxation time",))
-        own = effect(
+        candidate = effect(
             HIDDEN_STATE, shape=shape, must_beat=PLAINER, never_paired=True, passive=passive
         )
-        found.append(own)
+        found.append(candidate)
         value *= RATIO
     return found
 
@@ -98,9 +98,10 @@ def _span(record: Record) -> tuple[float, float]:
 
 
 def within_reach(path: Call, record: Record) -> bool:
-    """Tell whether a relaxation time is longer than the shortest one tried, and not too long.
+    """Tell whether a relaxation time is clearly longer than the shortest, and not too long.
 
-    One that ends at the shortest would be shorter still if it could, and means another derivative.
+    If tuning ends at the shortest, it would go further if it could: what is missing is another
+    derivative.
     """
     (relaxation_time,), (shortest, longest) = kind_of(path).numbers(path), _span(record)
     return CLEAR * shortest < relaxation_time < longest

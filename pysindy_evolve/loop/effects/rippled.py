@@ -33,7 +33,7 @@ def rippled_candidates(
     Parameters
     ----------
     state, position : int
-        Equation, and the variable that is the position to it.
+        Velocity, in whose equation the term is, and its position.
     residual, q : ndarray of shape (n_samples,)
         What the model leaves, and the position.
     part : Sum
@@ -48,7 +48,7 @@ def rippled_candidates(
     Returns
     -------
     list of Candidate
-        One or none: none for a term of the position alone, which is a spring of another shape.
+        One or none. None for a term of the position alone: that would be a spring of another shape.
     """
     n_bins = len(q) // SAMPLES_PER_BIN
     if part.variables <= {position} or n_bins < 2 * PERIODS_IN_SPACE or np.ptp(q) == 0.0:

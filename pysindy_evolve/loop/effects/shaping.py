@@ -18,9 +18,9 @@ __all__ = ["HALF_SATURATION", "shape_of", "told_shape", "with_units"]
 HALF_SATURATION = "half-saturation constant"  # c of x/(c + |x|), which is built from 1/c
 INNER = "inner constant"
 
-MOST_NUMBERS = 3  # a term with more of them has been grown to fit noise
+MOST_NUMBERS = 3  # in a term; one with more was grown to fit noise
 ORDINALS = ("first", "second", "third")
-NEAR = 0.1  # of a unit: what noise in an angle makes of the one in sin(q)
+NEAR = 0.1  # relative error of the number in sin(1 q) that noise of an angle makes
 
 
 def shape_of(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | None:
@@ -55,7 +55,7 @@ def shape_of(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | N
 
 
 def told_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | None:
-    """Return the numbers inside an effect that a record was asked for, each with its meaning.
+    """Return the numbers inside an effect that were tuned to a record, with their meanings.
 
     Parameters
     ----------
@@ -67,8 +67,8 @@ def told_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape |
     Returns
     -------
     Shape or None
-        None if there is no such number: nobody tuned the one that sin(q) could have before q, nor
-        the degree in radians.
+        None if there is no such number: neither the 1 in sin(1 q) nor the degree in radians was
+        tuned.
     """
     shape = shape_of(candidate, known)
     products = [product for term in candidate.terms for _, product in term.parts]
@@ -86,14 +86,14 @@ def told_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape |
 
 
 def _kind(atom: Atom) -> str:
-    """Say what a number in a function is: one in a softsign is printed below the line."""
+    """Return what a number in a function means: in a softsign, it is printed as a denominator."""
     if isinstance(atom, Call) and atom.operator.name == "softsign" and len(atom.args[0].parts) == 1:
         return HALF_SATURATION
     return INNER
 
 
 def with_units(candidate: Candidate) -> Candidate | None:
-    """Return an effect with round numbers in the place of close ones, as in sin(0.99 q).
+    """Return an effect with units of angles in the place of close numbers, as in sin(0.99 q).
 
     Parameters
     ----------
@@ -103,8 +103,8 @@ def with_units(candidate: Candidate) -> Candidate | None:
     Returns
     -------
     Candidate or None
-        With one, or the degree in radians; None if no number is close to them, or if it says where
-        something begins, such as the width of a dead zone.
+        With 1, or the degree in radians. None if no number is close to them, or if the effect has a
+        shape, such as the width of a dead zone.
     """
     parts = [part for term in candidate.terms for part in term.parts]
     if candidate.shape is not None or len(parts) != 1:

@@ -1,6 +1,6 @@
-"""What begins at a place: an end stop, a contact, a rope that goes slack; or a stop at either end.
+"""Springs that begin at a place: an end stop, a contact, a slack rope; or a stop at either end.
 
-Each is a spring, in proportion to how far something lies beyond the place.
+Their force is in proportion to how far something lies beyond the place.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ __all__ = [
     "stops",
 ]
 
-PLACES = (-0.6, -0.2, 0.2, 0.6)  # of half the range, from its middle
-ENDS = (0.75, 0.9)  # of it, in which most of the motion is free
-WIDTHS = (0.3, 0.7)  # of the range, between two stops
+PLACES = (-0.6, -0.2, 0.2, 0.6)  # of stops, as shares of half the range from its middle
+ENDS = (0.75, 0.9)  # the same near the ends, where most of the motion is free
+WIDTHS = (0.3, 0.7)  # between two stops, as shares of the range
 SIGNS = {2: (-1, 1), 4: (1, 1), -4: (-1, -1)}  # of a lower and an upper end, by branch
-LEAST = 0.02  # of the largest magnitude: nearer to zero it is a magnitude, as |q|
+LEAST = 0.02  # distance of a place from zero, over the largest magnitude; below it is |q|
 
 
 def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iterator[Candidate]:
-    """Go through what a state does beyond a place in its range, on either side, and beyond two.
+    """Yield springs of a state beyond a place in its range, on either side, and beyond two places.
 
     Parameters
     ----------
@@ -56,8 +56,8 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
     Yields
     ------
     Candidate
-        A dead zone that ends at one place, or at two with a stiffness each. It has a mean, as an
-        offset has.
+        A dead zone that ends at one place, or at two with a stiffness each. It has a mean, so an
+        offset is its parent.
     """
     half, least = largest - abs(middle), LEAST * largest
     for place in (middle + share * half for share in PLACES):
@@ -67,7 +67,7 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
 
 
 def end_stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iterator[Candidate]:
-    """Go through what a state meets only near the ends of its range, as in `stops`."""
+    """Yield stops near the ends of the range of a state, as in `stops`."""
     half, least = largest - abs(middle), LEAST * largest
     for place, side in ((middle + s * share * half, s) for share in ENDS for s in (1.0, -1.0)):
         if abs(place) >= least:
@@ -77,7 +77,7 @@ def end_stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> 
 def asymmetric_limits(
     effect: CandidateMaker, u: Sum, largest: float, middle: float
 ) -> Iterator[Candidate]:
-    """Go through limits, or dead zones, of an input with two ends and another slope beyond each."""
+    """Yield limits, or dead zones, of an input with two ends and another slope beyond each."""
     yield from _between_ends(effect, SATURATION, u, largest, middle)
 
 
@@ -94,7 +94,7 @@ def ends_of(shape: Shape) -> tuple[float, float]:
 
 
 def damped_contacts(effect: CandidateMaker, design: Design, q: Sum, v: Sum) -> Iterator[Candidate]:
-    """Go through what contacts in an equation may lose: by how deep they are, or while closed.
+    """Yield dampings of the contacts in an equation: in proportion to depth, or while closed.
 
     References
     ----------
@@ -110,14 +110,14 @@ def damped_contacts(effect: CandidateMaker, design: Design, q: Sum, v: Sum) -> I
 
 def is_stop(candidate: Candidate) -> bool:
     """Tell whether an effect is a dead zone with one end."""
-    is_whole = (
+    contains_offset = (
         candidate.name == DEAD_ZONE and candidate.contains_parents and candidate.shape is not None
     )
-    return is_whole and len(candidate.terms) == 1
+    return contains_offset and len(candidate.terms) == 1
 
 
 def pressed(stop: Candidate) -> Candidate:
-    """Return an end stop whose force grows with the depth as between curved bodies.
+    """Return an end stop whose force grows with depth^(3/2), as between curved bodies.
 
     References
     ----------
@@ -132,7 +132,7 @@ def has_two_ends(candidate: Candidate) -> bool:
 
 
 def one_end_each(candidate: Candidate) -> list[Candidate]:
-    """Return the stop at either end of a dead zone with two: a motion may meet one of them only."""
+    """Return the stop at each end of a dead zone with two: a motion may meet only one of them."""
     if candidate.shape is None or candidate.name != DEAD_ZONE or not has_two_ends(candidate):
         return []
     effect, q = CandidateMaker(candidate.state), _travel_in(candidate.terms[0])
@@ -140,20 +140,19 @@ def one_end_each(candidate: Candidate) -> list[Candidate]:
 
 
 def begins_within(candidate: Candidate, variables: np.ndarray) -> bool:
-    """Tell whether a stop comes in somewhere in the records, and leaves free a part of them.
+    """Tell whether each end of a stop acts on some rows, and none on others.
 
-    One that begins beyond all that was measured, or at a lower end above the upper one, is a
-    straight line there.
+    If not, an end is out of range, or the lower end is above the upper one: a straight line.
     """
     beyond = np.column_stack([term.evaluate(variables) for term in candidate.terms]) != 0.0
     return bool(beyond.any(axis=0).all() and not beyond.any(axis=1).all())
 
 
 def begun_at_same(candidate: Candidate) -> list[Candidate]:
-    """Return the dead zones with one end that begin where an effect has its kink.
+    """Return the stops that begin where an effect has its kink.
 
     Beside a spring and an offset all are one force: max(q, 0) is q + max(-q, 0), and (q + |q|) / 2.
-    A dead zone with one end has one to the other side; a grown |q - c| has one to each.
+    For a stop this is the one to the other side; for a grown |q - c|, one to each side.
     """
     if is_stop(candidate):
         return [rewritten(candidate, _to_the_other_side)]
@@ -175,34 +174,34 @@ def _between_ends(
 
 
 def _two_ends(q: Sum, low: float, high: float) -> Shape:
-    below, above = _toward(low), _toward(high)
+    below, above = _sign_of(low), _sign_of(high)
     builds = (partial(_above, q, above), partial(_below, q, below))
-    (branch,) = (one for one, signs in SIGNS.items() if signs == (below, above))
-    meanings = (_said("lower end", below), _said("upper end", above))
+    (branch,) = (number for number, signs in SIGNS.items() if signs == (below, above))
+    meanings = (_meaning("lower end", below), _meaning("upper end", above))
     return Shape((abs(low), abs(high)), builds, meanings=meanings, branch=branch)
 
 
-def _said(end: str, toward: int) -> str:
-    return end if toward > 0 else f"{end}, below zero"  # numbers of shapes are positive
+def _meaning(end: str, sign: int) -> str:
+    return end if sign > 0 else f"{end}, below zero"  # numbers of shapes are positive
 
 
-def _toward(place: float) -> int:
+def _sign_of(place: float) -> int:
     return 1 if place > 0.0 else -1
 
 
-def _above(q: Sum, toward: int, low: float, high: float) -> Sum:
-    return _beyond(q, 1.0, toward, high)
+def _above(q: Sum, sign: int, low: float, high: float) -> Sum:
+    return _beyond(q, 1.0, sign, high)
 
 
-def _below(q: Sum, toward: int, low: float, high: float) -> Sum:
-    return _beyond(q, -1.0, toward, low)
+def _below(q: Sum, sign: int, low: float, high: float) -> Sum:
+    return _beyond(q, -1.0, sign, low)
 
 
 def _at(effect: CandidateMaker, q: Sum, place: float, side: float) -> Candidate:
-    """Return a dead zone that ends at a place, above it (side 1) or below."""
-    toward = _toward(place)
-    build = partial(_beyond, q, side, toward)
-    shape = Shape((abs(place),), (build,), meanings=(_said("end", toward),), branch=toward)
+    """Return a dead zone that ends at a place, with a spring above it (side 1) or below."""
+    sign = _sign_of(place)
+    build = partial(_beyond, q, side, sign)
+    shape = Shape((abs(place),), (build,), meanings=(_meaning("end", sign),), branch=sign)
     return effect(DEAD_ZONE, shape=shape, parents=(OFFSET,), contains_parents=True)
 
 
@@ -226,9 +225,9 @@ def _travel_in(beyond: Sum) -> Sum:
     return Sum(tuple((2.0 * c, part) for c, part in straight))
 
 
-def _beyond(q: Sum, side: float, toward: int, end: float) -> Sum:
-    """Return how far q lies above an end (side 1) or below it (side -1), toward a sign of q."""
-    past = mul(constant(side), sub(q, constant(toward * end)))
+def _beyond(q: Sum, side: float, sign: int, end: float) -> Sum:
+    """Return how far q lies above an end (side 1) or below it (side -1), of the given sign."""
+    past = mul(constant(side), sub(q, constant(sign * end)))
     return EXTREMES["max"](past, constant(0.0))
 
 
@@ -240,14 +239,14 @@ def _begins_at_a_place(expression: Sum, q: Sum) -> bool:
 
 
 def _closed(depth: Sum) -> Sum:
-    """Return 1 where a contact is closed and 0 elsewhere: how its depth changes with the place."""
-    changes = [_change(coefficient, term) for coefficient, term in depth.parts if term.factors]
-    slope = reduce(add, changes)
-    (away,) = (c for c, term in depth.parts if term.factors and not _is_magnitude(term))
-    return mul(constant(1.0 if away > 0.0 else -1.0), slope)
+    """Return 1 where a contact is closed and 0 elsewhere: the slope of its depth, made positive."""
+    slopes = [_slope_of(coefficient, term) for coefficient, term in depth.parts if term.factors]
+    slope = reduce(add, slopes)
+    (outward,) = (c for c, term in depth.parts if term.factors and not _is_magnitude(term))
+    return mul(constant(1.0 if outward > 0.0 else -1.0), slope)
 
 
-def _change(coefficient: float, term: Product) -> Sum:
+def _slope_of(coefficient: float, term: Product) -> Sum:
     ((atom, _),) = term.factors
     if isinstance(atom, Call):
         return mul(constant(coefficient), call(BUILTIN["sgn"], *atom.args))

@@ -1,4 +1,4 @@
-"""What a declared term is worth may change: with what was measured, or with the time.
+"""Declared terms whose coefficient changes with a measured variable, or with time.
 
 A fan cools better the faster it turns, prey is caught less the more of it there is, a spring
 softens as it warms up, a tank grows lighter as it runs out, a valve lets through the less the
@@ -37,21 +37,21 @@ from .names import COUPLING, DRIFT, FORCING, INPUT_GAIN, NONLINEAR_DAMPING, SATU
 
 __all__ = ["drifts", "parts_of", "saturating", "throttled", "varying"]
 
-HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, in those of the record
-SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, in the largest of the record
+HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, over the largest level
+SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, over the largest pressure of the record
 
 
 def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
-    """Go through each declared term times a state or an input; squares have names of their own.
+    """Yield each declared term times a state or an input; squares have names of their own.
 
-    An angle is left out: what changes with it is the same after a turn, and so no multiple of it.
+    Angles are left out: a change with an angle is periodic, and not in proportion to it.
     """
     acting = set(range(design.time)) - angles_of(design)
     for part in parts_of(design, effect.state):
         for other in map(variable, sorted(acting)):
             both = part.variables | other.variables
             in_time = design.time in both
-            name = _in_time(part) if in_time else _name_of(both, design, effect.state)
+            name = _name_in_time(part) if in_time else _name_of(both, design, effect.state)
             if other != part and name:
                 yield effect(name, mul(other, part), parents=(OFFSET, part), never_paired=True)
 
@@ -59,46 +59,49 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
 def saturating(
     effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through declared products that rise by less and less with one of their variables.
+    """Yield declared products that saturate with a level x of theirs, which stays above zero.
 
-    Who eats is sated, a reaction is inhibited, the gain of a laser is compressed: a declared rate
-    over K + x, of a level x that stays above zero. Beside it the declared one may vanish. What eats
-    grows by what is eaten, so the same rate may stand in two equations. One that saturates already
-    may do so with a further level: who eats is sated, and keeps others from it. Or not the level
-    counts, but what there is of it for each: a declared rate over x + K y. Or prey hides, so that a
-    rate times x / (K^2 + x^2) begins with its square.
+    - The rate over K + x: a predator is sated, a reaction inhibited, the gain of a laser
+      compressed. Beside it the declared rate may vanish.
+    - The rate times x / (K^2 + x^2), which begins with the square of x: prey hides.
+    - A rate that saturates already, with one more level in its denominator: predators are sated,
+      and also keep each other from eating.
+    - The rate over K x + y: what counts is how much there is for each.
+
+    The same rate may stand in two equations, as predators grow by what they eat.
     """
     if design.position_of(effect.state) is not None:
         return
     for part in parts_of(design, effect.state):
         acting = sorted(part.variables - {design.time}) if len(part.variables) > 1 else []
-        levels = [one for one in acting if 2.0 * middle[one] > scales[one]]
-        for one in levels:
-            crowded = (_crowded,) if _saturates(part, one) else ()
-            for build in (_over, _in_cover, *crowded):
-                yield from _sated(effect, partial(build, part, one), one, float(scales[one]))
-        for one, other in combinations(levels, 2):
-            ratio = float(scales[other] / scales[one])
-            yield from _sated(effect, partial(_for_each, part, one, other), one, ratio)
+        levels = [level for level in acting if 2.0 * middle[level] > scales[level]]
+        for level in levels:
+            crowded = (_crowded,) if _saturates(part, level) else ()
+            for build in (_over, _hiding, *crowded):
+                yield from _sated(effect, partial(build, part, level), level, float(scales[level]))
+        for level, other in combinations(levels, 2):
+            ratio = float(scales[other] / scales[level])
+            yield from _sated(effect, partial(_for_each, part, level, other), level, ratio)
 
 
 def _sated(
     effect: CandidateMaker, build: Callable[[float], Sum], level: int, size: float
 ) -> Iterator[Candidate]:
-    """Go through a rate with several numbers at which it is half of its largest."""
+    """Yield a rate with several half-saturation constants."""
     for share in HALVES:
         half = Shape((share * size,), (build,), meanings=("half-saturation",))
-        there = effect(SATURATING, shape=half, never_paired=True)
-        yield replace(there, acts_at=(level, there.terms))
+        candidate = effect(SATURATING, shape=half, never_paired=True)
+        yield replace(candidate, acts_at=(level, candidate.terms))
 
 
 def throttled(
     effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through declared inputs as openings of a valve: flow goes with the root of what drives it.
+    """Yield declared inputs as openings of a valve: flow goes with the root of a pressure.
 
-    That is the supply less the pressure of the load, which helps where the valve is turned over;
-    or, as a chamber has one above zero, the supply less that, and that itself on its way out.
+    That is the supply less the pressure of the load, or plus it where the valve is reversed. A
+    pressure that stays above zero is that of a chamber: the supply less this pressure drives the
+    flow in, and the pressure itself drives it out.
     """
     state, inputs = effect.state, range(len(design.states), design.time)
     if design.position_of(state) is not None or scales[state] == 0.0:
@@ -130,7 +133,7 @@ def _of_chamber(opening: Sum, pressure: Sum, supply: float) -> Sum:
 
 
 def _root(drop: Sum) -> Sum:
-    """Return the root of a magnitude: noise takes a pressure past that of the supply."""
+    """Return the root of a magnitude, as noise may lift a pressure above that of the supply."""
     return call(BUILTIN["sqrt"], call(BUILTIN["abs"], drop))
 
 
@@ -139,8 +142,8 @@ def _over(part: Sum, level: int, half: float) -> Sum:
     return div(part, add(constant(half), variable(level)))
 
 
-def _in_cover(part: Sum, level: int, half: float) -> Sum:
-    """Return a rate that goes by the square of a level where there is little, as of prey in cover.
+def _hiding(part: Sum, level: int, half: float) -> Sum:
+    """Return a rate that begins with the square of a level, as of prey in cover.
 
     Type III of Holling, Mem. Entomol. Soc. Can. 97 (1965), DOI 10.4039/entm9745fv.
     """
@@ -149,17 +152,17 @@ def _in_cover(part: Sum, level: int, half: float) -> Sum:
 
 
 def _for_each(part: Sum, level: int, other: int, half: float) -> Sum:
-    """Return a rate over a level and what there is of another one, which it is shared by."""
+    """Return a rate over K times a level plus another one: over how much there is for each."""
     return div(part, add(mul(constant(half), variable(level)), variable(other)))
 
 
 def _saturates(part: Sum, level: int) -> bool:
-    """Tell whether a rate has a constant and other levels than this one below the line."""
+    """Tell whether a rate has a denominator with a constant, and without this level."""
     return any(_below(factor, level) is not None for factor in as_product(part).factors)
 
 
 def _below(factor: tuple[Atom, int], level: int) -> Sum | None:
-    """Return what a factor divides by, over its constant, unless this level is in it."""
+    """Return the denominator of a factor, over its constant; None if this level is in it."""
     atom, exponent = factor
     if not isinstance(atom, Sum) or exponent != -1 or level in atom.variables:
         return None
@@ -168,7 +171,7 @@ def _below(factor: tuple[Atom, int], level: int) -> Sum | None:
 
 
 def _crowded(part: Sum, level: int, half: float) -> Sum:
-    """Return a rate with one level more below the line, which does there what the constant does."""
+    """Return a rate with one more level in its denominator, added like the constant."""
     crowded = constant(1.0)
     for atom, exponent in as_product(part).factors:
         below = _below((atom, exponent), level)
@@ -180,15 +183,15 @@ def _crowded(part: Sum, level: int, half: float) -> Sum:
     return crowded
 
 
-def _in_time(part: Sum) -> str:
-    """Return what a term that changes with the time is called, with another variable as well."""
+def _name_in_time(part: Sum) -> str:
+    """Return the name of a term of the time that changes with another variable as well."""
     waves = any(isinstance(atom, Call) for _, term in part.parts for atom, _ in term.factors)
     return FORCING if waves else DRIFT
 
 
 def _name_of(acting: frozenset[int], design: Design, state: int) -> str:
-    """Return what a product of these variables is called; nothing if powers of a spring say it."""
-    if any(one >= len(design.states) for one in acting):
+    """Return the name of a product of these variables; empty if it is a power of a spring."""
+    if any(v >= len(design.states) for v in acting):
         return INPUT_GAIN
     if acting == {design.position_of(state)}:
         return ""
@@ -196,9 +199,9 @@ def _name_of(acting: frozenset[int], design: Design, state: int) -> str:
 
 
 def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate]:
-    """Go through what changes with the time: the constant, or what another term is worth.
+    """Yield drifts: of the constant, and of the coefficients of terms.
 
-    What changes already may do so faster and faster, as the pull on a rocket that burns its fuel.
+    A drift that was found may get faster, as the pull on a rocket that burns its fuel does.
     """
     yield effect(DRIFT, t, parents=(OFFSET,))
     parts = parts_of(design, effect.state)
@@ -211,6 +214,6 @@ def drifts(effect: CandidateMaker, design: Design, t: Sum) -> Iterator[Candidate
 
 
 def parts_of(design: Design, state: int) -> list[Sum]:
-    """Return what has a coefficient of its own in an equation, but the constant."""
+    """Return the expressions with coefficients of their own in an equation, except the constant."""
     parts = (column.parts[state] for column in design.columns)
     return [bare(part) for part in parts if part.variables]

@@ -98,19 +98,19 @@ def _stribeck(v: Sum, speed: float) -> Sum:
 def of_equation(
     design: Design, state: int, scales: np.ndarray, apart: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through the vocabulary for one equation, simple effects before composed ones.
+    """Yield the vocabulary for one equation, simple effects before composed ones.
 
-    What several effects stand for, as the square of a position, has the name of the first.
+    A term of several effects, such as the square of a position, has the name of the first.
     """
     effect = CandidateMaker(state)
     if design.algebraic:
         found = _of_target(effect, design, scales, middle)
     else:
         found = _of_rate(effect, design, scales, apart, middle)
-    named: set[tuple[Sum, ...]] = set()
+    seen: set[tuple[Sum, ...]] = set()
     for candidate in found:
-        if candidate.terms not in named:
-            named.add(candidate.terms)
+        if candidate.terms not in seen:
+            seen.add(candidate.terms)
             yield candidate
 
 
@@ -121,7 +121,7 @@ def _of_rate(
     apart: np.ndarray,
     middle: np.ndarray,
 ) -> Iterator[Candidate]:
-    """Go through the effects of the rate of a state."""
+    """Yield the effects in the rate of a state."""
     state, n_states = effect.state, len(design.states)
     v, position, turning = variable(state), design.position_of(state), angles_of(design)
     yield effect(CONSTANT_OFFSET, OFFSET)
@@ -165,7 +165,7 @@ def _of_rate(
 def _of_target(
     effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through the effects of a target that is a function of inputs."""
+    """Yield the effects in a target that is a function of inputs."""
     yield effect(CONSTANT_OFFSET, OFFSET)
     first = len(design.states)
     velocities = {v for _, v in design.motions}
@@ -221,7 +221,7 @@ def _half_width(width: float, q: Sum) -> Shape:
 def _weights(
     effect: CandidateMaker, design: Design, position: int, scales: np.ndarray, middle: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through what a weight does; its angle may be measured from elsewhere if it goes far."""
+    """Yield gravity on an angle, with an arbitrary zero if it swings far."""
     swing = swing_of(position, scales, middle)
     for unit in units_of(design, position, scales, middle):
         angle = mul(constant(unit), variable(position))
@@ -235,7 +235,7 @@ def _weights(
 
 
 def _second_harmonics(effect: CandidateMaker, twice: Sum) -> Iterator[Candidate]:
-    """Go through what comes twice a turn: salient poles, a gradient of gravity, wind on a hull."""
+    """Yield what comes twice a turn: salient poles, a gradient of gravity, wind on a hull."""
     across, along = call(BUILTIN["sin"], twice), call(BUILTIN["cos"], twice)
     yield effect(HARMONIC, across)
     yield effect(HARMONIC, along, parents=(OFFSET,), contains_parents=True)
@@ -243,7 +243,7 @@ def _second_harmonics(effect: CandidateMaker, twice: Sum) -> Iterator[Candidate]
 
 
 def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:
-    """Go through what a damping or friction that changes with the position does."""
+    """Yield dampings and frictions that change with the position."""
     yield effect(NONLINEAR_DAMPING, mul(power(q, 2), v))
     yield effect(POSITION_FRICTION, mul(_abs(q), _sgn(v)))
     yield effect(POSITION_FRICTION, mul(power(q, 2), _sgn(v)))
@@ -254,7 +254,7 @@ def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate
 def _at_joints(
     effect: CandidateMaker, design: Design, scales: np.ndarray, turning: frozenset[int]
 ) -> Iterator[Candidate]:
-    """Go through the forces that enter where a declared force does, by other than a constant."""
+    """Yield forces that enter where a declared force does, with a factor that is not constant."""
     for entry in entries_of(design, effect.state):
         forces = [effect(CONSTANT_OFFSET, OFFSET), *centripetal(effect, design, turning)]
         for v in entry.velocities:
@@ -262,12 +262,13 @@ def _at_joints(
             q = design.position_of(v)
             if q is not None:
                 forces += _springs(effect, variable(q), float(scales[q]))
-        # A spring by itself is none of a damping with a place, whose factor has the other sign.
+        # Without its sign, the factor -q^2 of a damping makes a spring q the cubic stiffness, which
+        # has its name already.
         is_free = len(entry.factor.parts) == 1 and not entry.is_known
         factor = bare(entry.factor) if is_free else entry.factor
         for force in forces:
-            there = rewritten(force, partial(mul, factor))
-            yield replace(there, never_paired=True, acts_at=(entry.beside, force.terms))
+            entering = rewritten(force, partial(mul, factor))
+            yield replace(entering, never_paired=True, acts_at=(entry.beside, force.terms))
 
 
 def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:
@@ -280,7 +281,7 @@ def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candi
 def _products_of_others(
     effect: CandidateMaker, design: Design, own: set[int | None]
 ) -> Iterator[Candidate]:
-    """Go through what two other states make together: a reaction, a gyroscopic moment."""
+    """Yield products of two other states: a reaction, a gyroscopic moment."""
     others = set(range(len(design.states))) - own
     rates = [s for s in sorted(others) if design.derivative_of(s) is None]
     for one, other in combinations(rates, 2):
@@ -290,7 +291,7 @@ def _products_of_others(
 def _between(
     effect: CandidateMaker, design: Design, state: int, other: int, apart: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through the forces between two bodies, which their relative motion makes."""
+    """Yield the forces between two bodies, which depend on their relative motion."""
     position = design.position_of(state)
     if position is None:
         return
@@ -324,7 +325,7 @@ def _stretches(effect: CandidateMaker, stretch: Sum, reach: float) -> Iterator[C
 def _relative(
     effect: CandidateMaker, design: Design, state: int, apart: np.ndarray
 ) -> Iterator[Candidate]:
-    """Go through the forces of a motion relative to an input: to the wind, or to a shaken floor."""
+    """Yield the forces of a motion relative to an input: to the wind, or to a shaken floor."""
     for own, other in acting_differences(design, state):
         between = sub(variable(own), variable(other))
         if own == state:

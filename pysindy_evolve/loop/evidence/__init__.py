@@ -1,4 +1,4 @@
-"""One step of the loop: effects scored on held-out pieces, tested on twins, held against rivals.
+"""One step of the loop: score effects on held-out pieces, test them on twins, compare rivals.
 
 A twin is a simulated record in which nothing is missing. `step.py` is where to begin.
 
@@ -20,7 +20,7 @@ nulls               p-value: how often twins give a score as high as the measure
 noise_floor         the residual that sensor noise alone leaves, by frequency band
 structure           whether the last residual still depends on the measured variables
 alternatives
-rivals              effects that could replace the one that was found
+rivals              effects that could replace a given one
 encompassing        the test of a rival on derivatives
 drifting_rivals     the test of a rival on short trajectories
 same_model          whether two effects give the same model, written in two ways

@@ -1,8 +1,8 @@
-"""The effects that could have left the same short trajectory in the place of one.
+"""The test of a rival on short trajectories: whether it could have left the same record.
 
-A rival stands in the place of the effect, and twins are made of that model. In each of them the
-rival is the cause, and yet another candidate may do better by chance. Where the best one does so by
-as much as in the record in more than a few of the twins, the rival is an alternative.
+Twins are made of the model with the rival in place of the effect. In them the rival is the cause,
+but another candidate may do better by chance. If in more than a few twins the best candidate leads
+the rival by as much as in the record, the rival is an alternative.
 
 References
 ----------
@@ -27,9 +27,9 @@ from .scoring import columns_of
 __all__ = ["leads_over", "twin_chance"]
 
 N_TWINS = 99
-FEWEST = 19  # after so many a rival is refuted if none of them comes near ...
-CLEAR = 2.0  # ... which is to say, within this factor
-FAR = 5.0  # log error that chance never gives: a miss twelve times as large needs no twins
+FEWEST = 19  # twins after which a rival is refuted if none comes near ...
+CLEAR = 2.0  # ... that is, within this factor
+FAR = 5.0  # lead in log error that needs no twins: the error is twelve times as large
 
 
 def twin_chance(
@@ -40,7 +40,7 @@ def twin_chance(
     level: float,
     rng: np.random.Generator,
 ) -> float:
-    """Return the chance that the best option does so much better than a rival that is the cause.
+    """Return the chance that the best option leads a rival by so much, if the rival is the cause.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def _twins_of(cause: Candidate, design: Design, records: Sequence[Record]) -> Dr
 def _lead(
     rival: Candidate, design: Design, options: Sequence[Candidate], records: Sequence[Record]
 ) -> float:
-    """Return the log error by which the best option does better than a rival."""
+    """Return the log error by which the best option leads a rival."""
     leads = leads_over(options, design, records)
     return float(leads[next(k for k, option in enumerate(options) if option is rival)])
 
@@ -94,7 +94,7 @@ def _lead(
 def leads_over(
     options: Sequence[Candidate], design: Design, records: Sequence[Record]
 ) -> np.ndarray:
-    """Return the log errors by which the best of several options does better than each of them.
+    """Return the log errors by which the best of several options leads each of them.
 
     Parameters
     ----------
@@ -113,13 +113,13 @@ def leads_over(
     base = tuple(range(len(columns)))
     models: list[tuple[int, ...]] = []
     for option in options:
-        own = columns_of(option, design)
-        models.append((*base, *range(len(columns), len(columns) + len(own))))
-        columns += own
+        added = columns_of(option, design)
+        models.append((*base, *range(len(columns), len(columns) + len(added))))
+        columns += added
     track = Trajectories(records, design, columns)
     sizes = np.array([len(model) for model in models])
     errors = np.empty(len(models))
     for size in np.unique(sizes):
-        alike = np.flatnonzero(sizes == size)
-        errors[alike] = track.errors(np.array([models[k] for k in alike]))[:, 0]
+        same_size = np.flatnonzero(sizes == size)
+        errors[same_size] = track.errors(np.array([models[k] for k in same_size]))[:, 0]
     return np.asarray(np.log(errors / errors.min()))

@@ -1,17 +1,17 @@
 """Which other effects could have left the same record? A confidence set, not a list of runners-up.
 
-Two models that are not nested are compared by encompassing: a rival stands in the place of the
-effect, all coefficients are refitted, and the effect is offered beside it once more. If the rival
-were the cause, the effect would gain no more beside it than chance gives to the best of all
-candidates. A gain counts in units of its scatter over the pieces of the record, each of them
-predicted by the others (jackknife), as a column that lives on a few loud pieces gains much by
-chance. How large the largest of these ratios is by chance, the wild cluster bootstrap says: what
-both together leave of each piece is multiplied by a random sign, so that the color of the noise and
-its changes from piece to piece stay. (What the rival alone leaves would hold the effect itself, and
-with it a few loud pieces could pass for chance.)
+Models that are not nested are compared by encompassing: a rival replaces the effect, all
+coefficients are refitted, and the effect is offered beside the rival once more. If the rival were
+the cause, the effect would gain no more than chance gives to the best of all candidates. A gain
+counts in units of its scatter over the pieces of the record, each predicted by the others
+(jackknife), because a column that lives on a few loud pieces gains much by chance. The wild cluster
+bootstrap says how large the largest ratio is by chance: the residual of the model with both is
+multiplied by a random sign in each piece, which keeps the color of the noise and its changes
+between pieces. (The residual of the rival alone would contain the effect, and a few loud pieces
+could then pass for chance.)
 
-A rival that is not refuted is an alternative. The cause, if it is among the candidates, is lost
-from the set with no larger chance than the level.
+A rival that is not refuted is an alternative. If the cause is among the candidates, it is refuted
+with a chance no larger than the level.
 
 References
 ----------
@@ -19,15 +19,15 @@ Mizon and Richard, Econometrica 54 (1986), DOI 10.2307/1911313: encompassing.
 Davidson and MacKinnon, Econometrica 49 (1981), DOI 10.2307/1911522: the J test.
 Cameron, Gelbach and Miller, Rev. Econ. Stat. 90 (2008), DOI 10.1162/rest.90.3.414: the bootstrap.
 MacKinnon, Nielsen and Webb, J. Appl. Econom. 38 (2023), DOI 10.1002/jae.2969: with the jackknife.
-Romano and Wolf, Econometrica 73 (2005), DOI 10.1111/j.1468-0262.2005.00615.x: the largest one.
+Romano and Wolf, Econometrica 73 (2005), DOI 10.1111/j.1468-0262.2005.00615.x: the largest ratio.
 
 ======  ==============================================  ======================================
 symbol  shape                                           meaning
 ======  ==============================================  ======================================
 grams   (n_segments, n_columns + 1, n_columns + 1)      whitened inner products, target last
-free    (n_segments, n_columns + 1, n_columns + 1)      the same, the model's part out
-slopes  (n_segments, n_columns)                         what each column still explains
-shares  (n_segments, n_columns)                         of each column's square, model's part out
+free    (n_segments, n_columns + 1, n_columns + 1)      the same, with the model projected out
+slopes  (n_segments, n_columns)                         unit columns times target, after that
+shares  (n_segments, n_columns)                         of each column's square, after that
 ======  ==============================================  ======================================
 """
 
@@ -55,16 +55,16 @@ class Left:
     Attributes
     ----------
     slopes : ndarray of shape (n_segments, n_columns)
-        Inner products of what is left of the columns and of the target.
+        Inner products of columns and target, both with the model projected out.
     shares : ndarray of shape (n_segments, n_columns)
-        Of the square of what is left of a column; zero throughout where that is nothing new.
+        Of the square of such a column; all zero if the column is not new.
     """
 
     slopes: np.ndarray
     shares: np.ndarray
 
     def ratios(self, signs: np.ndarray) -> np.ndarray:
-        """Return the gains over their jackknifed scatter, under signs of the segments.
+        """Return the gains over their jackknifed scatter, for given signs of the segments.
 
         Parameters
         ----------
@@ -76,13 +76,15 @@ class Left:
         ndarray of shape (n_draws, n_columns)
             Squares of t-ratios.
         """
-        # The others miss a segment by (slope - share * total) / (1 - share).
+        # A fit to the others misses a segment by (slope - share * total) / (1 - share).
         weight = 1.0 / np.maximum(1.0 - self.shares, 1e-6) ** 2
         total = signs @ self.slopes
         mixed = signs @ (weight * self.shares * self.slopes)
-        own, moved = (np.sum(weight * part**2, axis=0) for part in (self.slopes, self.shares))
-        scatter = own - 2.0 * total * mixed + total**2 * moved
-        return np.asarray(total**2 / np.maximum(scatter, 1e-9 * own + TINY))
+        slope_sum, share_sum = (
+            np.sum(weight * part**2, axis=0) for part in (self.slopes, self.shares)
+        )
+        scatter = slope_sum - 2.0 * total * mixed + total**2 * share_sum
+        return np.asarray(total**2 / np.maximum(scatter, 1e-9 * slope_sum + TINY))
 
 
 def chance(
@@ -101,9 +103,9 @@ def chance(
     model : sequence of int
         Columns of the rival's model.
     columns : sequence of int
-        Columns of the effect; what they gain together counts.
+        Columns of the effect; their joint gain counts.
     level : float
-        So small a chance can be told.
+        So many signs are drawn that a p-value as small as this is possible.
     rng : numpy.random.Generator
         Draws the signs.
 
@@ -111,14 +113,14 @@ def chance(
     -------
     float
     """
-    free, own = _freed(grams, model), list(columns)
+    free, own = _projected(grams, model), list(columns)
     left, inner = _left(free), free[:, own][:, :, own]
-    everywhere = np.ones((1, len(grams)))
-    observed = _together(left.slopes[:, own], inner, everywhere)
-    elsewhere = free.sum(axis=0) - free
-    coef = solve(elsewhere[:, own][:, :, own], elsewhere[:, own, -1])
-    explained = free[:, :-1, own] @ coef[:, :, None]
-    both = replace(left, slopes=left.slopes - explained[..., 0])
+    unsigned = np.ones((1, len(grams)))
+    observed = _together(left.slopes[:, own], inner, unsigned)
+    others = free.sum(axis=0) - free
+    coef = solve(others[:, own][:, :, own], others[:, own, -1])
+    explained_slopes = free[:, :-1, own] @ coef[:, :, None]
+    both = replace(left, slopes=left.slopes - explained_slopes[..., 0])
     signs = rng.choice([-1.0, 1.0], size=(draws_for(level, N_SIGNS), len(grams)))
     largest = both.ratios(signs).max(axis=1)
     if len(own) > 1:
@@ -127,26 +129,26 @@ def chance(
 
 
 def _together(slopes: np.ndarray, inner: np.ndarray, signs: np.ndarray) -> np.ndarray:
-    """Return the gains of several columns together over their jackknifed scatter, (n_draws,).
+    """Return the joint gains of several columns over their jackknifed scatter, (n_draws,).
 
-    That of one column is what `Left.ratios` says of it. What explains only together, such as the
-    sine and the cosine of one wave, shows in no column alone.
+    For one column they equal `Left.ratios`. Columns that explain only together, such as the sine
+    and the cosine of one wave, show nothing alone.
     """
-    one = np.eye(slopes.shape[1])
+    identity = np.eye(slopes.shape[1])
     shares = inner @ np.linalg.pinv(inner.sum(axis=0), hermitian=True)
     total = signs @ slopes
     missed = signs[:, :, None] * slopes - np.einsum("sij,dj->dsi", shares, total)
-    missed = np.einsum("sij,dsj->dsi", np.linalg.pinv((1.0 + 1e-6) * one - shares), missed)
+    missed = np.einsum("sij,dsj->dsi", np.linalg.pinv((1.0 + 1e-6) * identity - shares), missed)
     scatter = np.einsum("dsi,dsj->dij", missed, missed)
-    least = 1e-9 * np.sum(slopes**2) + TINY  # of the scatter, where columns explain all exactly
-    turned = np.linalg.solve(scatter + least * one, total[:, :, None])
-    return np.asarray(np.sum(total * turned[..., 0], axis=1))
+    least = 1e-9 * np.sum(slopes**2) + TINY  # scatter, where columns explain all exactly
+    solved = np.linalg.solve(scatter + least * identity, total[:, :, None])
+    return np.asarray(np.sum(total * solved[..., 0], axis=1))
 
 
 def explained(
     grams: np.ndarray, model: Sequence[int], groups: Sequence[Sequence[int]]
 ) -> list[float]:
-    """Return the squares that each group of columns explains beside a model.
+    """Return how much of the target's square each group of columns explains beside a model.
 
     Parameters
     ----------
@@ -161,25 +163,25 @@ def explained(
     -------
     list of float
     """
-    total = _freed(grams, model).sum(axis=0)
+    total = _projected(grams, model).sum(axis=0)
     slopes = total[:-1, -1]
     places = [list(group) for group in groups]
     return [float(slopes[k] @ solve(total[np.ix_(k, k)], slopes[k])) for k in places]
 
 
-def _freed(grams: np.ndarray, model: Sequence[int]) -> np.ndarray:
-    """Return inner products of what a model, fitted to all segments, leaves of all columns.
+def _projected(grams: np.ndarray, model: Sequence[int]) -> np.ndarray:
+    """Return inner products of all columns, with a model fitted to all segments projected out.
 
-    Columns are brought to unit size, and are zero where nothing new is left.
+    Columns are scaled to unit size, or to zero if they are not new.
     """
     base, total = np.asarray(model, dtype=int), grams.sum(axis=0)
     inner = np.broadcast_to(total[np.ix_(base, base)], (total.shape[1], len(base), len(base)))
-    maps = solve(inner, total[base].T).T  # of each column on the model
+    maps = solve(inner, total[base].T).T  # coefficients of each column on the model
     crossed = grams[:, :, base] @ maps
     within = maps.T @ grams[:, base][:, :, base] @ maps
     free = grams - crossed - np.swapaxes(crossed, 1, 2) + within
-    square, before = np.diagonal(free.sum(axis=0)), np.diagonal(total)
-    new = square > NEW * before
+    square, total_square = np.diagonal(free.sum(axis=0)), np.diagonal(total)
+    new = square > NEW * total_square
     new[base] = False
     unit = np.where(new, 1.0 / np.sqrt(np.where(new, square, 1.0)), 0.0)
     unit[-1] = 1.0

@@ -1,4 +1,4 @@
-"""What was found: effects that passed, with their evidence, and what they make of a model."""
+"""Findings: effects that passed, with their evidence, and the model with them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Finding:
     by_runs : bool
         Whether free runs showed it, and not the derivative.
     together : tuple of str
-        Names of what it is together with another effect of its equation.
+        Names of what it forms together with another effect of its equation.
     """
 
     candidate: Candidate
@@ -83,7 +83,7 @@ class MemoryFinding(Finding):
     memory : Memory
         What the input goes through.
     interval : tuple of float, optional
-        95 % interval of its first number, once that is known to all its digits.
+        95 % interval of its first number, once that is polished, see polish.py.
     """
 
     memory: Memory = field(kw_only=True)
@@ -99,7 +99,7 @@ class LimitFinding(Finding):
 
 @dataclass(frozen=True, eq=False)
 class SensorFinding(Finding):
-    """An end of the range of a sensor. It changes no equation, but what is read of a state."""
+    """An end of the range of a sensor. It changes what is read of a state, but no equation."""
 
     limit: Limit = field(kw_only=True)
 
@@ -130,14 +130,14 @@ def with_findings(declared: Design, findings: Sequence[Finding]) -> Design:
 
 
 def excluding(findings: Iterable[Finding], *gone: Finding) -> list[Finding]:
-    """Return findings but these."""
+    """Return findings without some of them."""
     return [finding for finding in findings if finding not in gone]
 
 
 def is_needed(finding: Finding, others: Iterable[Finding]) -> bool:
-    """Tell whether others may only stand beside what a finding brings to their equation."""
-    own, state = set(finding.candidate.terms), finding.candidate.state
-    return any(own & set(f.candidate.parents) for f in others if f.candidate.state == state)
+    """Tell whether others of its equation have a term of a finding as a parent."""
+    terms, state = set(finding.candidate.terms), finding.candidate.state
+    return any(terms & set(f.candidate.parents) for f in others if f.candidate.state == state)
 
 
 def next_step(findings: Iterable[Finding]) -> int:

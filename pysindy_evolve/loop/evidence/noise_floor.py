@@ -1,4 +1,4 @@
-"""What the noise of the sensors alone leaves of the records, band by band of frequency."""
+"""The residual that sensor noise alone leaves, as power in bands of frequency."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from .spectral import spectral_rows
 
 __all__ = ["EXCESS", "NoiseFloor", "noise_alone"]
 
-N_DRAWS = 4  # of the noise
-EXCESS = 1.5  # times the power that this leaves in a band; less may be a matter of chance
+N_DRAWS = 4  # draws of the noise
+EXCESS = 1.5  # power of a residual in a band over that of noise alone; less may be chance
 N_BANDS, FEWEST = 16, 4  # bands, and frequencies in each
 
 
 @dataclass(frozen=True, eq=False)
 class NoiseFloor:
-    """The power that noise leaves of records, (n_bands, n_open)."""
+    """The power of the residual that noise alone leaves, (n_bands, n_open)."""
 
     design: Design
     part: Segments
@@ -40,7 +40,7 @@ class NoiseFloor:
         part: Segments,
         rng: np.random.Generator,
     ) -> NoiseFloor | None:
-        """Put the noise of the sensors, of states and inputs, on the records once more.
+        """Add the sensor noise of states and inputs to the records once more.
 
         Parameters
         ----------
@@ -68,16 +68,16 @@ class NoiseFloor:
         return cls(design, part, np.mean(powers, axis=0))
 
     def excess(self, equations: Equations) -> float:
-        """Return how many times this power a model leaves in the band where it leaves most."""
-        left = [residual_on(equations, record) for record in self.part.records]
-        power = _power(left, self.design, self.part)
+        """Return the largest ratio of a model's residual power to that of noise, over all bands."""
+        residuals = [residual_on(equations, record) for record in self.part.records]
+        power = _power(residuals, self.design, self.part)
         return float(np.max(power / np.maximum(self.power, TINY)))
 
 
 def noise_alone(
     equations: Equations, record: Record, rng: np.random.Generator
 ) -> np.ndarray | None:
-    """Return what the noise of the sensors changes in what is left, (n_samples, n_states).
+    """Return by how much sensor noise changes the residual, (n_samples, n_states).
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
-"""How often chance does as well as was observed: in twins of the models that may be all there is.
+"""P-values: how often twins of the models in which nothing may be missing do as well.
 
-Noise of the sensors in a small difference of large motions, such as the twist of a shaft, makes
-least squares take its stiffness for a fraction of what it is, and what the fraction lacks looks
-like an effect. In twins of such a fit the twist is larger, and the noise does less. So where twins
-show that noise shifts the coefficients, what passes must pass once more: among twins of a model
-whose fit, shifted by noise, is that of the record. Free runs, which hold no noise, come near it.
+Sensor noise in a small difference of large motions, such as the twist of a shaft, makes least
+squares underestimate its stiffness, and the lacking part looks like an effect. In twins of such a
+fit the twist is larger, and the noise matters less. So where twins show that noise shifts the
+coefficients, an effect must pass once more: among twins of a model whose fit, shifted by noise, is
+that of the record. A fit to free runs, which contain no noise, comes near this model.
 
 References
 ----------
@@ -33,9 +33,9 @@ from ..twins.values import Statistic, twin_values
 
 __all__ = ["chance_of", "freed_of_noise"]
 
-N_TWINS = 8  # to see by how much noise shifts the coefficients
-N_STEPS = 3  # from the model that free runs ask for, each of which halves what is wrong with it
-SHIFTED = 0.01  # of the square that a fit leaves: what the shift of its coefficients changes
+N_TWINS = 8  # twins that show by how much noise shifts the coefficients
+N_STEPS = 3  # corrections of the fit to free runs, each of which halves its error
+SHIFTED = 0.01  # share of a fit's residual square that a notable shift of coefficients changes
 
 
 def chance_of(
@@ -80,22 +80,24 @@ def chance_of(
     p_value = p_value_of(observed, twins)
     if p_value > rules.level or isinstance(maker, DriftingTwins):
         return p_value, twins
-    freed = freed_of_noise(maker, design, part, rng.spawn(1)[0])
-    if freed is None:
+    unshifted = freed_of_noise(maker, design, part, rng.spawn(1)[0])
+    if unshifted is None:
         return p_value, twins
-    others = twin_values(TwinMaker.of(freed, part.records), part, statistic, observed, rules, rng)
+    others = twin_values(
+        TwinMaker.of(unshifted, part.records), part, statistic, observed, rules, rng
+    )
     return max((p_value, twins), (p_value_of(observed, others), others), key=lambda pair: pair[0])
 
 
 def freed_of_noise(
     maker: TwinMaker, design: Design, part: Segments, rng: np.random.Generator
 ) -> Equations | None:
-    """Return the model whose twins are fitted as the record is, where noise shifts that fit.
+    """Return the model whose twins have the fit of the record, where noise shifts that fit.
 
     Parameters
     ----------
     maker : TwinMaker
-        Of the fit to the derivative.
+        Makes twins of the fit to the derivative.
     design : Design
         The model.
     part : Segments
@@ -106,7 +108,7 @@ def freed_of_noise(
     Returns
     -------
     Equations or None
-        None where noise shifts nothing, or where free runs do not come near it.
+        None if noise shifts nothing notable, or if free runs give no start.
     """
     if not design.columns or any(path is None for path in maker.simulated):
         return None
@@ -131,7 +133,7 @@ def freed_of_noise(
 def _shift(
     maker: TwinMaker, coef: np.ndarray, design: Design, part: Segments, rng: np.random.Generator
 ) -> np.ndarray:
-    """Return by how much the coefficients of twins differ from some, on average."""
+    """Return the mean difference of the coefficients fitted to twins from given ones."""
     fits = [solve_gram(_gram(design, part.of(maker.make(c)))) for c in rng.spawn(N_TWINS)]
     return np.asarray(np.mean(fits, axis=0) - coef)
 

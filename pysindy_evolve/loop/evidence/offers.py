@@ -1,8 +1,8 @@
-"""What is on offer in a look: the vocabulary, and rarer effects where one of them beats all of it.
+"""The candidates of a look: the vocabulary, and rarer effects if one of them beats all of it.
 
-The rarer ones are what remembers a state, and the stops that only the ends of a stroke meet.
-Each look at a record and its twins then takes no longer than it must, and what a memory could
-explain of the noise does not change what other effects are worth.
+Rarer effects are those with a memory of a state, and stops near the ends of a stroke. Without them
+a look at a record and its twins is faster, and a memory that explains noise in twins does not make
+other effects less significant.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ from .scoring import LEAD, propose, quick_fit, score, sharpened, takes_energy
 
 __all__ = ["Offer", "awaited", "leading", "offer_for"]
 
-SETTLING = 0.125  # of a record, until a relaxation knows where it is
+SETTLING = 0.125  # share of a record until the unknown start of a relaxation is forgotten
 
 
 @dataclass(frozen=True)
 class Offer:
-    """What is proposed, and on which pieces it is looked for.
+    """The candidates of a look, and the pieces that they are scored on.
 
     Attributes
     ----------
     part : Segments
         Pieces of the training records.
     ways : tuple of Candidate
-        What is on offer beside the vocabulary.
+        Candidates beside the vocabulary.
     relaxes : bool
-        Whether these are relaxations, which need more proof than others.
+        Whether these are followers of a state, which need more proof than others.
     """
 
     part: Segments
@@ -48,19 +48,19 @@ class Offer:
     relaxes: bool = False
 
     def propose(self, design: Design, equations: Equations, part: Segments) -> list[Candidate]:
-        """Return the vocabulary, and what is on offer beside it."""
+        """Return the candidates: the vocabulary and the other ways."""
         return [*propose(design, equations, part), *self.ways]
 
     @property
     def remembers(self) -> bool:
-        """Whether what is on offer beside the vocabulary remembers a state."""
+        """Whether candidates beside the vocabulary have a memory of a state."""
         return any(paths_within(way.terms) for way in self.ways)
 
 
 def offer_for(
     design: Design, part: Segments, *, relaxing: bool = True, springs: bool = True
 ) -> Offer:
-    """Return what is on offer.
+    """Return the candidates of a look.
 
     Parameters
     ----------
@@ -69,9 +69,9 @@ def offer_for(
     part : Segments
         Pieces of the training records.
     relaxing : bool
-        Whether relaxations may be among it.
+        Whether followers of a state, such as relaxations, may be candidates.
     springs : bool
-        Whether springs that remember may be among it.
+        Whether springs with hysteresis may be candidates.
 
     Returns
     -------
@@ -79,27 +79,27 @@ def offer_for(
     """
     if part.by_trajectory:
         return Offer(part)
-    yields = [] if design.algebraic else _hystereses_for(design, part, springs=springs)
+    hystereses = [] if design.algebraic else _hystereses_for(design, part, springs=springs)
     relaxes, late = [], _late(part)
-    if relaxing and not part.has_gaps:  # over which a slow state would have to be guessed
+    if relaxing and not part.has_gaps:  # in which a slow state is unknown
         relaxes = followers_for(design, part.records)
     relaxes = _worth_it(relaxes, design, late)
-    if relaxes:  # mostly none is, and all else takes longer
-        others = [*propose(design, quick_fit(design, late), late), *yields]
+    if relaxes:  # mostly there are none, and the rest takes longer
+        others = [*propose(design, quick_fit(design, late), late), *hystereses]
         if leading(relaxes, others, design, late) and not _begins_with_more(relaxes, design, part):
             return Offer(late, tuple(relaxes), relaxes=True)
-    if yields:
+    if hystereses:
         others = propose(design, quick_fit(design, part), part)
-        if leading(yields, others, design, part):
-            return Offer(part, tuple(yields))
+        if leading(hystereses, others, design, part):
+            return Offer(part, tuple(hystereses))
     return Offer(part, tuple(_end_stops_for(design, part)))
 
 
 def _hystereses_for(design: Design, part: Segments, *, springs: bool) -> list[Candidate]:
-    """Return the frictions and springs that remember, of positions that have none yet."""
+    """Return frictions and springs with hysteresis, of positions that have none yet."""
     longest = max(part.records, key=len)
-    turning = BOUC_WEN, WEN_SPRING
-    taken = {source_of(path) for path in paths_of(design) if path.operator in turning}
+    operators = BOUC_WEN, WEN_SPRING
+    taken = {source_of(path) for path in paths_of(design) if path.operator in operators}
     found = []
     for state in design.open_states:
         position = design.position_of(state)
@@ -109,9 +109,9 @@ def _hystereses_for(design: Design, part: Segments, *, springs: bool) -> list[Ca
 
 
 def _end_stops_for(design: Design, part: Segments) -> list[Candidate]:
-    """Return the stops that only the ends of a stroke meet, where one of them leads all else.
+    """Return the stops near the ends of a stroke, if one of them leads all other candidates.
 
-    They meet little of a record, and would stand in for much where nothing of the kind is there.
+    They act on little of a record, and would stand in for many other effects.
     """
     ranges = part.ranges
     found: list[Candidate] = []
@@ -124,14 +124,14 @@ def _end_stops_for(design: Design, part: Segments) -> list[Candidate]:
     if not leading(alone, (), design, part):
         return []
     proposed = sharpened(design, part, propose(design, quick_fit(design, part), part))
-    others = [one for one in proposed if not is_stop(one)]
+    others = [candidate for candidate in proposed if not is_stop(candidate)]
     return found if leading(sharpened(design, part, alone), others, design, part) else []
 
 
 def leading(
     ways: Sequence[Candidate], others: Sequence[Candidate], design: Design, part: Segments
 ) -> list[Candidate]:
-    """Return what clearly does better than all others, each by itself."""
+    """Return the candidates that do clearly better than all others, each alone."""
     scores = score(design, part, [*others, *ways], pairs=False) if ways else []
     best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
     return [s.group[0] for s in scores if s.group[0] in ways and s.value > best + LEAD]
@@ -140,7 +140,7 @@ def leading(
 def _begins_with_more(ways: Sequence[Candidate], design: Design, part: Segments) -> bool:
     """Tell whether a name explains more of whole records than relaxations do of their later part.
 
-    A swing that dies away shows most of what it lacks before any relaxation knows where it is.
+    A decaying swing shows most of what it lacks before the start of a relaxation is forgotten.
     """
     names = propose(design, quick_fit(design, part), part)
     whole = score(design, part, names, pairs=False)
@@ -149,27 +149,27 @@ def _begins_with_more(ways: Sequence[Candidate], design: Design, part: Segments)
 
 
 def _worth_it(ways: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
-    """Return the followers of a state that gain anything, plus the best of each kind tuned.
+    """Return the followers of a state that gain clearly, plus the best of each kind, tuned.
 
-    A narrow resonance does not show between two places of the grid; and where the best relaxation
-    is shorter, or the best frequency higher, than a record can tell, there is none.
+    A narrow resonance between two places of the grid shows only after tuning. A kind is dropped if
+    the record cannot tell its best relaxation time or frequency.
     """
-    able = [
+    useful = [
         way
         for way in leading(ways, (), design, part)
         if not way.passive or takes_energy(way, design, part)
     ]
     longest, found = max(part.records, key=len), []
-    for kind in dict.fromkeys((way.state, way.branch) for way in able):
-        own = [way for way in able if (way.state, way.branch) == kind]
-        tuned = sharpened(design, part, own)[len(own) :]
+    for kind in dict.fromkeys((way.state, way.branch) for way in useful):
+        of_kind = [way for way in useful if (way.state, way.branch) == kind]
+        tuned = sharpened(design, part, of_kind)[len(of_kind) :]
         if all(is_sound(path, longest) for way in tuned for path in paths_within(way.terms)):
-            found += [*own, *tuned]
+            found += [*of_kind, *tuned]
     return found
 
 
 def awaited(design: Design, part: Segments) -> Segments:
-    """Return pieces with weight only where what follows a state of a design knows where it is."""
+    """Return pieces with weight only where the start of a design's followers is forgotten."""
     return _late(part) if followers_of(design) else part
 
 

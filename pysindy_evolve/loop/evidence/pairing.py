@@ -19,20 +19,20 @@ Keys = set[tuple[int, Sum]]
 def groups_to_try(
     candidates: Sequence[Candidate], new: Sequence[int], present: Keys, *, pairs: bool
 ) -> list[tuple[int, ...]]:
-    """Return the places of candidates that may be tried alone, then those of pairs.
+    """Return the groups of candidates to try, by their places: single ones, then pairs.
 
     Parameters
     ----------
     candidates : sequence of Candidate
         What may be missing.
     new : sequence of int
-        Places of those that are no combinations of what stands in the model.
+        Places of those that are no combinations of the model's columns.
     present : set of (int, Sum)
-        Equation and expression of what stands in the model; parents must be in it, or in the
+        Equation and expression of each term of the model; parents must be among them, or in the
         group.
     pairs : bool
-        Whether to go through pairs too. Two shapes of one effect are none, unless they grew; one
-        force in two equations is.
+        Whether to try pairs too: not two shapes of one effect, unless they were grown, but one
+        force in two equations.
 
     Returns
     -------
@@ -42,10 +42,10 @@ def groups_to_try(
     alone: list[tuple[int, ...]] = [(i,) for i, need in zip(new, needs, strict=True) if not need]
     if not pairs:
         return alone
-    at = [k for k, i in enumerate(new) if not candidates[i].never_paired]
-    able = _able([needs[k] for k in at], [_terms(candidates[new[k]]) for k in at])
-    able &= able.T & _unlike([candidates[new[k]].name for k in at])
-    places = np.array(new, dtype=int)[at]
+    pairable = [k for k, i in enumerate(new) if not candidates[i].never_paired]
+    able = _able([needs[k] for k in pairable], [_terms(candidates[new[k]]) for k in pairable])
+    able &= able.T & _unlike([candidates[new[k]].name for k in pairable])
+    places = np.array(new, dtype=int)[pairable]
     first, second = np.nonzero(np.triu(able, 1))
     found = zip(places[first].tolist(), places[second].tolist(), strict=True)
     return [*alone, *found, *_of_one_force(candidates, [i for (i,) in alone])]
@@ -54,7 +54,7 @@ def groups_to_try(
 def posing_as_offset(
     candidates: Sequence[Candidate], new: Sequence[int], present: Keys
 ) -> list[tuple[int, int]]:
-    """Return the places of each offset that is not there yet, and of an effect that may pose as it.
+    """Return the places of each offset that the model lacks and of each effect that may pose as it.
 
     Parameters
     ----------
@@ -72,9 +72,9 @@ def posing_as_offset(
 
 
 def _of_one_force(candidates: Sequence[Candidate], able: Sequence[int]) -> list[tuple[int, ...]]:
-    """Return the pairs that are one force at one place, which stands in two equations.
+    """Return the pairs that are one force at one place, in two equations.
 
-    Each alone explains its own equation, and with several segments only that may not be clear.
+    Each alone explains one equation only, which may not be clear on few segments.
     """
     places: dict[tuple[int, tuple[Sum, ...]], list[int]] = {}
     for i in able:
@@ -85,20 +85,20 @@ def _of_one_force(candidates: Sequence[Candidate], able: Sequence[int]) -> list[
     return [(i, j) for i, j in pairs if candidates[i].state != candidates[j].state]
 
 
-def _able(needs: Sequence[Keys], brought: Sequence[Keys]) -> np.ndarray:
-    """Tell where the column's effect brings what the row's effect needs."""
+def _able(needs: Sequence[Keys], supplied: Sequence[Keys]) -> np.ndarray:
+    """Tell where the column's effect has all parents that the row's effect needs."""
     able = np.ones((len(needs), len(needs)), dtype=bool)
     rows: dict[frozenset[tuple[int, Sum]], list[bool]] = {}
     for row, need in zip(able, map(frozenset, needs), strict=True):
         if need:
             if need not in rows:  # many effects need the same offset
-                rows[need] = [need <= terms for terms in brought]
+                rows[need] = [need <= terms for terms in supplied]
             row[:] = rows[need]
     return able
 
 
 def _unlike(names: Sequence[str]) -> np.ndarray:
-    """Tell which two names differ, or are that of what grew, which has no other."""
+    """Tell which two names differ; grown terms share a name, but differ."""
     codes = np.unique(names, return_inverse=True)[1]
     grown = np.array([name == EVOLVED for name in names], dtype=bool)
     return np.asarray((codes[:, None] != codes) | grown)

@@ -1,4 +1,4 @@
-"""What effects gain, best first: log(error without / error with), per effect of a group."""
+"""Gains of effects, best first: log(error without / error with), per effect of a group."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Score:
 
 
 class Ranking(Sequence[Score]):
-    """Scores, best first; each is made when it is asked for, as few of thousands of pairs are.
+    """Scores, best first; each is made on demand, as few of thousands of pairs are looked at.
 
     Parameters
     ----------

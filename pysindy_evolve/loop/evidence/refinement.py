@@ -1,9 +1,9 @@
 """Whether an effect is more than a plainer one seen through noise.
 
-A friction whose sign changes early or late explains a noisy record a little better than friction
-does, even where it is friction: the filtered velocity turns late, and what leads it makes up for
-that. So an effect that refines a plainer one takes its place only if it does better than that by
-more than it does in twins of the plainer one, whose sensor has the same noise.
+Even where plain friction is the cause, a friction whose sign changes early or late fits a noisy
+record a little better: the filtered velocity turns late, and a lead makes up for it. So an effect
+that refines a plainer one must lead it by more than in twins of the plainer one, with the same
+sensor noise.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def justified(
     rules: Rules,
     rng: np.random.Generator,
 ) -> Candidate:
-    """Return a candidate, or the plainer one that it refines where that may be all there is.
+    """Return a candidate, or the plainer one that it refines if its lead may be chance.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def justified(
     design : Design
         The model without it.
     proposed : sequence of Candidate
-        All that was looked at.
+        All candidates of the look.
     part : Segments
         Pieces of the training records.
     rules : Rules
@@ -54,9 +54,11 @@ def justified(
     -------
     Candidate
     """
-    own = [c for c in proposed if c.state == candidate.state]
-    forms = [c for c in own if c.name == candidate.name]
-    plain = score(design, part, [c for c in own if c.name in candidate.must_beat], pairs=False)
+    same_equation = [c for c in proposed if c.state == candidate.state]
+    forms = [c for c in same_equation if c.name == candidate.name]
+    plain = score(
+        design, part, [c for c in same_equation if c.name in candidate.must_beat], pairs=False
+    )
     if not plain or part.by_trajectory:
         return candidate
     (null,) = plain[0].group

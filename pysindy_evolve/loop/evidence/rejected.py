@@ -1,4 +1,4 @@
-"""The best of what did not pass: what the verdict "complete" rests on."""
+"""The best candidate that did not pass, on which the verdict "complete" rests."""
 
 from __future__ import annotations
 

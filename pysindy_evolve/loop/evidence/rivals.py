@@ -1,4 +1,4 @@
-"""The effects that could stand in the place of one that was found: its alternatives."""
+"""The alternatives of an effect: others that could stand in its place."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from .trace import fold_errors
 
 __all__ = ["Rival", "rivals_of"]
 
-ROUNDED = 0.1  # width of a sign that is rounded off, in sizes of what it is the sign of
-# Share of what an effect explains that a rival must explain in its place. Where much is missing,
-# anything could hide in the rest, and a test alone refutes nothing.
+ROUNDED = 0.1  # width of a rounded sign, in standard deviations of its argument
+# Share of what an effect explains that a rival must explain in its place. Where much else is
+# missing, the test alone refutes nothing, as a large residual could hide anything.
 EXPLAINED = 1.0 / 3.0
-FARTHER = 2.0  # times the held-out squares of an effect, from which on a rival is outdone
-STEADY = 0.1  # of its mean, that a term varies by if it is a constant
-ENOUGH = 3  # names in a row that twins refute; then the search for rivals stops: the rest fit worse
-MORE = 2  # nodes that another form of a grown term may have
+FARTHER = 2.0  # a rival with so many times the held-out squares of an effect is outdone
+STEADY = 0.1  # standard deviation over mean, below which a term counts as constant
+ENOUGH = 3  # stop after this many refuted names in a row: the rest fit worse
+MORE = 2  # extra nodes that another form of a grown term may have
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ def rivals_of(
     rng: np.random.Generator,
     grown: Sequence[Candidate] = (),
 ) -> tuple[Rival, ...]:
-    """Return the effects that could stand in the place of one.
+    """Return the effects that could stand in the place of another.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def rivals_of(
     rng : numpy.random.Generator
         Draws the signs.
     grown : sequence of Candidate
-        Terms that grew as well; of a grown term they are other forms.
+        Other grown terms: alternative forms, if the effect is grown as well.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def rivals_of(
     proposed += [*_rounded(candidate, part), *_grown_forms(candidate, grown)]
     complete = [_with_offset(c, known) for c in proposed]
     able = with_parents(complete, design)
-    if OFFSET in candidate.terms:  # one that brings the effect itself does not stand in its place
+    if OFFSET in candidate.terms:  # an option with an offset would contain the effect
         able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
         able = [c for c in able if not _hardly_varies(c, part)]
     rest = (c for c in dict.fromkeys(able) if _differs(c, candidate, design))
@@ -107,12 +107,12 @@ def rivals_of(
     first = len(design.columns)
     base, places = tuple(range(first)), _places(first, (candidate, *options))
     own, *others = places
-    ours, *theirs = explained(grams, base, places)
-    if ours <= 0.0:  # it explains nothing beside the others any more, and so does anything
+    own_squares, *their_squares = explained(grams, base, places)
+    if own_squares <= 0.0:  # the effect explains nothing beside the others any more
         return ()
     best: dict[str, Rival] = {}
-    for option, place, squares in zip(options, others, theirs, strict=True):
-        if squares < EXPLAINED * ours:
+    for option, place, squares in zip(options, others, their_squares, strict=True):
+        if squares < EXPLAINED * own_squares:
             continue
         p_value = chance(grams, (*base, *place), own, level, rng)
         if p_value > level and _is_outdone(grams, (*base, *place), (*base, *own), part.folds):
@@ -127,26 +127,26 @@ def _is_outdone(
 ) -> bool:
     """Tell whether a rival predicts held-out pieces much worse than the effect, and most of them.
 
-    The cause would hardly do so by chance. Where a few pieces tell both apart very clearly, and the
-    others do not, the scatter over the pieces hides it.
+    The cause would hardly do so by chance. The test misses this where only a few pieces tell the
+    two apart, as the scatter over the pieces is then large.
     """
     theirs, ours = (fold_errors(grams, np.array([model]), folds)[0] for model in (rival, own))
     return bool(theirs.sum() > FARTHER * ours.sum() and np.median(theirs / ours) > 1.0)
 
 
 def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:
-    """Tell whether an option brings something to the model without both, but not the effect.
+    """Tell whether an option adds something to the bare model, without containing the effect.
 
-    What brings the effect itself, under another sign or name or with something beside it, does not
-    stand in its place; nor does what the model holds already.
+    An option that contains the effect, with another sign or name or with more terms, cannot stand
+    in its place; nor can one that the model contains already.
     """
-    brought = columns_of(option, bare)
-    with_option = [*bare.columns, *brought]
-    return not hold(bare.columns, brought) and not hold(with_option, columns_of(candidate, bare))
+    added = columns_of(option, bare)
+    with_option = [*bare.columns, *added]
+    return not hold(bare.columns, added) and not hold(with_option, columns_of(candidate, bare))
 
 
 def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate:
-    """Return a candidate that brings the offset it needs, such as a drift, if none stands."""
+    """Return a candidate with the offset that it needs as a term, if the model has none."""
     if OFFSET not in candidate.parents or (candidate.state, OFFSET) in known:
         return candidate
     others = tuple(parent for parent in candidate.parents if parent != OFFSET)
@@ -157,7 +157,7 @@ def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate
 
 
 def _offset(*numbers: float) -> Sum:
-    """Return the offset, whatever the numbers are that the terms beside it are tuned to."""
+    """Return the offset, whatever the numbers in the other terms are."""
     return OFFSET
 
 
@@ -171,18 +171,18 @@ def _by_twins(
 ) -> tuple[Rival, ...]:
     """Return the alternatives of an effect on short trajectories.
 
-    Those of one name that come closest are asked first, and none that comes less close than several
-    that were refuted.
+    The closest form of each name is tested, closest names first, until several in a row are
+    refuted.
     """
-    whole = [candidate, *options]
-    leads = leads_over(whole, design, part.records)[1:]
+    everything = [candidate, *options]
+    leads = leads_over(everything, design, part.records)[1:]
     closest: dict[str, Candidate] = {}
     for k in np.argsort(leads, kind="stable"):
         closest.setdefault(options[k].name, options[k])
     found: list[Rival] = []
     n_refuted = 0
     for option in closest.values():
-        p_value = twin_chance(option, design, whole, part.records, level, rng)
+        p_value = twin_chance(option, design, everything, part.records, level, rng)
         if p_value > level:
             found.append(Rival(option, p_value))
         n_refuted = 0 if p_value > level else n_refuted + 1
@@ -198,21 +198,21 @@ def _places(first: int, candidates: Sequence[Candidate]) -> list[tuple[int, ...]
 
 
 def _is_form(one: Candidate, other: Candidate) -> bool:
-    """Tell whether two candidates differ in the number of their shape only."""
+    """Tell whether two candidates differ only in the numbers of their shapes."""
     shapes = one.shape, other.shape
     return None not in shapes and (one.name, one.state) == (other.name, other.state)
 
 
 def _hardly_varies(candidate: Candidate, part: Segments) -> bool:
-    """Tell whether an effect is a constant by another name, as cos(q) of small angles is."""
+    """Tell whether an effect is nearly constant, as cos(q) of small angles is."""
     columns = [term.evaluate(part.rows) for term in candidate.terms]
     return all(column.std() < STEADY * abs(column.mean()) for column in columns)
 
 
 def _grown_forms(candidate: Candidate, grown: Sequence[Candidate]) -> list[Candidate]:
-    """Return the other forms of a grown term that grew beside it, and have hardly more nodes.
+    """Return the other grown terms of its equation that have hardly more nodes than a grown term.
 
-    One with a number close to one, where the effect has none, is the same form.
+    With a number close to one where the effect has none, it is the same form.
     """
     if candidate.name != EVOLVED:
         return []
@@ -226,26 +226,26 @@ def _grown_forms(candidate: Candidate, grown: Sequence[Candidate]) -> list[Candi
 
 
 def _rounded(candidate: Candidate, part: Segments) -> list[Candidate]:
-    """Return an effect with its sign functions rounded off, as a hyperbolic tangent is."""
+    """Return an effect with its sign function rounded off to a hyperbolic tangent."""
     if len(candidate.terms) != 1:
         return []
     (term,) = candidate.terms
-    signs = {
+    arguments = {
         atom.args[0]
         for _, product in term.parts
         for atom, _ in product.factors
         if isinstance(atom, Call) and atom.operator.name == "sgn"
     }
-    if len(signs) != 1:
+    if len(arguments) != 1:
         return []
-    (inside,) = signs
-    size = float(np.std(inside.evaluate(part.rows)))
-    return [Candidate(candidate.name, candidate.state, (_soft(term, inside, ROUNDED * size),))]
+    (argument,) = arguments
+    size = float(np.std(argument.evaluate(part.rows)))
+    return [Candidate(candidate.name, candidate.state, (_soft(term, argument, ROUNDED * size),))]
 
 
-def _soft(term: Sum, inside: Sum, width: float) -> Sum:
+def _soft(term: Sum, argument: Sum, width: float) -> Sum:
     """Replace the sign of an expression by its hyperbolic tangent."""
-    step = rounded_sign(inside, width)
+    step = rounded_sign(argument, width)
     parts = []
     for coefficient, product in term.parts:
         replaced = constant(coefficient)

@@ -1,7 +1,7 @@
-"""Whether columns are sums of others as expressions, and not only on the rows of one record.
+"""Whether columns are combinations of others as expressions, not only on the rows of a record.
 
-Beside a spring between two bodies, k (q2 - q1), one from q2 to the ground and a pull by q1 are the
-same model, written in two ways: no record can tell them apart, and neither is the other's cause.
+Beside a spring between two bodies, k (q2 - q1), a spring from q2 to the ground and a pull by q1 are
+the same model, written in two ways: no record can tell them apart.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from ..given.design import Column
 
 __all__ = ["hold"]
 
-ROUNDING = 1e-9  # of columns of unit size: less is left of what is no sum of the others
+ROUNDING = 1e-9  # singular values of unit rows: smaller ones count as zero
 
 
 def hold(columns: Sequence[Column], others: Sequence[Column]) -> bool:
-    """Tell whether columns with free coefficients can say all that others do.
+    """Tell whether others are linear combinations of columns.
 
     Parameters
     ----------
     columns : sequence of Column
         Columns of a model.
     others : sequence of Column
-        What it may hold, up to the values of the coefficients.
+        Columns that may be combinations of them.
 
     Returns
     -------
@@ -40,7 +40,7 @@ def _rank(rows: np.ndarray) -> int:
 
 
 def _numbers(columns: Sequence[Column]) -> np.ndarray:
-    """Return the numbers before each product in each equation, a row of unit size per column."""
+    """Return the coefficient of each product in each equation, a row of unit size per column."""
     rows = [
         {(state, term): c for state, part in enumerate(column.parts) for c, term in part.parts}
         for column in columns

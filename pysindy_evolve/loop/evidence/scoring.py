@@ -50,12 +50,12 @@ __all__ = [
     "tuned",
 ]
 
-LOOKS = 16  # at each number of a shape
+LOOKS = 16  # evaluations for each number of a shape
 Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
 
-MARGIN = 0.02  # of the log error: names do not change for less
+MARGIN = 0.02  # gain in log error: names do not change for less
 PRICE = 0.1  # log error that a grown term must gain for each node: one of ten nodes must gain 1.0
-# Of the log error: extra gain asked of an effect that brings a hidden state. A filter makes the
+# Log error: extra gain asked of an effect that brings a hidden state. A filter makes the
 # sign of a speed look as if it remembered; with less, a pendulum lost its drag to a hysteresis.
 LEAD = 0.1
 
@@ -80,17 +80,17 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
     proposed = candidates(design, ranges)
     if part.by_trajectory:
         proposed = for_trajectories(proposed)
-    left = [residual_on(equations, record) for record in records]
+    by_record = [residual_on(equations, record) for record in records]
     first = int(np.argmax([len(record) for record in records]))
     longest, time = records[first], design.time
     drivers = longest.x[:, :0] if longest.u is None else longest.u
     made = longest.preparation
     cutoff = np.inf if made is None or made.cutoff is None else made.cutoff
     for state in design.open_states:
-        residual, dt = left[first][:, state], longest.dt
+        residual, dt = by_record[first][:, state], longest.dt
         proposed += periodic_candidates(state, time, residual, drivers, dt, cutoff)
         position = design.position_of(state)
-        sides = (one for one in parts_of(design, state) if time not in one.variables)
+        sides = (term for term in parts_of(design, state) if time not in term.variables)
         for branch, side in enumerate(sides, N_LINES):
             values = side.evaluate(variables_of(longest))
             proposed += pumped_candidates(
@@ -105,7 +105,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
             if not part.by_trajectory:
                 inputs = range(len(design.states), time)
                 proposed += inertias(state, position, equations.sums[state], ranges, inputs)
-            residuals = [own[:, state] for own in left]
+            residuals = [rows[:, state] for rows in by_record]
             proposed += _ripples(state, position, residuals, records)
     return [*proposed, *partner_pumps(design, len(longest) * longest.dt)]
 
@@ -113,7 +113,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
 def _ripples(
     state: int, position: int, residuals: Sequence[np.ndarray], records: Sequence[Record]
 ) -> list[Candidate]:
-    """Return the ripples that any record shows: one that went slowly may show it best."""
+    """Return the ripples that any record shows: a slow one may show them best."""
     found: list[Candidate] = []
     for residual, record in zip(residuals, records, strict=True):
         q, noise = record.x[:, position], _noise_of(record, position)
@@ -126,7 +126,7 @@ def _ripples(
 
 
 def _noise_of(record: Record, position: int) -> float:
-    """Return the standard deviation of the sensor of a position; zero if nobody knows."""
+    """Return the noise of the sensor of a position, a standard deviation; zero if unknown."""
     made = record.preparation
     return 0.0 if made is None else float(made.noise[position // made.order])
 
@@ -153,30 +153,32 @@ def net(score: Score) -> float:
 def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
     """Return the columns that a candidate, and then its partners, add to a design."""
     n_states = len(design.states)
-    own = [in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms]
+    columns = [
+        in_state(candidate.name, term, candidate.state, n_states) for term in candidate.terms
+    ]
     if isinstance(candidate, InertiaCandidate):
-        pairs = zip(own, candidate.waves, strict=True)
-        own = [replace(column, inertia=wave) for column, wave in pairs]
-    return (*own, *(c for partner in candidate.partners for c in columns_of(partner, design)))
+        pairs = zip(columns, candidate.waves, strict=True)
+        columns = [replace(column, inertia=wave) for column, wave in pairs]
+    return (*columns, *(c for partner in candidate.partners for c in columns_of(partner, design)))
 
 
 def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> list[Candidate]:
-    """Return candidates with the promising shapes tuned, beside those on the grid.
+    """Return the candidates on the grid, and the promising shapes among them tuned.
 
-    Between two places of the grid a power of the input can look more like a saturation than
-    either of them does. What holds its parents, as an end stop holds an offset, is tuned without
-    them: the offset stands for what is wrong with the place.
+    For a saturation between two places of the grid, a power of the input may fit better than both.
+    A candidate that contains its parents, as an end stop contains an offset, is tuned without them:
+    the offset would make up for a wrong place.
     """
-    scores = score(design, part, [_by_itself(one) for one in proposed], pairs=False)
-    leader = scores[0].value if scores else 0.0
-    first: dict[tuple[str, int, int], Candidate] = {}
+    scores = score(design, part, [_by_itself(c) for c in proposed], pairs=False)
+    best_value = scores[0].value if scores else 0.0
+    best_shapes: dict[tuple[str, int, int], Candidate] = {}
     for s in scores:
-        (one,) = s.group
-        if one.shape is not None and s.value > max(MARGIN, leader / 2):
-            first.setdefault((one.name, one.state, one.shape.branch), one)
-    parents = {_by_itself(one): one.parents for one in proposed}
-    there = [replace(tuned(one, design, part), parents=parents[one]) for one in first.values()]
-    return [*proposed, *there, *(end for one in there for end in one_end_each(one))]
+        (c,) = s.group
+        if c.shape is not None and s.value > max(MARGIN, best_value / 2):
+            best_shapes.setdefault((c.name, c.state, c.shape.branch), c)
+    parents = {_by_itself(c): c.parents for c in proposed}
+    sharp = [replace(tuned(c, design, part), parents=parents[c]) for c in best_shapes.values()]
+    return [*proposed, *sharp, *(end for c in sharp for end in one_end_each(c))]
 
 
 def _by_itself(candidate: Candidate) -> Candidate:
@@ -184,7 +186,7 @@ def _by_itself(candidate: Candidate) -> Candidate:
 
 
 def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
-    """Tune the numbers that a candidate's shape depends on, from their place on the grid."""
+    """Tune the numbers that a candidate's shape depends on, starting from the grid."""
     shape = candidate.shape
     if shape is None:
         return candidate
@@ -193,12 +195,12 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
         return candidate.at(np.exp(logs).tolist())
 
     def loss(logs: np.ndarray) -> float:
-        there = at(np.atleast_1d(logs))
-        if candidate.contains_parents and not begins_within(there, part.rows):
+        moved = at(np.atleast_1d(logs))
+        if candidate.contains_parents and not begins_within(moved, part.rows):
             return 0.0
-        if candidate.passive and not takes_energy(there, design, part):
+        if candidate.passive and not takes_energy(moved, design, part):
             return 0.0
-        scores = score(design, part, [there], pairs=False)
+        scores = score(design, part, [moved], pairs=False)
         return -scores[0].value if scores else 0.0
 
     start = np.log(shape.values)
@@ -213,7 +215,7 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
 
 
 def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
-    """Tell whether the coefficient of a candidate's own column is negative beside a design."""
+    """Tell whether the coefficient of a candidate's first column is negative beside a design."""
     coef = _coefficients(design.adding(columns_of(candidate, design)), part)
     return bool(coef[len(design.columns)] < 0.0)  # partners come after it
 
@@ -221,7 +223,7 @@ def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
 def plainest(scores: Sequence[Score]) -> Score:
     """Return the smallest of the groups that do as well as the first, to one percent.
 
-    Of equally small ones a constant comes first, and powers before sines, as in the vocabulary.
+    Of equally small ones, that with fewer variables, and then the first in the vocabulary.
     """
     equal = [
         s

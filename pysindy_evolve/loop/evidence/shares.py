@@ -1,4 +1,4 @@
-"""How much effects matter, in the derivative and in the simulation, whatever their chance."""
+"""How much effects matter, in the derivative and in the simulation, whatever their p-value."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ EXACT = 3e-4  # derivative error, in standard deviations, below which no sensor 
 
 
 class Shares:
-    """What share of the explainable error, as a variance, the effects of a group remove.
+    """The share of the explainable error, as a variance, that the effects of a group remove.
 
-    Explainable is what the declared model leaves and the model with all candidates does not. Of
-    derivative and simulation the larger share counts: an offset hardly shows in the first, a
-    ripple hardly in the second. An effect that adds no term, but says when an input acts, is held
-    against what the present model leaves: it makes no equation longer.
+    The explainable error is that of the declared model less that of the model with all candidates.
+    Of derivative and simulation the larger share counts: an offset hardly shows in the first, a
+    ripple hardly in the second. An effect that adds no term, such as a delay of an input, is
+    compared with the error of the present model instead, as it makes no equation longer.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Shares:
         )
 
     def _left(self, view: str, columns: tuple[int, ...]) -> float:
-        """Return what columns leave of the target's square, computed once: groups share many."""
+        """Return the residual square of columns, computed once, as groups share many."""
         if (view, columns) not in self._errors:
             self._errors[view, columns] = _error(self._grams[view], columns)
         return self._errors[view, columns]
@@ -92,14 +92,14 @@ def view_gain(design: Design, group: Sequence[Candidate], part: Segments) -> flo
 
 
 def is_exact(design: Design, part: Segments) -> bool:
-    """Tell whether a design leaves no more than differentiation and filters get wrong anyway."""
+    """Tell whether a design's residual is no larger than errors of differentiation and filters."""
     total = derivative_grams(part, design, design.columns).sum(axis=0)
     n_rows = len(part.z) * part.windows.count(part.z.shape[1]) * len(design.open_states)
     return _error(total, range(len(design.columns))) <= EXACT**2 * max(n_rows, 1)
 
 
 def _error(gram: np.ndarray, columns: Sequence[int]) -> float:
-    """Return what least squares on some columns leaves of the target's square."""
+    """Return the residual square of a least-squares fit to some columns."""
     index = np.asarray(columns, dtype=int)
     explained = solve(gram[np.ix_(index, index)], gram[index, -1]) @ gram[index, -1]
     return float(max(gram[-1, -1] - explained, 0.0))

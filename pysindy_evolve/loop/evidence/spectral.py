@@ -1,8 +1,8 @@
 """The spectral view of a residual: where effects are ranked and tested.
 
 Both sides of an equation are multiplied by tapered sines and cosines (the weak form with Fourier
-test functions), and each frequency is weighed by the noise there. What is left is white, so no row
-counts twice: generalized least squares.
+test functions), and each frequency is weighted by the inverse of its noise. The residual is then
+white, so no row counts twice: generalized least squares.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ..given.segments import Segments
 __all__ = ["n_frequencies", "spectral_grams", "spectral_rows", "spectral_weights"]
 
 TAPER = 0.5  # share of a segment over which the taper falls to zero
-N_WEIGHINGS = 3  # of the frequencies by what the fit of the one before leaves
+N_WEIGHINGS = 3  # rounds, each with weights from the residual of the one before
 LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding
 
 
@@ -109,8 +109,8 @@ def _spectra(part: Segments, design: Design, columns: Sequence[Column]) -> np.nd
 def _weights(rows: np.ndarray) -> np.ndarray:
     """Weigh each frequency by the inverse of the noise there, (n_open, n_frequencies).
 
-    The noise is what all columns together, candidates included, leave. What only the model leaves
-    would hold the effect that is sought, and hide it behind its own power.
+    The noise is the residual of all columns together, candidates included. The residual of the
+    model alone would contain the missing effect, and hide it behind its own power.
     """
     target = np.mean(np.abs(rows[:, -1]) ** 2, axis=1)
     # Where a column fits the target exactly there is no noise, and the weight would be infinite.
@@ -119,8 +119,8 @@ def _weights(rows: np.ndarray) -> np.ndarray:
     for _ in range(N_WEIGHINGS):
         gram = _gram(rows, weight)
         contrast = np.append(solve(gram[:-1, :-1], gram[:-1, -1]), -1.0)
-        left = np.tensordot(rows, contrast, axes=(1, 0))
-        power = np.mean(np.abs(left) ** 2, axis=1)
+        residual = np.tensordot(rows, contrast, axes=(1, 0))
+        power = np.mean(np.abs(residual) ** 2, axis=1)
         weight = 1.0 / np.sqrt(np.maximum(_smooth(power), rounding))
     return weight
 
@@ -133,7 +133,7 @@ def _gram(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 
 def _smooth(power: np.ndarray) -> np.ndarray:
-    """Average a power spectrum over neighboring frequencies, an eighth of an octave and more."""
+    """Average a power spectrum over neighbors, up to an eighth of each frequency to both sides."""
     n = power.shape[-1]
     index = np.arange(n)
     reach = 1 + index // 8

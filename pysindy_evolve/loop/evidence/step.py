@@ -1,4 +1,4 @@
-"""One step of the loop: the best of what may be missing, tested on twins."""
+"""One step of the loop: the best candidate, tested on twins."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from .shares import Shares, is_exact
 
 __all__ = ["Look", "find"]
 
-# Score of an effect that halves the error: no trace, whatever its share.
+# Score of an effect that halves the RMS error: it matters, whatever its share.
 ERROR_HALVED = float(np.log(4.0))
-NEARLY = 0.98  # of what a term with a number in it removes
+NEARLY = 0.98  # share of what a term with a number removes: enough to prefer one without
 
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What a look found that passes, or else the best that did not."""
+    """The findings of a look, or else the best candidate, which did not pass."""
 
     found: tuple[Finding, ...] = ()
     rejected: Rejected | None = None
@@ -76,15 +76,15 @@ def find(
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
     zeros = zeros_of(standing(design) - standing(declared), len(design.states))
-    able = [s for s in scores if s.value > 0.0]
-    worthy = [s for s in able if _is_one_of(zeros, s) or _matters(s, shares, rules)]
-    gaining = able[:1]
+    improving = [s for s in scores if s.value > 0.0]
+    worthy = [s for s in improving if _is_one_of(zeros, s) or _matters(s, shares, rules)]
+    top = improving[:1]
     names = (*design.states, *design.inputs, "t")
     # The first look is tested even if its best effect is too small: "complete" needs evidence.
-    if not worthy and (design.columns != declared.columns or not gaining):
-        light = [Rejected(s, shares.of(s), variables=names) for s in gaining]
-        return Look(rejected=light[0] if light else None)
-    best = _without_numbers(plainest(worthy or gaining), worthy, shares)
+    if not worthy and (design.columns != declared.columns or not top):
+        weak = [Rejected(s, shares.of(s), variables=names) for s in top]
+        return Look(rejected=weak[0] if weak else None)
+    best = _without_numbers(plainest(worthy or top), worthy, shares)
     # Off the grid an effect may gain far more. Only then the twins are tuned too, which takes long;
     # otherwise the score on the grid is compared with theirs.
     tunes = best.value >= searched[0].value + ERROR_HALVED
@@ -118,43 +118,43 @@ def _tuned_group(
 
 
 def _matters(score: Score, shares: Shares, rules: Rules) -> bool:
-    """Tell whether a group is more than a trace of something."""
+    """Tell whether a group removes enough of the error to matter."""
     return score.value >= ERROR_HALVED or shares.of(score) >= rules.min_share
 
 
 def _without_numbers(best: Score, worthy: Sequence[Score], shares: Shares) -> Score:
-    """Return a term without numbers in it that removes nearly as much as one with a number.
+    """Return a term without a number if it removes nearly as much as the best, with a number.
 
-    A saturation that hardly comes in is a gain: what it does better may be the ringing of a filter.
+    A saturation that is hardly reached is a gain; what it does better may be ringing of a filter.
     """
-    (one, *more) = best.group
-    if more or one.shape is None:
+    (candidate, *more) = best.group
+    if more or candidate.shape is None:
         return best
     enough = NEARLY * shares.of(best)
-    return next((s for s in worthy if _is_plainer(s, one) and shares.of(s) >= enough), best)
+    return next((s for s in worthy if _is_plainer(s, candidate) and shares.of(s) >= enough), best)
 
 
-def _is_plainer(score: Score, one: Candidate) -> bool:
+def _is_plainer(score: Score, candidate: Candidate) -> bool:
     """Tell whether a group is an effect of the same variables, smaller and without a number.
 
-    It may have an offset beside it, or be one, where the one with a number holds an offset itself.
+    It may have an offset beside it, or be one, if the effect with a number contains an offset.
     """
-    if any(c.state != one.state or c.shape is not None for c in score.group):
+    if any(c.state != candidate.state or c.shape is not None for c in score.group):
         return False
-    group = [c for c in score.group if not (one.contains_parents and c.terms == (OFFSET,))]
+    group = [c for c in score.group if not (candidate.contains_parents and c.terms == (OFFSET,))]
     if len(group) > 1:
         return False
-    return all(c.variables == one.variables and c.size < one.size for c in group)
+    return all(c.variables == candidate.variables and c.size < candidate.size for c in group)
 
 
 def _is_one_of(zeros: set[tuple[int, Sum]], score: Score) -> bool:
-    """Tell whether a group is one of these offsets, of which no share is asked."""
+    """Tell whether a group is one of these offsets, which need no minimum share."""
     return len(score.group) == 1 and {(c.state, t) for c in score.group for t in c.terms} <= zeros
 
 
-def _beside(design: Design, group: Sequence[Candidate], one: Candidate) -> Design:
+def _beside(design: Design, group: Sequence[Candidate], candidate: Candidate) -> Design:
     """Return the design with the other candidates of a group in it."""
-    others = (c for c in group if c is not one)
+    others = (c for c in group if c is not candidate)
     return design.adding(column for c in others for column in columns_of(c, design))
 
 

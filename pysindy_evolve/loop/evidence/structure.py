@@ -1,9 +1,9 @@
-"""Is anything left that depends on what was measured? The question behind "untraced".
+"""Does the residual still depend on what was measured? The question behind "untraced".
 
-A generic model, polynomials of all variables and the recent past of the inputs, or slow waves of
-time, predicts held-out segments; so does each term of the polynomials by itself, as a small effect
-is lost in what many of them fit. If one does so better than in twins, there is structure that no
-tried effect explains: perhaps a delay or a hidden state, which need more than the present values.
+Generic models predict held-out segments: polynomials of all variables and the recent past of the
+inputs, or slow waves of time. Each term of the polynomials does so alone as well, as the noise that
+many of them fit would hide a small effect. If one does better than in twins, there is structure
+that no tried effect explains: perhaps a delay or a hidden state, which present values do not show.
 The past of the states is left out, as filtered sensor noise alone makes x_dot a function of it.
 """
 
@@ -37,9 +37,9 @@ from .trace import are_new, fold_errors
 
 __all__ = ["may_have_structure", "structure_chance"]
 
-MAX_COLUMNS = 60
-LAGS = (1, 2, 4, 8)  # in eighths of the width of the windows
-N_WAVES = 7  # slow ones: what has more periods in a record is no drift
+MAX_COLUMNS = 60  # of a generic model, in each equation
+LAGS = (1, 2, 4, 8)  # of the inputs, in eighths of the width of the windows
+N_WAVES = 7  # most periods of a slow wave in a record: faster ones are no drift
 NOTABLE = 0.05  # log error that the generic model must gain, or one of its terms
 
 
@@ -71,7 +71,7 @@ def structure_chance(
     rules: Rules,
     rng: np.random.Generator,
 ) -> float:
-    """Return the chance that twins are predicted by a generic model as well as the record is.
+    """Return the chance that a generic model predicts twins as well as the record.
 
     Parameters
     ----------
@@ -87,9 +87,9 @@ def structure_chance(
     Returns
     -------
     float
-        One where it gains nothing notable.
+        One if the generic model gains nothing notable.
     """
-    if part.by_trajectory:  # which hold fewer numbers than a generic model has coefficients
+    if part.by_trajectory:  # they hold fewer numbers than a generic model has coefficients
         return 1.0
     models = generic_models(design, part)
     observed = generic_gain(design, models, part)
@@ -119,13 +119,13 @@ def may_have_structure(design: Design, part: Segments) -> bool:
     design : Design
         The model so far.
     part : Segments
-        Pieces of records, not those of trajectories.
+        Pieces of records, not scored by trajectory.
 
     Returns
     -------
     bool
-        Where false, another function of the variables is not likely to gain anything either: a
-        polynomial term has a part of it.
+        If False, other functions of the variables are unlikely to gain either: a polynomial term
+        would explain part of them.
     """
     return generic_gain(design, generic_models(design, part), part) >= NOTABLE
 
@@ -133,7 +133,7 @@ def may_have_structure(design: Design, part: Segments) -> bool:
 def generic_models(design: Design, part: Segments) -> list[list[Column]]:
     """Return the columns of each generic model: functions of the variables, slow waves of time."""
     models = [generic_columns(design, part)]
-    if len(part.records) == 1:  # in another one, a wave has another phase
+    if len(part.records) == 1:  # the phase of a wave differs by record
         models.append(slow_waves(design, part))
     return models
 
@@ -141,10 +141,10 @@ def generic_models(design: Design, part: Segments) -> list[list[Column]]:
 def _exceeds_noise(
     equations: Equations, design: Design, part: Segments, rng: np.random.Generator
 ) -> bool:
-    """Tell whether more is left at some frequencies than the sensors alone would leave.
+    """Tell whether the residual exceeds what sensor noise alone leaves, at some frequencies.
 
-    In a closed loop the input answers the noise of the sensor, and so tells what that was. What is
-    predicted by it then is noise, and no twin, whose noise nobody answered, shows the same.
+    In a closed loop the input answers the sensor noise, and so predicts its part of the residual.
+    Twins do not show this, as no controller answered their noise.
     """
     floor = NoiseFloor.of(equations, design, part, rng)
     return floor is None or floor.excess(equations) > EXCESS
@@ -161,7 +161,7 @@ def generic_columns(design: Design, part: Segments) -> list[Column]:
     step = max(1, part.windows.width // 8)
     delays = [lag * step for lag in LAGS if lag * step < length // 4]
     past = [((v, lag),) for lag in delays for v in inputs]
-    past = past[: MAX_COLUMNS // 2]  # of many inputs, not all
+    past = past[: MAX_COLUMNS // 2]  # not all, if there are many inputs
     factors = [*factors[: MAX_COLUMNS - len(past)], *past]
     return [
         Monomial(f"{state}: {f}", design.fixed, f, state, length)
@@ -176,18 +176,18 @@ def slow_waves(design: Design, part: Segments) -> list[Column]:
     base = 2.0 * np.pi / max(float(np.ptp(time)), TINY)
     t = variable(part.rows.shape[1] - 1)
     arguments = [mul(constant(base * k), t) for k in range(1, N_WAVES + 1)]
-    waves = [call(BUILTIN[name], one) for one in arguments for name in ("sin", "cos")]
+    waves = [call(BUILTIN[name], argument) for argument in arguments for name in ("sin", "cos")]
     return [in_state("wave", wave, s, n_states) for s in design.open_states for wave in waves]
 
 
 def generic_gain(design: Design, models: Sequence[Sequence[Column]], part: Segments) -> float:
-    """Return log(held-out error without / with columns) of what gains most.
+    """Return the largest gain, log(held-out error without / with columns).
 
-    That is a generic model, or one column of the first by itself: all together fit much noise.
+    It is that of a generic model, or of one column of the first alone: all together fit much noise.
     """
     grams = [spectral_grams(part, design, [*design.columns, *columns]) for columns in models]
     n_fixed = len(design.columns)
-    whole = max(_gain(one, np.arange(one.shape[1] - 1)[None, :], n_fixed, part) for one in grams)
+    whole = max(_gain(gram, np.arange(gram.shape[1] - 1)[None, :], n_fixed, part) for gram in grams)
     new = n_fixed + np.flatnonzero(are_new(grams[0].sum(axis=0)[:-1, :-1], n_fixed))
     if not len(new):
         return whole

@@ -1,4 +1,4 @@
-"""Trace a residual: which effects, refitted together with the model, better what is held out.
+"""Trace a residual: which effects, fitted together with the model, predict held-out data better.
 
 Inside the training data, each fold of segments is predicted from the others; where there are
 several records, a fold is made of whole records, so that an effect must transfer. The score of an
@@ -27,7 +27,7 @@ Judge = Callable[[np.ndarray], np.ndarray]  # columns of models to their errors 
 
 __all__ = ["are_new", "fold_errors", "rank", "ranked"]
 
-ROUNDING = 1e-16  # relative to the square of the target
+ROUNDING = 1e-16  # least error, relative to the square of the target
 NEW = 1e-6  # share of a column's square that the model's columns must leave
 IDLE = 0.05  # of what an effect gains beside its offset: an offset that gains less is not needed
 
@@ -54,12 +54,12 @@ def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.
 
 def _judge_of(grams: np.ndarray, folds: np.ndarray) -> Judge:
     held = summed(grams, folds)
-    # Not the sum of all less this one: a column that is zero elsewhere would leave its rounding.
-    before, after = (np.cumsum(one, axis=0) for one in (held, held[::-1]))
+    # Not total minus fold: for a column that is zero elsewhere, rounding would be left.
+    before, after = (np.cumsum(sums, axis=0) for sums in (held, held[::-1]))
     rest = np.zeros_like(held)
     rest[1:] += before[:-1]
     rest[:-1] += after[-2::-1]
-    # Below rounding one fit is not better than another, and ratios of errors would overflow.
+    # Errors below rounding do not compare, and their ratios would overflow.
     floor = ROUNDING * held[:, -1, -1]
     return lambda models: np.maximum(errors_of(rest, held, models), floor)
 
@@ -78,13 +78,13 @@ def rank(
     Parameters
     ----------
     grams : ndarray of shape (n_segments, p + 1, p + 1)
-        Columns of the model, columns of the candidates in their order, target.
+        Inner products of the model's columns, the candidates' columns in order, and the target.
     n_fixed : int
         Number of columns of the model.
     candidates : sequence of Candidate
         What may be missing.
     present : set of (int, Sum)
-        Equation and expression of what stands in the model; parents must be in it, or in the
+        Equation and expression of each term of the model; parents must be among them, or in the
         group.
     folds : ndarray of int of shape (n_segments,)
         Fold of each segment.
@@ -125,26 +125,32 @@ def ranked(
     -------
     Ranking
     """
-    own = _columns_of(candidates, n_fixed)
+    columns = _columns_of(candidates, n_fixed)
     fresh = are_new(total[:-1, :-1], n_fixed)
-    new = [i for i, columns in enumerate(own) if all(fresh[k - n_fixed] for k in columns)]
+    new = [i for i, places in enumerate(columns) if all(fresh[k - n_fixed] for k in places)]
     groups = groups_to_try(candidates, new, present, pairs=pairs)
     errors = partial(_errors, judge, n_fixed)
     without = judge(np.arange(n_fixed)[None, :])[0]
     lacking = posing_as_offset(candidates, new, present)
-    free = _without_offset(partial(errors, own), without, lacking)
+    free = _without_offset(partial(errors, columns), without, lacking)
     tried = [*candidates, *(replace(candidates[i], parents=()) for i in free)]
-    own += [own[i] for i in free]
+    columns += [columns[i] for i in free]
     groups += [(place,) for place in range(len(candidates), len(tried))]
-    return Ranking(tried, own, groups, without, errors(own, groups))
+    return Ranking(tried, columns, groups, without, errors(columns, groups))
 
 
 def _errors(
-    judge: Judge, n_fixed: int, own: Sequence[tuple[int, ...]], groups: Sequence[tuple[int, ...]]
+    judge: Judge,
+    n_fixed: int,
+    by_candidate: Sequence[tuple[int, ...]],
+    groups: Sequence[tuple[int, ...]],
 ) -> np.ndarray:
     """Solve all groups with equally many columns at once; errors are (n_groups, n_folds)."""
-    columns = [own[g[0]] + own[g[1]] if len(g) == 2 else own[g[0]] for g in groups]
-    sizes = np.array([len(one) for one in columns], dtype=int)
+    columns = [
+        by_candidate[g[0]] + by_candidate[g[1]] if len(g) == 2 else by_candidate[g[0]]
+        for g in groups
+    ]
+    sizes = np.array([len(group_columns) for group_columns in columns], dtype=int)
     found: list[tuple[np.ndarray, np.ndarray]] = []
     for size in np.unique(sizes).tolist():
         at = np.flatnonzero(sizes == size)
@@ -164,8 +170,7 @@ def _without_offset(
 ) -> list[int]:
     """Return the effects that could pose as an offset, but need none beside them.
 
-    An offset that is really there would gain beside the effect; one that gains nothing must not
-    stand in its way.
+    A true offset would gain beside the effect. If it gains nothing, the effect is tried without.
     """
     if not lacking:
         return []

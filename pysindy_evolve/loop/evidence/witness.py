@@ -1,9 +1,9 @@
 """How candidates are scored: by the spectrum of the derivative, or by the trajectory.
 
-The spectral view takes the noise from what all candidates together leave. That needs more numbers
-than there are candidates. A record holds two numbers a cycle of what is looked at, however often it
-was sampled; where that is no more than what the candidates take and as many again to see the noise
-by, the trajectory is looked at instead.
+The spectral view takes the noise from the residual of all candidates together, so it needs more
+numbers than there are candidates. A record holds two numbers per cycle of its cutoff, however often
+it was sampled. If these are fewer than twice the columns of an equation, half of them to see the
+noise by, candidates are scored by the trajectory instead.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ def witnessed(design: Design, records: Sequence[Record]) -> Segments:
 def _says_enough(design: Design, part: Segments) -> bool:
     """Tell whether the spectra of the pieces hold twice as many numbers as there are columns.
 
-    What has two ends is hardly another column than what has one, or ends at the same distance.
+    Effects with two ends are not counted: they hardly differ from those with one end, or with ends
+    at the same distance.
     """
     variables = np.concatenate([variables_of(record) for record in part.records])
     usual = for_trajectories(candidates(design, Ranges.of(variables)))

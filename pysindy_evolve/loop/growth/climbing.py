@@ -1,8 +1,8 @@
-"""Better a grown term by exchanging one factor at a time, its numbers tuned each time.
+"""Improve a grown term by exchanging one factor at a time, its numbers tuned each time.
 
-A random change of w sin(1.7 q) to w^2 sin(1.7 q) does worse, so the search drops it before the rate
-is tuned to the 2 that makes it the right one. Here all terms that differ in one factor are looked
-at, and the numbers of the most promising are tuned before they are compared.
+If w^2 sin(2 q) is missing, a random change of w sin(1.7 q) to w^2 sin(1.7 q) fits worse, so the
+search drops it before its number is tuned to 2. Here all terms that differ in one factor are
+scored, and the numbers of the most promising ones are tuned before they are compared.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from .seeds import functions
 
 __all__ = ["climbed", "with_best_numbers"]
 
-N_TUNED = 6  # of the terms around one
-SLOPE = 1e-3  # of a logarithm, to see what it changes
-MOST_FACTORS = 3  # different ones: more are a fit of something else
-MAX_STEPS = 4  # from where a search ended, the right term is seldom far
+N_TUNED = 6  # most promising terms, whose numbers are tuned
+SLOPE = 1e-3  # step in the logarithm of a number, to take its derivative
+MOST_FACTORS = 3  # distinct factors of a term: with more it fits something else
+MAX_STEPS = 4  # exchanges: the right term is seldom farther from where a search ended
 
 
 def climbed(
@@ -38,7 +38,7 @@ def climbed(
     operators: Sequence[Operator],
     declared: Sequence[Product] = (),
 ) -> Candidate:
-    """Return a term that no exchange of one factor betters any more.
+    """Return a term that no exchange of one factor improves any further.
 
     Parameters
     ----------
@@ -51,23 +51,25 @@ def climbed(
     operators : sequence of Operator
         Basis functions.
     declared : sequence of Product
-        Terms of its equation, of which one that is held whole counts as one node.
+        Terms of its equation; one that a grown term contains whole counts as one node.
 
     Returns
     -------
     Candidate
-        The same one if nothing around it gains more than the price of its nodes.
+        `begin` with its numbers tuned, if no neighbor gains clearly more after the price of nodes.
     """
     factors = functions(operators, part.rows[:, :-1])
     best = _best(design, part, [begin], declared)
     for _ in range(MAX_STEPS):
-        if best is None:  # not to be told from what the model holds
+        if best is None:  # a combination of the model's columns
             return begin
-        around = [_moved(begin, term, declared) for term in _around(best.group[0], factors)]
-        other = _best(design, part, _promising(design, part, around), declared)
-        if other is None or net(other) <= net(best) + MARGIN:
+        neighbors = [
+            _with_term(begin, term, declared) for term in _neighbors(best.group[0], factors)
+        ]
+        neighbor = _best(design, part, _promising(design, part, neighbors), declared)
+        if neighbor is None or net(neighbor) <= net(best) + MARGIN:
             break
-        best = other
+        best = neighbor
     return best.group[0] if best else begin
 
 
@@ -94,24 +96,24 @@ def with_best_numbers(
     -------
     list of Product
     """
-    tuned_ones = _tuned(design, part, _promising(design, part, candidates), declared)
-    return [term for one in tuned_ones for _, term in one.terms[0].parts]
+    best = _tuned(design, part, _promising(design, part, candidates), declared)
+    return [term for candidate in best for _, term in candidate.terms[0].parts]
 
 
-def _moved(candidate: Candidate, term: Product, declared: Sequence[Product]) -> Candidate:
-    """Return a candidate with another term in its place; one that was tuned may spare no more."""
-    terms, spared = (of_term(term),), sparing(term, declared)
-    return replace(candidate, terms=terms, shape=None, free_nodes=spared)
+def _with_term(candidate: Candidate, term: Product, declared: Sequence[Product]) -> Candidate:
+    """Return a candidate with another term; its free nodes are counted again after tuning."""
+    terms, free_nodes = (of_term(term),), sparing(term, declared)
+    return replace(candidate, terms=terms, shape=None, free_nodes=free_nodes)
 
 
-def _promising(design: Design, part: Segments, around: Sequence[Candidate]) -> list[Candidate]:
-    """Return the terms that gain most beside their slopes in the logarithms of their numbers.
+def _promising(design: Design, part: Segments, candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return the terms that gain most together with their slopes in log(number).
 
-    To first order that is what they gain once their numbers are tuned.
+    To first order this is their gain after tuning.
     """
-    free = {_with_slopes(candidate): candidate for candidate in around}
-    scores = score(design, part, list(free), pairs=False)
-    gains = {free[s.group[0]]: s.value - PRICE * free[s.group[0]].size for s in scores}
+    originals = {_with_slopes(candidate): candidate for candidate in candidates}
+    scores = score(design, part, list(originals), pairs=False)
+    gains = {originals[s.group[0]]: s.value - PRICE * originals[s.group[0]].size for s in scores}
     return sorted(gains, key=lambda candidate: -gains[candidate])[:N_TUNED]
 
 
@@ -120,15 +122,17 @@ def _with_slopes(candidate: Candidate) -> Candidate:
     if shape is None:
         return candidate
     steps = np.array(shape.values) * np.exp(SLOPE * np.eye(len(shape.values)))
-    moved = (replace(shape, values=tuple(row.tolist())).terms[0] for row in steps)
-    slopes = (mul(constant(1.0 / SLOPE), sub(there, candidate.terms[0])) for there in moved)
+    shifted_terms = (replace(shape, values=tuple(row.tolist())).terms[0] for row in steps)
+    slopes = (
+        mul(constant(1.0 / SLOPE), sub(shifted, candidate.terms[0])) for shifted in shifted_terms
+    )
     return replace(candidate, terms=(*candidate.terms, *slopes))
 
 
 def _best(
     design: Design, part: Segments, candidates: Sequence[Candidate], declared: Sequence[Product]
 ) -> Score | None:
-    """Return the score of the best candidate, numbers tuned; None if none can be told apart."""
+    """Return the best score after tuning; None if all are combinations of the model's columns."""
     plain = _tuned(design, part, candidates, declared)
     return max(score(design, part, plain, pairs=False), key=net, default=None)
 
@@ -136,20 +140,24 @@ def _best(
 def _tuned(
     design: Design, part: Segments, candidates: Sequence[Candidate], declared: Sequence[Product]
 ) -> list[Candidate]:
-    sharp = (tuned(replace(c, shape=shape_of(c)), design, part) for c in candidates)
-    return [_moved(c, term, declared) for c in sharp for _, term in c.terms[0].parts]
+    tuned_candidates = (tuned(replace(c, shape=shape_of(c)), design, part) for c in candidates)
+    return [_with_term(c, term, declared) for c in tuned_candidates for _, term in c.terms[0].parts]
 
 
-def _around(candidate: Candidate, factors: Sequence[Sum]) -> list[Product]:
-    """Return the terms that differ from one in a factor: another one, one more or one less."""
+def _neighbors(candidate: Candidate, factors: Sequence[Sum]) -> list[Product]:
+    """Return the terms with one factor exchanged, added or removed."""
     (term,) = (product for _, product in candidate.terms[0].parts)
-    rests = [term, *_with_one_less(term)]
-    products = (mul(of_term(rest), f) for rest in rests for f in (of_term(ONE), *factors))
+    bases = [term, *_without_a_factor(term)]
+    products = (mul(of_term(base), f) for base in bases for f in (of_term(ONE), *factors))
     found = dict.fromkeys(p for product in products for _, p in product.parts)
-    return [one for one in found if 0 < len(one.factors) <= MOST_FACTORS and one != term]
+    return [
+        neighbor
+        for neighbor in found
+        if 0 < len(neighbor.factors) <= MOST_FACTORS and neighbor != term
+    ]
 
 
-def _with_one_less(term: Product) -> Iterator[Product]:
+def _without_a_factor(term: Product) -> Iterator[Product]:
     for place, (atom, n) in enumerate(term.factors):
         lower = ((atom, n - 1),) if n > 1 else ()
         yield Product((*term.factors[:place], *lower, *term.factors[place + 1 :]))

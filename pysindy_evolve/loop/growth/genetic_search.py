@@ -1,4 +1,4 @@
-"""Terms that no name fits: grown by genetic programming on what the model leaves."""
+"""Terms that no name fits, grown by genetic programming on the residual of the model."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ from .seeds import screened, small_terms, varied
 
 __all__ = ["OPERATORS", "grow"]
 
-# Without sums inside a term, which would add newtons to meters; sums of terms grow anyway. What
-# saturates as x/(c + |x|), like a reaction, has an operator of its own for that.
+# No sums inside a term: they would add newtons to meters, and a model is a sum of terms anyway.
+# Softsign stands for what saturates as x/(c + |x|), such as a reaction.
 OPERATORS = ("mul", "div", "abs", "sgn", "sqrt", "sin", "cos", "tanh", "exp", "log", "softsign")
-N_SEEDS = 40  # small terms that the search begins with
-N_FINALISTS = 6  # that are tested as well: what does best by itself need not be in the equation
+N_SEEDS = 40  # small terms that a search starts from
+N_FINALISTS = 6  # terms tested as well: the best equation may lack the best single term
 SETTINGS = Settings(population_size=80, n_generations=20, max_depth=4, max_terms=6, patience=6)
 
 
@@ -52,7 +52,7 @@ def grow(
     Parameters
     ----------
     declared : Design
-        The model at the start, with whose terms the search begins as well.
+        The model at the start; its terms, varied, are seeds of the search.
     design : Design
         The model so far; its columns are refitted beside every term.
     part : Segments
@@ -62,12 +62,12 @@ def grow(
     rng : numpy.random.Generator
         Source of all randomness.
     n_jobs : int, optional
-        Processes that work on the equations; the result does not depend on it.
+        Number of processes; the result does not depend on it.
 
     Returns
     -------
     list of Candidate
-        One for each term, under the name of the vocabulary if one fits.
+        One for each term, with its name if the vocabulary has it.
     """
     known = candidates(design, part.ranges)
     extra = [column for candidate in known for column in columns_of(candidate, design)]
@@ -96,22 +96,22 @@ def grow(
         )
     )
     found: list[list[Candidate]] = Parallel(n_jobs=n_jobs)(searches)
-    own = [candidate for one in found for candidate in one]
-    named_ones = {(candidate.state, candidate.terms) for candidate in (*known, *own)}
-    elsewhere = dict.fromkeys(_from_elsewhere(design))
-    return own + [one for one in elsewhere if (one.state, one.terms) not in named_ones]
+    grown = [candidate for one in found for candidate in one]
+    taken = {(candidate.state, candidate.terms) for candidate in (*known, *grown)}
+    transferred = dict.fromkeys(_transferred(design))
+    return grown + [one for one in transferred if (one.state, one.terms) not in taken]
 
 
-def _from_elsewhere(design: Design) -> Iterator[Candidate]:
-    """Go through what is declared or was found in one equation, for the others.
+def _transferred(design: Design) -> Iterator[Candidate]:
+    """Yield the terms of each equation as candidates for the other equations.
 
-    What leaves a store enters another. It was read before, so it costs no more than a node.
+    What leaves one store enters another. Such a term is known, so it costs one node only.
     """
     for column in design.columns:
         for part, state in product(column.parts, design.open_states):
             if part.variables and not column.parts[state].parts:
-                one = Candidate(EVOLVED, state, (bare(part),))
-                yield replace(one, free_nodes=one.size - 1)
+                candidate = Candidate(EVOLVED, state, (bare(part),))
+                yield replace(candidate, free_nodes=candidate.size - 1)
 
 
 @one_thread()
@@ -125,7 +125,7 @@ def _grow_in(
     operators: Sequence[Operator],
     rng: np.random.Generator,
 ) -> list[Candidate]:
-    """Grow terms in one equation, whose declared ones the search begins with as well."""
+    """Grow terms in one equation, from small terms and from its declared terms, varied."""
     variables = problem.x
     small = [*small_terms(operators, variables), *varied(declared, operators, variables)]
     seeds = screened(problem, list(dict.fromkeys(small)), N_SEEDS)
@@ -140,7 +140,7 @@ def _grow_in(
         settings=SETTINGS,
         keep_if_interrupted=False,  # the loop says itself that it was interrupted
     )
-    # The best seed too: the search may drop what it holds for long, though it explains most.
+    # The best seed too: the search may drop it although it explains most.
     finalists = (*evolution.terms, *evolution.finalists[:N_FINALISTS], *seeds[:1])
     name = partial(
         named,
@@ -150,48 +150,48 @@ def _grow_in(
         signed=shifted(design, state, part.ranges.signed),
         declared=declared,
     )
-    plain = (one for term in finalists for one in without_signs(term, variables))
+    plain = (simplified for term in finalists for simplified in without_signs(term, variables))
     grown = [name(term) for term in dict.fromkeys(plain)]
-    # A seed with the right form and a wrong number explains less than a wrong form may.
-    begun = _without_names([name(term) for term in seeds])
-    grown += [name(term) for term in with_best_numbers(begun, design, part, declared)]
-    grown += [name(term) for term in _above(grown, design, part, operators, declared)]
+    # A seed of the right form with a wrong number may explain less than a wrong form.
+    seed_candidates = _unnamed([name(term) for term in seeds])
+    grown += [name(term) for term in with_best_numbers(seed_candidates, design, part, declared)]
+    grown += [name(term) for term in _best_improved(grown, design, part, operators, declared)]
     return list(dict.fromkeys([*grown, *begun_at_levels(design, state, part)]))
 
 
 def _without_quotients(operators: Sequence[Operator]) -> list[Operator]:
     """Return operators without division, unless there are sums to divide by.
 
-    The small terms that a search begins with hold the reciprocals of what keeps away from zero.
+    The seeds already contain the reciprocals of variables that stay away from zero.
     """
     sums = any(operator.name in ("add", "sub") for operator in operators)
     return [operator for operator in operators if sums or operator.name != "div"]
 
 
-def _above(
+def _best_improved(
     grown: Sequence[Candidate],
     design: Design,
     part: Segments,
     operators: Sequence[Operator],
     declared: Sequence[Product],
 ) -> list[Product]:
-    """Return the term to which the best one without a name climbs, if that is worth its nodes."""
-    free = _without_names(grown)
-    best = max(score(design, part, free, pairs=False), key=net, default=None)
+    """Return the best term without a name, improved; nothing if it is not worth its nodes."""
+    unnamed = _unnamed(grown)
+    best = max(score(design, part, unnamed, pairs=False), key=net, default=None)
     if best is None or net(best) <= 0.0:
         return []
-    top = climbed(best.group[0], design, part, operators, declared)
-    return [term for _, term in top.terms[0].parts]
+    improved = climbed(best.group[0], design, part, operators, declared)
+    return [term for _, term in improved.terms[0].parts]
 
 
-def _without_names(grown: Sequence[Candidate]) -> list[Candidate]:
+def _unnamed(grown: Sequence[Candidate]) -> list[Candidate]:
     return [replace(candidate, parents=()) for candidate in grown if candidate.name == EVOLVED]
 
 
 def _project(columns: np.ndarray, part: Segments, state: int, weight: np.ndarray) -> np.ndarray:
-    """Map rows to weighed spectra, real and imaginary parts below each other."""
+    """Map rows to weighted spectra, imaginary parts stacked below real parts."""
     n_segments, length, _ = part.z.shape
-    moving = columns.reshape(n_segments, length, -1) * part.weight[:, :, state, None]
-    rows = spectral_rows(part, moving) * weight[None, :, None]
+    weighted = columns.reshape(n_segments, length, -1) * part.weight[:, :, state, None]
+    rows = spectral_rows(part, weighted) * weight[None, :, None]
     stacked = np.concatenate([rows.real, rows.imag], axis=1)
     return stacked.reshape(-1, rows.shape[-1])

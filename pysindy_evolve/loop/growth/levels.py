@@ -1,7 +1,7 @@
-"""What begins at a level of a first-order state: an overflow, a hole in a wall, a harmful dose.
+"""Terms that begin at a level of a first-order state: an overflow, a hole, a harmful dose.
 
-Such a kink bends as many other terms do, so it has no place among the names. It is held against
-what grows, with its level tuned on the same pieces.
+Many other terms bend like such a kink, so it is not in the vocabulary. It competes with grown
+terms, and its level is tuned on the same pieces as they are.
 """
 
 from __future__ import annotations
@@ -23,35 +23,35 @@ from ..given.segments import Segments
 
 __all__ = ["begun_at_levels"]
 
-READ = 9  # nodes of max(h - c, 0)^(3/2) as it is read, with a number in it
+READ = 9  # nodes that a flow counts as: max(h - c, 0)^(3/2) with its number
 
 
 def begun_at_levels(design: Design, state: int, part: Segments) -> list[Candidate]:
-    """Return what begins at a level and explains most of what an equation leaves.
+    """Return the terms that begin at a level and explain most of the residual of an equation.
 
     Parameters
     ----------
     design : Design
         The model so far.
     state : int
-        Equation in question. That of a velocity has the stops of its position among the names.
+        The equation. For a velocity, the vocabulary has the stops of its position instead.
     part : Segments
         Pieces to tune the levels on.
 
     Returns
     -------
     list of Candidate
-        Dead zones with one end, and flows through holes; none if the state is a velocity, or where
-        no level explains anything.
+        Dead zones with one end, and flows through holes; empty for a velocity, or if no level
+        explains anything.
     """
     if design.position_of(state) is not None:
         return []
     ranges = part.ranges
     largest, middle = float(ranges.largest[state]), float(ranges.middle[state])
-    seen = CandidateMaker(state), variable(state), largest, middle
+    arguments = CandidateMaker(state), variable(state), largest, middle
     found: list[Candidate] = []
-    for family in (filter(is_stop, stops(*seen)), *_flows(*seen)):
-        # A level is where it is: no offset beside it where the state has a zero of its own.
+    for family in (filter(is_stop, stops(*arguments)), *_flows(*arguments)):
+        # A state that keeps its sign has a true zero, so its level needs no offset beside it.
         grid = [one if ranges.signed[state] else replace(one, parents=()) for one in family]
         found += sharpened(design, part, grid)[len(grid) :]
     return found
@@ -60,7 +60,7 @@ def begun_at_levels(design: Design, state: int, part: Segments) -> list[Candidat
 def _flows(
     effect: CandidateMaker, h: Sum, largest: float, middle: float
 ) -> Iterator[list[Candidate]]:
-    """Go through what flows through a hole or over a weir, as a root of the head or its cube."""
+    """Yield flows through a hole or over a weir: head^(1/2), then head^(3/2)."""
     half = largest - abs(middle)
     places = [middle + share * half for share in PLACES]
     for power in (1, 3):
@@ -79,9 +79,9 @@ def _at_level(effect: CandidateMaker, h: Sum, place: float, power: int, side: in
     return replace(flow, free_nodes=flow.size - READ)
 
 
-def _flow(h: Sum, power: int, side: int, toward: float, level: float) -> Sum:
-    """Return the root of how far h is above a level (side 1) or below it (side -1), or its cube."""
-    head = mul(constant(side), sub(h, constant(toward * level)))
+def _flow(h: Sum, power: int, side: int, sign: float, level: float) -> Sum:
+    """Return sqrt(head)^power of the head above a level (side 1) or below it (side -1)."""
+    head = mul(constant(side), sub(h, constant(sign * level)))
     root = call(BUILTIN["sqrt"], call(BUILTIN["abs"], head))
     is_beyond = mul(constant(0.5), add(constant(1.0), call(BUILTIN["sgn"], head)))
     return mul(is_beyond, root if power == 1 else mul(head, root))

@@ -1,4 +1,4 @@
-"""Grown terms as candidates: under a name of the vocabulary where one fits, with their parents."""
+"""Grown terms as candidates, with their parents, and named if the vocabulary has them."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from .seeds import small_terms
 
 __all__ = ["named", "shifted", "small_candidates", "sparing", "without_signs"]
 
-MEAN = 0.3  # of a term's RMS, from which on it can pose as an offset
+MEAN = 0.3  # share of its RMS that the mean of a term must exceed to pose as an offset
 
 
 def small_candidates(
     design: Design, part: Segments, operators: Sequence[Operator]
 ) -> list[Candidate]:
-    """Return the small terms of what acts in each equation that may lack something.
+    """Return small terms of the variables that act in each equation that may lack something.
 
     Parameters
     ----------
@@ -39,17 +39,17 @@ def small_candidates(
     Returns
     -------
     list of Candidate
-        Those of the vocabulary under their names. What acts is the state itself, its position, and
-        what stands in the equation already.
+        Named if the vocabulary has them. The variables that act are the state, its position, and
+        those that are in the equation already.
     """
     variables = part.rows[:, :-1]
     terms = small_terms(operators, variables) if operators else []
     known = candidates(design, part.ranges)
     found = []
     for state in design.open_states:
-        acting, anywhere = _acting(design, state), shifted(design, state, part.ranges.signed)
-        able = (term for term in terms if term.variables <= acting)
-        found += [named(term, state, known, variables, anywhere) for term in able]
+        acting, shiftable = _acting(design, state), shifted(design, state, part.ranges.signed)
+        usable = (term for term in terms if term.variables <= acting)
+        found += [named(term, state, known, variables, shiftable) for term in usable]
     return found
 
 
@@ -61,14 +61,14 @@ def _acting(design: Design, state: int) -> frozenset[int]:
 
 
 def shifted(design: Design, state: int, signed: np.ndarray) -> np.ndarray:
-    """Return which variables may be measured from anywhere: a population may not.
+    """Tell which variables may have an arbitrary zero: a population does not.
 
     Parameters
     ----------
     design : Design
         The model.
     state : int
-        Equation in question; a position may be measured from anywhere.
+        The equation; in that of a velocity every variable may, as its position may.
     signed : ndarray of bool of shape (n_variables + 1,)
         Which variables change their sign.
 
@@ -89,7 +89,7 @@ def named(
 ) -> Candidate:
     """Return a grown term as a candidate, named if it is an effect of the vocabulary.
 
-    One that poses as an offset may enter only beside the offset, as in the vocabulary.
+    A term without a name that can pose as an offset may enter only beside the offset.
 
     Parameters
     ----------
@@ -102,9 +102,9 @@ def named(
     variables : ndarray of shape (n, n_variables)
         States and inputs.
     signed : ndarray of bool of shape (n_variables + 1,)
-        Which of them may be measured from anywhere, time last.
+        Which of them may have an arbitrary zero, time last.
     declared : sequence of Product
-        Terms of its equation, of which one that it holds whole counts as one node.
+        Terms of its equation; one that the term contains whole counts as one node.
 
     Returns
     -------
@@ -115,15 +115,15 @@ def named(
     for candidate in known:
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
-    poses = _poses_as_offset(term, variables, signed)
-    parents, spared = (OFFSET,) if poses else (), sparing(term, declared)
+    poses_as_offset = _poses_as_offset(term, variables, signed)
+    parents, free_nodes = (OFFSET,) if poses_as_offset else (), sparing(term, declared)
     angles = {v for c in known if c.name == GRAVITY and c.state == state for v in c.variables}
     name = GRAVITY if any(is_wave_of(term, angle) for angle in angles) else EVOLVED
-    return Candidate(name, state, (expression,), parents, free_nodes=spared)
+    return Candidate(name, state, (expression,), parents, free_nodes=free_nodes)
 
 
 def without_signs(term: Product, variables: np.ndarray) -> list[Product]:
-    """Return a term without magnitudes and signs of what is positive on all rows.
+    """Return a term with |x| = x and sgn(x) = 1 for each variable that is positive on all rows.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def without_signs(term: Product, variables: np.ndarray) -> list[Product]:
     Returns
     -------
     list of Product
-        One, as a rule; its parts if it is a sum without them.
+        One term as a rule; several if a sum results.
     """
     plain: dict[int | Call, Sum] = {}
     for i in np.flatnonzero(variables.min(axis=0) > 0.0):
@@ -146,27 +146,27 @@ def without_signs(term: Product, variables: np.ndarray) -> list[Product]:
 
 
 def sparing(term: Product, declared: Sequence[Product]) -> int:
-    """Return how many nodes a term has less if a declared one that it holds whole counts as one.
+    """Return how many nodes a term saves if a declared term inside it counts as one node.
 
     Parameters
     ----------
     term : Product
         The term.
     declared : sequence of Product
-        Terms of its equation; the one counts that spares most.
+        Terms of its equation; the one that saves most counts.
 
     Returns
     -------
     int
-        Zero if it holds none, as a factor or inside of a function.
+        Zero if it contains none of them, as a factor or inside a function.
     """
-    return max((_spared(term, one) for one in declared), default=0)
+    return max((_saved(term, other) for other in declared), default=0)
 
 
-def _spared(term: Product, declared: Product) -> int:
-    """Return how many nodes one declared term spares."""
+def _saved(term: Product, declared: Product) -> int:
+    """Return how many nodes one declared term saves."""
     inside = [
-        _spared(part, declared)
+        _saved(part, declared)
         for atom, _ in term.factors
         for argument in (atom.args if isinstance(atom, Call) else ())
         for _, part in argument.parts
@@ -174,18 +174,18 @@ def _spared(term: Product, declared: Product) -> int:
     if not _is_factor(declared, term):
         return max(inside, default=0)
     rest = div(of_term(term), of_term(declared))
-    beside = 0 if rest == OFFSET else rest.size + 1  # with the product of the two
-    return max(0, term.size - (1 + beside), *inside)
+    extra = 0 if rest == OFFSET else rest.size + 1  # and a node for the product
+    return max(0, term.size - (1 + extra), *inside)
 
 
 def _is_factor(declared: Product, term: Product) -> bool:
-    """Tell whether a term holds all powers of another one, or higher ones."""
+    """Tell whether a term has all factors of a declared one, to the same or a higher power."""
     powers = dict(term.factors)
     return all(powers.get(atom, 0) * n >= n * n for atom, n in declared.factors)
 
 
 def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:
-    """Tell whether a term of variables that change their sign has a mean that matters."""
+    """Tell whether a term of variables with arbitrary zeros has a notable mean."""
     if not all(signed[v] for v in term.variables):
         return False
     column = term.evaluate(variables)

@@ -1,8 +1,8 @@
-"""Small terms that a search begins with, as its random ones seldom hold all of them.
+"""Small terms that a genetic search starts from, as random ones seldom include them all.
 
-A root of the speed with its sign is one of some hundred products of two functions of one variable.
-All of them are looked at one by one, beside the declared terms times one such function, and those
-that explain most begin the search.
+For example, sqrt(|v|) sgn(v) is one of some hundred products of two functions of one variable.
+Each of these, and each declared term times one such function, is scored alone. Those that explain
+most start the search.
 
 References
 ----------
@@ -36,13 +36,13 @@ from ...terms import (
 
 __all__ = ["functions", "screened", "small_terms", "varied"]
 
-SCALES = (0.5, 1.0, 3.0)  # numbers in a curved function, over the size of the variable
-GAPS = (0.3, 1.0, 3.0)  # distances of a pole to the range of a variable, over that range
-CHUNK = 200  # terms that are evaluated at a time, so that memory does not grow with them
+SCALES = (0.5, 1.0, 3.0)  # numbers in a function, scaled by the RMS of its variable (dimensionless)
+GAPS = (0.3, 1.0, 3.0)  # distances of a pole from the range of a variable, as shares of that range
+CHUNK = 200  # terms evaluated at a time, to bound the memory
 
 
 def small_terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
-    """Return all products of two functions of one variable, of which one at most is curved.
+    """Return functions of one variable and products of two, of which at most one is curved.
 
     Parameters
     ----------
@@ -60,24 +60,24 @@ def small_terms(operators: Sequence[Operator], x: np.ndarray) -> list[Product]:
     if any(operator.name == "mul" for operator in operators):
         found += [mul(a, b) for a, b in combinations_with_replacement(straight, 2)]
         found += [mul(a, b) for a in straight for b in curved]
-    terms = (term for one in found for _, term in one.parts)
+    terms = (term for expression in found for _, term in expression.parts)
     return list(dict.fromkeys(term for term in terms if term.variables))
 
 
 def varied(
     declared: Sequence[Product], operators: Sequence[Operator], x: np.ndarray
 ) -> list[Product]:
-    """Return declared terms times a function of one variable, or the square of one; and rationals.
+    """Return declared terms times a function of one variable or its square, and rational terms.
 
-    A model that somebody wrote down is mostly right: what it lacks is often that a force, such as
-    the thrust T cos(theta) near the ground, depends on one thing more. What pulls across a gap, or
-    is inhibited by what there is too much of, has that below the line; it may also be missing
-    altogether, by itself or times a variable, as what y predators catch of prey that hides.
+    A declared model is mostly right: often one of its forces depends on one more variable, such as
+    the thrust T cos(theta) near the ground. A pull across a gap, or a rate that an excess inhibits,
+    has this variable in the denominator. Such a quotient may also be missing as a whole, alone or
+    times a variable, such as what y predators catch of prey that hides.
 
     Parameters
     ----------
     declared : sequence of Product
-        Terms of one equation. Those of the time, and constants, are passed over.
+        Terms of one equation. Constants and terms of the time are skipped.
     operators : sequence of Operator
         Basis functions; without ``mul`` there are no products.
     x : ndarray of shape (n, n_variables)
@@ -90,14 +90,14 @@ def varied(
     if not any(operator.name == "mul" for operator in operators):
         return []
     measured = frozenset(range(x.shape[1]))
-    able = (term for term in declared if term.variables and term.variables <= measured)
-    wholes = [Sum(((1.0, term),)) for term in able]
+    usable = (term for term in declared if term.variables and term.variables <= measured)
+    bases = [Sum(((1.0, term),)) for term in usable]
     straight, _ = _of_one_variable(operators, x)
-    squares = [power(f, 2) for f in straight if _is_power(f)]  # of a sign or a root: nothing new
+    squares = [power(f, 2) for f in straight if _is_power(f)]  # not of signs and roots
     distant = list(_distant({operator.name: operator for operator in operators}, x))
     alone = (constant(1.0), *(variable(i) for i in range(x.shape[1])))
-    products = [mul(whole, factor) for whole in wholes for factor in (*straight, *squares)]
-    products += [mul(whole, factor) for whole in (*wholes, *alone) for factor in distant]
+    products = [mul(base, factor) for base in bases for factor in (*straight, *squares)]
+    products += [mul(base, factor) for base in (*bases, *alone) for factor in distant]
     found = dict.fromkeys(term for product in products for _, term in product.parts)
     return [term for term in found if term.variables and term not in declared]
 
@@ -121,14 +121,14 @@ def functions(operators: Sequence[Operator], x: np.ndarray) -> list[Sum]:
 
 
 def screened(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
-    """Return the `n` terms that explain most, each by itself beside the fixed columns.
+    """Return the `n` terms that explain most, each alone beside the fixed columns.
 
     Parameters
     ----------
     problem : Problem
         Variables, target and fixed columns.
     terms : sequence of Product
-        Terms to choose from; of those that are one signal the smallest counts.
+        Terms to choose from; of several with the same signal the smallest is kept.
     n : int
         Number to return, best first.
 
@@ -143,8 +143,8 @@ def screened(problem: Problem, terms: Sequence[Product], n: int) -> list[Product
 
 def _best(problem: Problem, terms: Sequence[Product], n: int) -> list[Product]:
     dictionary = build_dictionary(problem, terms)
-    left, _ = gains(dictionary.gram.scaled(dictionary.gram.scale), np.array([], dtype=int))
-    return [dictionary.terms[j] for j in np.argsort(left, kind="stable")[:n]]
+    errors, _ = gains(dictionary.gram.scaled(dictionary.gram.scale), np.array([], dtype=int))
+    return [dictionary.terms[j] for j in np.argsort(errors, kind="stable")[:n]]
 
 
 def _of_one_variable(operators: Sequence[Operator], x: np.ndarray) -> tuple[list[Sum], list[Sum]]:
@@ -163,10 +163,10 @@ def _is_power(f: Sum) -> bool:
 
 
 def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iterator[Sum]:
-    """Go through functions without a scale of their own; a root is one of the magnitude.
+    """Yield functions without a scale; the root is that of the magnitude.
 
-    Magnitude and sign of what keeps its sign are nothing new, and only what keeps away from zero
-    can stand below the line, or in a logarithm.
+    |x| and sgn(x) are not new where x keeps its sign. 1/x needs an x that stays away from zero,
+    log(x) a positive one.
     """
     known, x = {operator.name: operator for operator in operators}, variable(i)
     yield x
@@ -181,27 +181,27 @@ def _straight(operators: Sequence[Operator], i: int, column: np.ndarray) -> Iter
 
 
 def _distant(known: Mapping[str, Operator], x: np.ndarray) -> Iterator[Sum]:
-    """Go through functions of how far away a place out of range is, or one beside the line."""
+    """Yield functions of the distance to a place out of range, or to one off the line of x."""
     if "div" in known:
-        yield from _below_the_line(x)
+        yield from _reciprocals(x)
     if {"div", "sqrt"} <= known.keys():
-        yield from (power(call(known["sqrt"], length), -1) for _, length in _squares_away(x))
+        yield from (power(call(known["sqrt"], length), -1) for _, length in _squares_and_sums(x))
     if "log" in known:
         yield from (call(known["log"], away) for away in _distances(x))
 
 
-def _below_the_line(x: np.ndarray) -> Iterator[Sum]:
-    """Go through reciprocals of a distance to a place out of range, and of what saturates."""
+def _reciprocals(x: np.ndarray) -> Iterator[Sum]:
+    """Yield reciprocals of distances to places out of range, and quotients that saturate."""
     for away in _distances(x):
         yield from (power(away, -1), power(away, -2))
-    for square, away in _squares_away(x):
+    for square, away in _squares_and_sums(x):
         yield from (power(away, -1), mul(square, power(away, -1)))
 
 
-def _squares_away(x: np.ndarray) -> Iterator[tuple[Sum, Sum]]:
-    """Go through squares of variables, each with itself plus that of a constant at several scales.
+def _squares_and_sums(x: np.ndarray) -> Iterator[tuple[Sum, Sum]]:
+    """Yield pairs x^2, c^2 + x^2 for each variable, with several constants c.
 
-    The root of the sum is a length: that of a spring whose end moves beside it.
+    The root of the sum is a length: that of a spring whose end moves sideways.
     """
     for i, column in enumerate(x.T):
         square, size = power(variable(i), 2), float(np.mean(column**2))
@@ -210,7 +210,7 @@ def _squares_away(x: np.ndarray) -> Iterator[tuple[Sum, Sum]]:
 
 
 def _distances(x: np.ndarray) -> Iterator[Sum]:
-    """Go through distances of a variable to places out of its range, all of them positive."""
+    """Yield distances of a variable to places out of its range, all of them positive."""
     for i, column in enumerate(x.T):
         low, high = float(column.min()), float(column.max())
         for gap in (share * (high - low) for share in GAPS):
@@ -221,7 +221,7 @@ def _distances(x: np.ndarray) -> Iterator[Sum]:
 
 
 def _curved(operators: Sequence[Operator], x: Sum, size: float) -> Iterator[Sum]:
-    """Go through curved functions at several scales; what decays is no multiple of what grows."""
+    """Yield curved functions at several scales; exp(-c x) is no multiple of exp(c x)."""
     if size > 0.0:
         for operator in operators:
             if operator.name in SCALED:

@@ -1,8 +1,8 @@
 """Grown terms on short records, scored by their trajectories.
 
-A search would have to be tested on pieces that it has not seen, and a short record has none to
-spare. So a fixed list of small terms is looked through instead, in the record and in each twin, as
-the vocabulary is.
+A genetic search needs unseen pieces to test its terms on, and a short record has none to spare.
+So a fixed list of small terms is searched instead, in the record and in each twin, like the
+vocabulary.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from .seeds import small_terms
 
 __all__ = ["find_small", "is_better"]
 
-MOST = 300  # terms in all equations together, the smallest ones
-BETTER = 0.1  # log error for each node that a term has more than the names whose place it takes
+MOST = 300  # terms to try in all equations together; the smallest are kept
+BETTER = 0.1  # gain in log error that a term needs per node that it has more than the names
 
 
 def find_small(
@@ -74,7 +74,7 @@ def find_small(
 def is_better(
     declared: Design, found: Sequence[Finding], names: Sequence[Finding], part: Segments
 ) -> bool:
-    """Tell whether a small term does clearly better than all that names say together.
+    """Tell whether a small term does clearly better than all named effects together.
 
     Parameters
     ----------
@@ -88,10 +88,10 @@ def is_better(
     Returns
     -------
     bool
-        It has to pay for each node that it has more, and for one at least.
+        The gain must pay for each extra node of the term, and for at least one.
     """
-    errors = [_error(with_columns(declared, those), part) for those in (names, found)]
-    sizes = [sum(one.candidate.size for one in those) for those in (names, found)]
+    errors = [_error(with_columns(declared, findings), part) for findings in (names, found)]
+    sizes = [sum(finding.candidate.size for finding in findings) for findings in (names, found)]
     return not names or log_ratio(*errors) > BETTER * max(sizes[1] - sizes[0], 1)
 
 
@@ -111,8 +111,8 @@ def _proposed(
     known, present = candidates(design, ranges), fitted(design)
     found = []
     for state in design.open_states:
-        anywhere = shifted(design, state, ranges.signed)
-        grown = [named(term, state, known, rows[:, :-1], anywhere) for term in terms]
+        shiftable = shifted(design, state, ranges.signed)
+        grown = [named(term, state, known, rows[:, :-1], shiftable) for term in terms]
         found += [c for c in grown if c.name == EVOLVED and (state, c.terms[0]) not in present]
     return [replace(c, parents=(), shape=shape_of(c), never_paired=True) for c in found]
 

@@ -1,7 +1,7 @@
-"""Grown terms beside the vocabulary: when they count.
+"""When a grown term counts beside the vocabulary.
 
-The search sees every other segment only. What it finds is then tested on the segments in between,
-as one fixed candidate among few, so the size of the search does not enter the chance of an error.
+The search sees only every other segment. Its terms are then tested on the segments in between, as
+a few fixed candidates, so the size of the search does not raise the chance of a false alarm.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ from .genetic_search import grow
 
 __all__ = ["Grown", "TermGrower"]
 
-# A grown term must gain this many times as much as a name, and two names as much as a grown term: a
-# filtered copy of the same effect gains a little by itself.
+# Factor by which a grown term must gain more than names, or two names more than a grown term: a
+# filtered copy of the same effect gains a little more by itself.
 BETTER = 1.25
-USEFUL = 0.1  # log error that it must gain in the derivative or in the simulation besides
-MIN_FRESH = 4  # segments to test on; a shorter record is left to the vocabulary
+USEFUL = 0.1  # log error that a term must also gain in the derivative or in the simulation
+MIN_FRESH = 4  # segments to test on, at least; on a shorter record nothing grows
 
 
 @dataclass
@@ -57,14 +57,14 @@ class Grown:
 
 
 class TermGrower:
-    """Grown terms beside the vocabulary: where they do clearly better, and where nothing else does.
+    """Grows terms: where they do clearly better than names, and where no name passes.
 
     Parameters
     ----------
     declared : Design
         The model at the start.
     part : Segments
-        Pieces of the training records: every other one is searched in, those between are tested on.
+        Pieces of the training records: the search sees every other one, the test those between.
     rules : Rules
         When a term counts.
     operators : sequence of Operator
@@ -88,16 +88,18 @@ class TermGrower:
     def better(
         self, design: Design, found: Sequence[Finding], rng: np.random.Generator
     ) -> list[Finding]:
-        """Return what does clearly better on fresh segments than named effects.
+        """Return what does clearly better on fresh segments than the named effects.
 
-        That is a grown term, or a leak k (x - x0) unless a grown one does clearly better than it.
+        That is a grown term, or a leak k (x - x0) unless a grown term does clearly better than it.
         """
         if self.grown.first is None:
             self.grown.first = self._grow(self.declared, rng)
         names = [finding.candidate for finding in found]
-        ours = score(design, self.fresh, [*names, *_zeros_beside(names, design)], pairs=True)
-        named_scores = [len(s.group) * net(s) for s in ours if set(names) <= set(s.group)]
-        bar = BETTER * max(named_scores, default=0.0)
+        named_scores = score(
+            design, self.fresh, [*names, *_zeros_beside(names, design)], pairs=True
+        )
+        named_gains = [len(s.group) * net(s) for s in named_scores if set(names) <= set(s.group)]
+        bar = BETTER * max(named_gains, default=0.0)
         fresh = [c for c in self.grown.first if c.name == EVOLVED or is_stop(c)]
         best = max(score(design, self.fresh, fresh, pairs=False), key=net, default=None)
         leak = self._leak(design, names[0].state)
@@ -105,41 +107,41 @@ class TermGrower:
             return self._test(design, list(leak.group), rng)
         if best is None or net(best) <= bar:
             return []
-        if BETTER * net(best) <= self._of_two_names(design, best.group[0].state):
+        if BETTER * net(best) <= self._gain_of_two_names(design, best.group[0].state):
             return []
         return self._test(design, list(best.group), rng)
 
     def _leak(self, design: Design, state: int) -> Score | None:
-        """Return what a state and an offset gain together in its equation of the first order."""
+        """Return the score of a leak, a state and an offset, in a first-order equation."""
         straight = ((variable(state),), (OFFSET,))
-        both = [c for c in self._offered(design, state) if c.terms in straight]
-        if design.position_of(state) is not None or len(both) < 2:
+        pair = [c for c in self._offered(design, state) if c.terms in straight]
+        if design.position_of(state) is not None or len(pair) < 2:
             return None
-        return next(self._pairs(design, both), None)
+        return next(self._pairs(design, pair), None)
 
-    def _of_two_names(self, design: Design, state: int) -> float:
-        """Return what two names gain together in an equation: a leak k (p - p0) takes two looks."""
+    def _gain_of_two_names(self, design: Design, state: int) -> float:
+        """Return the best gain of two names in an equation together, as of a leak k (p - p0)."""
         pairs = self._pairs(design, self._offered(design, state))
         return max((2.0 * net(pair) for pair in pairs), default=0.0)
 
     def _offered(self, design: Design, state: int) -> list[Candidate]:
-        """Return what the vocabulary has for an equation."""
+        """Return the candidates of the vocabulary for an equation."""
         return [c for c in candidates(design, self.fresh.ranges) if c.state == state]
 
     def _pairs(self, design: Design, offered: Sequence[Candidate]) -> Iterator[Score]:
-        """Go through the scores of two effects together, best first."""
+        """Yield the scores of pairs of effects, best first."""
         scores = score(design, self.fresh, offered, pairs=True)
-        return (one for one in scores if len(one.group) == 2)
+        return (s for s in scores if len(s.group) == 2)
 
     def find(self, design: Design, rng: np.random.Generator, n_searches: int = 1) -> list[Finding]:
-        """Grow terms on what a design leaves, and return the best one that passes."""
+        """Grow terms on the residual of a design, and return the best one that passes."""
         grown = [c for _ in range(n_searches) for c in self._grow(design, rng)]
         return self._test(design, list(dict.fromkeys(grown)), rng)
 
     def _grow(self, design: Design, rng: np.random.Generator) -> list[Candidate]:
         if not self.operators or self.seen.by_trajectory or len(self.fresh.z) < MIN_FRESH:
             return []
-        known = fitted(design)  # what is known may be wrong
+        known = fitted(design)  # a known coefficient may be wrong, so its term is tried again
         grown = grow(self.declared, design, self.seen, self.operators, rng, self.rules.n_jobs)
         fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
         rows, records = self.seen.rows, self.seen.records
@@ -165,15 +167,15 @@ class TermGrower:
     def _are_certain(
         self, design: Design, found: Sequence[Finding], rng: np.random.Generator
     ) -> bool:
-        """Tell whether all records together know the sign of each coefficient."""
+        """Tell whether the 95 % interval of each new coefficient excludes zero."""
         richer = with_columns(design, found)
         low, high = derivative_intervals(richer, self.fresh.records, rng).T
-        own = slice(len(design.columns), None)
-        return bool(np.all(low[own] * high[own] > 0.0))
+        new = slice(len(design.columns), None)
+        return bool(np.all(low[new] * high[new] > 0.0))
 
 
 def _zeros_beside(names: Sequence[Candidate], design: Design) -> list[Candidate]:
-    """Return the offsets that names may still get, to say where a state is measured from."""
+    """Return the offsets that named effects still lack, for states with arbitrary zeros."""
     terms = {(c.state, term) for c in names for term in c.terms}
     zeros = zeros_of(terms, len(design.states)) - terms - standing(design)
     return [Candidate(CONSTANT_OFFSET, state, (term,)) for state, term in zeros]

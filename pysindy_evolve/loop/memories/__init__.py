@@ -3,13 +3,13 @@
 `find.py` is where to begin.
 
 ======================  ========================================================================
-find                    finds memories beside all other effects, and tunes them again in the end
-probes                  memories on a grid, each tried as one more input of the records
-reach                   tunes how long a memory reaches back, and chooses its kind
-chains                  a delay and a lag one after the other, at one input
-polish                  the last digits of delays and time constants, and their intervals
+find                    finds memories beside all other effects, and tunes them again at the end
+probes                  tries a grid of memories, each as one more input of the records
+reach                   tunes the length of a memory, and chooses its kind
+chains                  a delay and a lag in series, at one input
+polish                  refines delays and time constants, and gives their intervals
 told from other causes
-effect_or_memory        whether an effect is more than a memory of an input
-hold_or_memory          whether an input is held between its samples, and not late
+effect_or_memory        whether an effect explains more than a memory of an input
+hold_or_memory          whether an input is held between its samples, or has a memory
 ======================  ========================================================================
 """

@@ -1,7 +1,7 @@
-"""A delay and a lag one after the other, as of a process with dead time and of its actuator.
+"""A delay and a lag in series at one input, as of a process with dead time and its actuator.
 
-Whichever of the two is found first stands for both, and is as long as both together. The other one
-can then only come in if the first gives way to it.
+Whichever is found first is tuned to the length of both. The other one can then enter only if the
+first is shortened in exchange: a trade.
 """
 
 from __future__ import annotations
@@ -17,39 +17,40 @@ from ..evidence.findings import Finding, MemoryFinding
 
 __all__ = ["Chain", "Traded", "chains_in", "traded", "untraded"]
 
-MOST = 0.95  # of a memory, that may give way to another one
+MOST = 0.95  # largest share of a memory that may be traded for another one
 
 
 @dataclass(frozen=True)
 class Traded(Memory):
-    """A memory of an input that has the other kind already, which gives way to it."""
+    """A memory in exchange for which another one of its input, of the other kind, is shortened."""
 
-    present: float = np.inf  # delay or time constant that it has
-    given: float = 0.0  # how much of that it gives up
+    present: float = np.inf  # delay or time constant of the other memory
+    given: float = 0.0  # by how much that one is shortened
 
     @property
     def leaves_some(self) -> bool:
-        """Whether the other memory does not give up all of itself."""
+        """Whether a notable part of the other memory is left."""
         return self.given <= MOST * self.present
 
     def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Return what acts, of an input that has passed the other memory; as it is if too short."""
+        """Return what acts, from an input behind the whole other memory; `u` if none is left."""
         (value,) = self.values
-        left = self.present - self.given
+        shortened = self.present - self.given
         if not self.leaves_some or np.ptp(u) == 0.0:
             return u
         if self.kind == LAG:
             early = np.asarray(CubicSpline(t, u)(np.minimum(t + self.given, t[-1])))
             return Memory(LAG, self.column, (value,)).response(t, early)
-        # A lag of T and one of a after it, taken back by T: that leaves a alone.
-        both = Memory(LAG, self.column, (left,)).response(t, u)
-        shorter = both + self.present / left * (u - both)
-        return Memory(DELAY, self.column, (value,)).response(t, shorter)
+        # Undo the lag of T = present, after one more of a = shortened: a w' = u - w for w = lagged,
+        # and w + T w' is the input behind a lag of a alone.
+        lagged = Memory(LAG, self.column, (shortened,)).response(t, u)
+        behind_short_lag = lagged + self.present / shortened * (u - lagged)
+        return Memory(DELAY, self.column, (value,)).response(t, behind_short_lag)
 
 
 @dataclass(frozen=True)
 class Chain(Memory):
-    """A delay and a lag after it, or a lag and a delay: what comes out is the same."""
+    """A delay and a lag in series, in either order."""
 
     def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return what acts."""
@@ -69,7 +70,7 @@ def chains_in(findings: Sequence[Finding]) -> list[tuple[MemoryFinding, MemoryFi
 
 
 def traded(memory: Memory, present: Sequence[Memory]) -> Memory:
-    """Return a delay or lag for which the other one gives way, by as much as it delays on average.
+    """Return a delay or lag in exchange for which the other one is shortened by as much.
 
     Parameters
     ----------
@@ -81,19 +82,19 @@ def traded(memory: Memory, present: Sequence[Memory]) -> Memory:
     Returns
     -------
     Memory
-        As it is, unless its input has one other memory, of the other kind, that is longer.
+        As it is, unless its input has exactly one other memory, of the other kind, that is longer.
     """
-    others = [one for one in present if one.column == memory.column]
+    others = [m for m in present if m.column == memory.column]
     if len(others) != 1 or {memory.kind, others[0].kind} != {DELAY, LAG}:
         return memory
-    longest = others[0].values[0]
-    if memory.values[0] > MOST * longest:
+    present_value = others[0].values[0]
+    if memory.values[0] > MOST * present_value:
         return memory
-    return Traded(memory.kind, memory.column, memory.values, longest, memory.values[0])
+    return Traded(memory.kind, memory.column, memory.values, present_value, memory.values[0])
 
 
 def untraded(findings: Sequence[Finding]) -> list[Finding]:
-    """Return findings in which each memory is as long as it is, where one gave way to another.
+    """Return findings with all trades done: the other memories shortened, the new ones plain.
 
     Parameters
     ----------
@@ -112,6 +113,6 @@ def untraded(findings: Sequence[Finding]) -> list[Finding]:
         found[place] = replace(finding, memory=Memory(kind, column, values))
         for k, other in enumerate(found[:place]):
             if isinstance(other, MemoryFinding) and other.memory.column == column:
-                left = (other.memory.values[0] - finding.memory.given,)
-                found[k] = replace(other, memory=replace(other.memory, values=left))
+                shortened = (other.memory.values[0] - finding.memory.given,)
+                found[k] = replace(other, memory=replace(other.memory, values=shortened))
     return found

@@ -1,8 +1,8 @@
-"""Whether an effect is more than a memory of an input.
+"""Whether an effect explains more than a memory of an input does.
 
-A state that lags behind by itself and one whose input comes late look alike through the few times
-on the grid of memories, and so do a damping and a delay in a closed loop. So memories are tuned
-before the two are compared.
+A state with a lag of its own and one with a late input look alike to the few lengths on the grid of
+memories. So do a damping and a delay in a closed loop. So memories are tuned before they are
+compared with an effect.
 """
 
 from __future__ import annotations
@@ -24,38 +24,38 @@ from .reach import best_of_kinds, exchanged, reach_of
 
 __all__ = ["memory_instead", "outdoes_memories"]
 
-WORTH_IT = 0.5  # share of the gain that input and memory together must reach, to be tuned
+WORTH_IT = 0.5  # share of the effect's gain that input and memory together must reach to be tuned
 
 
 def outdoes_memories(
     ways: Sequence[Candidate], design: Design, part: Segments, memories: Sequence[Memory]
 ) -> bool:
-    """Tell whether one of several ways leads all memories of inputs, each tuned.
+    """Tell whether one of several effects gains clearly more than all tuned memories of inputs.
 
     Parameters
     ----------
     ways : sequence of Candidate
-        Relaxations.
+        What may follow a state: relaxations, and masses that swing.
     design : Design
         The model so far.
     part : Segments
         Pieces of the training records.
     memories : sequence of Memory
-        The grid.
+        The grid of memories.
 
     Returns
     -------
     bool
     """
-    top = score(design, part, ways, pairs=False)[0].group[0]
-    beside = _Beside.of([*ways, tuned(top, design, part)], design, part, memories)
-    return bool(leading(beside.own, beside.late, beside.design, beside.part))
+    best = score(design, part, ways, pairs=False)[0].group[0]
+    comparison = _Beside.of([*ways, tuned(best, design, part)], design, part, memories)
+    return bool(leading(comparison.own, comparison.late, comparison.design, comparison.part))
 
 
 def memory_instead(
     found: Sequence[Finding], design: Design, part: Segments, memories: Sequence[Memory]
 ) -> Memory | None:
-    """Return the delay or lag of an input that does better than what was found instead of it.
+    """Return a delay or lag of an input that does clearly better than the effects found.
 
     Parameters
     ----------
@@ -69,24 +69,28 @@ def memory_instead(
     Memory or None
         Tuned; None if none does better.
     """
-    value = sum(finding.score for finding in found)
+    effect_gain = sum(finding.score for finding in found)
     linear = [memory for memory in memories if memory.kind != VESSEL]
-    both = exchanged(linear, design, part)
-    able = [m for m, e in zip(linear, both, strict=True) if e.gain_beside > WORTH_IT * value]
-    if not able:
+    exchanges = exchanged(linear, design, part)
+    promising = [
+        m for m, e in zip(linear, exchanges, strict=True) if e.gain_beside > WORTH_IT * effect_gain
+    ]
+    if not promising:
         return None
-    beside = _Beside.of([f.candidate for f in found], design, part, able)
-    offered = [*beside.own, *beside.late]
-    scores = score(beside.design, beside.part, offered, pairs=len(found) > 1)
+    comparison = _Beside.of([f.candidate for f in found], design, part, promising)
+    offered = [*comparison.own, *comparison.late]
+    scores = score(comparison.design, comparison.part, offered, pairs=len(found) > 1)
     totals = {frozenset(s.group): s.value * len(s.group) for s in scores}
-    ours = totals.get(frozenset(beside.own), np.inf)
-    gains = [totals.get(frozenset([one]), -np.inf) for one in beside.late]
-    return beside.late[int(np.argmax(gains))].memory if max(gains) > ours + MARGIN else None
+    own_total = totals.get(frozenset(comparison.own), np.inf)
+    gains = [totals.get(frozenset([late]), -np.inf) for late in comparison.late]
+    return (
+        comparison.late[int(np.argmax(gains))].memory if max(gains) > own_total + MARGIN else None
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class _Beside:
-    """Effects, and the best memories of each input, tuned, in one widened model."""
+    """Effects, and the best memory of each kind and input, tuned, in one widened model."""
 
     own: list[Candidate]
     late: list[MemoryCandidate]
@@ -101,10 +105,10 @@ class _Beside:
         part: Segments,
         memories: Sequence[Memory],
     ) -> _Beside:
-        first = best_of_kinds(memories, design, part)
-        rivals = tuple(reach_of(memory, design, part) for memory in first.values())
+        best = best_of_kinds(memories, design, part)
+        rivals = tuple(reach_of(memory, design, part) for memory in best.values())
         probes = Probes(design, rivals)
         wide = probes.widened(design)
-        own = [rewritten(one, probes.widen) for one in effects]
+        own = [rewritten(effect, probes.widen) for effect in effects]
         late = [probes.candidate(wide, k) for k in range(len(rivals))]
         return cls(own, late, wide, probes.extended_pieces(part))

@@ -1,4 +1,4 @@
-"""Find memories of the inputs beside all other effects, and look at them again in the end."""
+"""Find memories of the inputs beside all other effects, and tune them again at the end."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def find_with_memories(
     relaxing: bool = True,
     springs: bool = True,
 ) -> Look:
-    """Look for what a design lacks, as `find` does, with memories of the inputs among it.
+    """Look for what a design lacks, as `find` does, with memories of the inputs as candidates.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def find_with_memories(
     present : sequence of Memory
         Memories that the inputs of the records have already.
     relaxing, springs : bool
-        Whether relaxations, and springs that remember, may be among it.
+        Whether relaxations, and springs with hysteresis, are candidates.
 
     Returns
     -------
@@ -69,18 +69,18 @@ def find_with_memories(
     look = find(probes.widened(declared), wide, pieces, rules, rng, proposer)
     plain = [_narrowed(finding, probes) for finding in look.found]
     if plain and not offer.remembers and not any(isinstance(f, MemoryFinding) for f in plain):
-        late = memory_instead(plain, design, part, memories)
-        plain = plain if late is None else [_recalled(plain[0], late, design)]
-    level, beside = rules.significance, with_findings(design, plain)
+        memory = memory_instead(plain, design, part, memories)
+        plain = plain if memory is None else [_as_finding(plain[0], memory, design)]
+    level, richer = rules.significance, with_findings(design, plain)
     found = (
-        _settled(f, beside, part, level, rng, present) if isinstance(f, MemoryFinding) else f
+        _settled(f, richer, part, level, rng, present) if isinstance(f, MemoryFinding) else f
         for f in plain
     )
     return Look(tuple(found), look.rejected and _narrowed_failure(look.rejected, probes))
 
 
 def _tuned_trades(memories: Sequence[Memory], design: Design, part: Segments) -> list[Memory]:
-    """Return the best of the memories that others give way to, with what these give up tuned."""
+    """Return the best trade of each input, with both of its numbers tuned."""
     trades = [memory for memory in memories if isinstance(memory, Traded)]
     gains = [exchange.gain for exchange in exchanged(trades, design, part)] if trades else []
     best = {m.column: m for _, m in sorted(zip(gains, trades, strict=True), key=itemgetter(0))}
@@ -88,12 +88,12 @@ def _tuned_trades(memories: Sequence[Memory], design: Design, part: Segments) ->
 
 
 def _narrowed_failure(failure: Rejected, probes: Probes) -> Rejected:
-    group = tuple(_plain(candidate, probes) for candidate in failure.tried.group)
+    group = tuple(_narrowed_candidate(candidate, probes) for candidate in failure.tried.group)
     return replace(failure, tried=replace(failure.tried, group=group))
 
 
-def _plain(candidate: Candidate, probes: Probes) -> Candidate:
-    """Return a candidate with variables numbered as without probes."""
+def _narrowed_candidate(candidate: Candidate, probes: Probes) -> Candidate:
+    """Return a candidate with its variables numbered as without probes."""
     if isinstance(candidate, MemoryCandidate):
         term = variable(len(probes.design.states) + candidate.memory.column)
         return replace(candidate, terms=(term,), parents=())
@@ -101,15 +101,15 @@ def _plain(candidate: Candidate, probes: Probes) -> Candidate:
 
 
 def _narrowed(finding: Finding, probes: Probes) -> Finding:
-    """Return a finding as it stands without probes; the reach of a memory is that of the grid."""
-    plain = _plain(finding.candidate, probes)
+    """Return a finding as it is without probes; a memory keeps its length on the grid."""
+    plain = _narrowed_candidate(finding.candidate, probes)
     if isinstance(finding.candidate, MemoryCandidate):
-        return _recalled(finding, finding.candidate.memory, probes.design)
+        return _as_finding(finding, finding.candidate.memory, probes.design)
     return finding.with_candidate(plain, probes.design)
 
 
-def _recalled(finding: Finding, memory: Memory, design: Design) -> MemoryFinding:
-    """Return a memory with the evidence of a finding."""
+def _as_finding(finding: Finding, memory: Memory, design: Design) -> MemoryFinding:
+    """Return a memory as a finding, with the evidence of another finding."""
     state, term = users_of(design, memory.column)[0], variable(len(design.states) + memory.column)
     named = Candidate(memory.kind, state, (term,))
     evidence = finding.score, finding.p_value, finding.twin_scores
@@ -124,7 +124,7 @@ def _settled(
     rng: np.random.Generator,
     present: Sequence[Memory],
 ) -> MemoryFinding:
-    """Return a memory of the kind that does best, tuned, with the kinds that do as well."""
+    """Return a memory of the best kind, tuned; kinds that do as well become its rivals."""
     if isinstance(finding.memory, Traded):
         return replace(finding, memory=trade_of(finding.memory, design, part))
     memory, rivals = settled_memory(finding.memory, design, part, level, rng, present)
@@ -134,7 +134,7 @@ def _settled(
 
 
 def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> list[Finding]:
-    """Tune memories again beside all that was found, and drop those that became superfluous.
+    """Tune memories again beside all findings, and drop those that gain nothing any more.
 
     Parameters
     ----------
@@ -153,9 +153,9 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
     kept = list(findings)
     for finding in (f for f in findings if isinstance(f, MemoryFinding)):
         others = memories_in(excluding(kept, finding))
-        there = part.of([remembered(record, others) for record in part.records])
-        tuned = reach_of(finding.memory, design, there)
-        (exchange,) = exchanged([tuned], design, there)
+        pieces = part.of([remembered(record, others) for record in part.records])
+        tuned = reach_of(finding.memory, design, pieces)
+        (exchange,) = exchanged([tuned], design, pieces)
         place = kept.index(finding)
         kept[place : place + 1] = (
             [replace(finding, memory=tuned)] if exchange.gain >= MARGIN else []
@@ -170,7 +170,7 @@ def of_kinds_again(
     level: float,
     rng: np.random.Generator,
 ) -> list[Finding]:
-    """Ask again of what kind each memory is, beside what was found after it.
+    """Choose the kind of each memory again, beside what was found after it.
 
     A drag that is missing in a closed loop can make a lag look like a delay.
 
@@ -181,12 +181,12 @@ def of_kinds_again(
     level : float
         A kind with a smaller p-value is refuted.
     rng : numpy.random.Generator
-        Draws the signs.
+        Draws the signs of the bootstrap.
 
     Returns
     -------
     list of Finding
-        What free runs showed, and a delay and a lag of one input, stay as they are; what stays of
+        Memories that free runs showed, and two of one input, stay as they are. A memory that keeps
         its kind keeps its numbers.
     """
     kept = list(findings)
@@ -195,8 +195,8 @@ def of_kinds_again(
             continue
         others = memories_in(excluding(kept, finding))
         if all(other.column != finding.memory.column for other in others):
-            there = part.of([remembered(record, others) for record in part.records])
-            again = _settled(finding, design, there, level, rng, others)
+            pieces = part.of([remembered(record, others) for record in part.records])
+            again = _settled(finding, design, pieces, level, rng, others)
             is_same = again.memory.kind == finding.memory.kind
             kept[place] = replace(finding, rivals=again.rivals) if is_same else again
     return kept
@@ -205,14 +205,14 @@ def of_kinds_again(
 def _with_tuned_chains(
     findings: Sequence[Finding], design: Design, part: Segments
 ) -> list[Finding]:
-    """Return findings in which each delay and lag of one input are tuned together."""
+    """Return findings with the delay and the lag of one input tuned together."""
     found = list(findings)
     for chain in chains_in(findings):
         others = memories_in([f for f in findings if f not in chain])
-        there = part.of([remembered(record, others) for record in part.records])
+        pieces = part.of([remembered(record, others) for record in part.records])
         values = tuple(finding.memory.values[0] for finding in chain)
-        both = chain_of(Chain(LAG, chain[0].memory.column, values), design, there)
-        for finding, value in zip(chain, both.values, strict=True):
+        tuned_chain = chain_of(Chain(LAG, chain[0].memory.column, values), design, pieces)
+        for finding, value in zip(chain, tuned_chain.values, strict=True):
             tuned = replace(finding.memory, values=(value,))
             found[found.index(finding)] = replace(finding, memory=tuned)
     return found

@@ -1,11 +1,12 @@
-"""Whether an input is held between its samples, which is how it was recorded, and no effect.
+"""Whether an input is held between its samples, or has a memory.
 
-Where an input jumps in one step, the record itself shows that it is held, but not when in that step
-it jumps: it may follow a controller, and begin at the sample, or somebody's hand. So if such an
-input is found to act late by less than that, it is no delay of the machine: it begins at the
-sample, if that does as well. If it is late by more, or lags, it is held first and late after that,
-unless that does worse. One that moves with every sample as if at random may be a controller's
-answer to noise, which is held as well, if the model does better so. What is missing may hide that.
+A hold is a matter of how the input was recorded, and no effect. The record of an input that jumps
+within one step shows that it is held, but not when in that step it jumps: a controller jumps at the
+sample, somebody's hand at any time. So where such an input acts late by less than a step, there is
+no delay: it jumps at the sample, if that fits as well. Where it is late by more, or lags, it is
+held first and late after that, unless that fits worse. An input that moves with every sample as if
+at random may be a controller's answer to noise; it is held if that fits better. A missing effect
+may hide that.
 """
 
 from __future__ import annotations
@@ -33,14 +34,14 @@ __all__ = [
     "memory_beside_hold",
 ]
 
-EVEN = 0.01  # of a sampling time, by which those of records that are sampled alike may differ
-SHORTEST, LONGEST = 0.4, 0.6  # the same, of a hold that a user's own low-pass has hidden
-LATEST = 0.6  # sampling times: a hold is late by half of one, and a delay is not known exactly
+EVEN = 0.01  # share of a sampling time by which records that are sampled alike may differ
+SHORTEST, LONGEST = 0.4, 0.6  # delay of a hold that a user's low-pass has hidden, sampling times
+LATEST = 0.6  # largest delay of a hold, sampling times: half of one, and some error
 
 
 @dataclass(frozen=True)
 class _Hold(Memory):
-    """That an input is held from each sample to the next, if it jumps, and no memory beside it."""
+    """A hold of an input from each sample to the next, if it moves in steps, and no memory."""
 
     def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         return _held(t, u, self.column)
@@ -48,7 +49,7 @@ class _Hold(Memory):
 
 @dataclass(frozen=True)
 class _BehindHold(Memory):
-    """A memory of an input that is held from each sample to the next, if it jumps."""
+    """A memory of an input that is held from each sample to the next, if it moves in steps."""
 
     def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         return super().response(t, _held(t, u, self.column))
@@ -61,14 +62,14 @@ def _held(t: np.ndarray, u: np.ndarray, column: int) -> np.ndarray:
 
 
 def _may_be_hold(memory: Memory, records: Sequence[Record]) -> bool:
-    """Tell whether it is as short as a hold, in records whose raw inputs nobody knows."""
+    """Tell whether a memory is as short as a hold, in records without raw inputs."""
     shares = [memory.values[0] / record.dt for record in records]
     unknown = all(record.preparation is None for record in records)
     return unknown and all(SHORTEST < share < LONGEST for share in shares)
 
 
 def holds_alone(design: Design, part: Segments) -> dict[int, float]:
-    """Return which inputs explain more if they are held, where nothing else is looked for.
+    """Return which inputs explain more if they are held, without another effect beside it.
 
     Parameters
     ----------
@@ -80,8 +81,8 @@ def holds_alone(design: Design, part: Segments) -> dict[int, float]:
     Returns
     -------
     dict of int to float
-        Inputs that may be held in all records, none of them known as such, and how late each is, in
-        sampling times.
+        Delay of each such input, sampling times. Inputs that a record declares as held are left
+        out.
     """
     free = free_to_be_held(part.records)
     gains = _gains(free, design, in_pieces(part)) if free else []
@@ -89,7 +90,7 @@ def holds_alone(design: Design, part: Segments) -> dict[int, float]:
 
 
 def hold_beside_another(column: int, design: Design, part: Segments, held: Segments) -> bool:
-    """Tell whether an input explains more if it is held, beside what seems to be missing most then.
+    """Tell whether a hold of an input gains, together with the best candidate beside it.
 
     A hold and an effect may hide each other: the answer of a controller that comes half a sample
     late acts like a damping of the other sign.
@@ -99,7 +100,7 @@ def hold_beside_another(column: int, design: Design, part: Segments, held: Segme
     column : int
         The input.
     design : Design
-        The model, without what may have taken the place of both.
+        The model, without effects that may have taken the place of both.
     part, held : Segments
         Pieces of the training records as they are, and with the input held.
 
@@ -108,13 +109,15 @@ def hold_beside_another(column: int, design: Design, part: Segments, held: Segme
     bool
     """
     (alone,) = _gains([column], design, part)
-    beside = [score(design, one, _missing(design, one), pairs=False) for one in (held, part)]
-    then, now = (scores[0].value if scores else 0.0 for scores in beside)
-    return alone + then - now > LEAD
+    rankings = [
+        score(design, pieces, _missing(design, pieces), pairs=False) for pieces in (held, part)
+    ]
+    gain_if_held, gain = (scores[0].value if scores else 0.0 for scores in rankings)
+    return alone + gain_if_held - gain > LEAD
 
 
 def free_to_be_held(records: Sequence[Record]) -> list[int]:
-    """Return the inputs that may be held in all records, none of them known as such."""
+    """Return the inputs that may be held in all records, and are declared as held in none."""
     return [
         column
         for column in range(records[0].n_inputs)
@@ -123,19 +126,19 @@ def free_to_be_held(records: Sequence[Record]) -> list[int]:
 
 
 def in_pieces(part: Segments) -> Segments:
-    """Return pieces to judge holds on: a trajectory is one, and leaves none."""
+    """Return pieces to judge holds on: whole trajectories are cut first."""
     return segments(part.records) if part.by_trajectory else part
 
 
-def _best(ways: Sequence[Memory], design: Design, part: Segments) -> Memory:
-    """Return the first of several ways, the plainest first, that does as well as the best."""
-    return plainest(ways, [exchange.gain for exchange in exchanged(ways, design, part)])
+def _best(memories: Sequence[Memory], design: Design, part: Segments) -> Memory:
+    """Return the first of several memories, ordered by plainness, that does as well as the best."""
+    return plainest(memories, [exchange.gain for exchange in exchanged(memories, design, part)])
 
 
 def _gains(columns: Sequence[int], design: Design, part: Segments) -> list[float]:
     late = (HALF * part.records[0].raw_dt,)
-    ways = [_Hold(DELAY, column, late) for column in columns]
-    return [exchange.gain for exchange in exchanged(ways, design, part)]
+    holds = [_Hold(DELAY, column, late) for column in columns]
+    return [exchange.gain for exchange in exchanged(holds, design, part)]
 
 
 def _missing(design: Design, part: Segments) -> list[Candidate]:
@@ -145,7 +148,7 @@ def _missing(design: Design, part: Segments) -> list[Candidate]:
 def memory_beside_hold(
     memory: Memory, design: Design, part: Segments
 ) -> tuple[float, Memory | None]:
-    """Return by how much an input with a memory is late as it is held, and what it still remembers.
+    """Return how late an input with a memory is between its samples, and what memory remains.
 
     Parameters
     ----------
@@ -159,10 +162,11 @@ def memory_beside_hold(
     Returns
     -------
     late : float
-        Sampling times; zero if the input is known as held, the records show no jumps (if a user
-        made them, they would not), or the hold does worse.
+        Sampling times: half of one for a hold, or the delay of jumps within a step. Zero if the
+        input is declared as held, if no record shows jumps and the memory is not as short as a hold
+        that a user's low-pass has hidden, or if the hold fits worse.
     memory : Memory or None
-        None if the hold is all there is.
+        None if nothing remains.
     """
     column, kind, records = memory.column, memory.kind, part.records
     known = any(column in record.held for record in records)

@@ -1,12 +1,11 @@
 """The last digits of delays and time constants, and their intervals.
 
-A search tunes them by how well they predict parts of the records, no finer than it takes to tell
-one effect from another. What is off then goes into the other numbers of the model as well. So the
-steps of Gauss and Newton that are left are taken: what a small change of a number does to the rates
-is one more column of the model, whose coefficient says how far it is off.
+A search tunes them no finer than it takes to tell effects apart, and the remaining error biases
+the coefficients of the model as well. So Gauss-Newton steps follow. The change of the rates with a
+number is one more column of the model, and its coefficient says how far the number is off.
 
-Rows and spectra tell it differently well. Averaged rows are the better ones where all is slow,
-spectra where the noise of the derivative is not; the narrower interval says which.
+Each step is fitted to averaged rows and to spectra, and the narrower interval decides: rows are
+better where all is slow, spectra where the noise of the derivative is not.
 """
 
 from __future__ import annotations
@@ -32,9 +31,9 @@ from .reach import swapped
 
 __all__ = ["polished", "row_interval"]
 
-N_ROUNDS = 3  # several memories change each other
-STEP = 0.02  # of a delay or time constant, to see what it changes
-FARTHEST = 0.2  # of a number, that one step may change
+N_ROUNDS = 3  # over all memories, as they affect each other
+STEP = 0.02  # relative step of a delay or time constant, to take the derivative by it
+FARTHEST = 0.2  # largest relative change of a number in one step
 
 
 def polished(
@@ -55,14 +54,14 @@ def polished(
     records : sequence of Record
         Training records without memories.
     whole : Segments
-        Pieces of the same in a wider filter.
+        Pieces of the same records, prepared with a wider filter.
     rng : numpy.random.Generator
-        Draws blocks.
+        Draws the weights of blocks.
 
     Returns
     -------
     list of Finding
-        What free runs showed keeps its numbers, as these are from there.
+        Memories that free runs showed keep the numbers that these gave.
     """
     found, design = list(findings), with_findings(declared, findings)
     for _ in range(N_ROUNDS):
@@ -70,11 +69,11 @@ def polished(
             if not isinstance(finding, MemoryFinding) or finding.by_runs:
                 continue
             memories = memories_in(found)
-            others = [one for one in memories if one is not finding.memory]
+            others = [memory for memory in memories if memory is not finding.memory]
             coef = refit(design, [remembered(r, memories) for r in records], "derivative")
             rows = [remembered(record, others) for record in records]
             part = whole.of([remembered(record, others) for record in whole.records])
-            found[k] = _nearer(finding, design, coef, rows, part, rng)
+            found[k] = _stepped(finding, design, coef, rows, part, rng)
     return found
 
 
@@ -104,13 +103,13 @@ def row_interval(
     -------
     low, high : float
     """
-    wide, probes = _with_change(memory, design, coef)
+    wide, probes = _with_derivative(memory, design, coef)
     low, high = derivative_intervals(wide, [probes.extended(r) for r in records], rng)[-1]
     half = 0.5 * float(high - low)
     return max(memory.values[0] - half, 0.0), memory.values[0] + half
 
 
-def _nearer(
+def _stepped(
     finding: MemoryFinding,
     design: Design,
     coef: np.ndarray,
@@ -118,14 +117,14 @@ def _nearer(
     part: Segments,
     rng: np.random.Generator,
 ) -> MemoryFinding:
-    """Return a memory one step nearer to what fits best, by rows or by spectra."""
-    wide, probes = _with_change(finding.memory, design, coef)
+    """Return a memory after one Gauss-Newton step, on rows or on spectra."""
+    wide, probes = _with_derivative(finding.memory, design, coef)
     extended = [probes.extended(record) for record in records]
     grams = spectral_grams(probes.extended_pieces(part), wide, wide.columns)
     low, step, high = min(
-        (_told(derivative_intervals(wide, extended, rng), refit(wide, extended, "derivative"))),
-        (_told(block_intervals(grams, rng), solve_gram(grams.sum(axis=0)))),
-        key=lambda told: told[2] - told[0],
+        (_ends(derivative_intervals(wide, extended, rng), refit(wide, extended, "derivative"))),
+        (_ends(block_intervals(grams, rng), solve_gram(grams.sum(axis=0)))),
+        key=lambda ends: ends[2] - ends[0],
     )
     (value,) = finding.memory.values
     new = value + min(max(step, -FARTHEST * value), FARTHEST * value)
@@ -133,25 +132,25 @@ def _nearer(
     return replace(finding, memory=replace(finding.memory, values=(new,)), interval=interval)
 
 
-def _told(intervals: np.ndarray, coef: np.ndarray) -> tuple[float, float, float]:
-    """Return how far the number of the last column is off: low end, middle and high end."""
+def _ends(intervals: np.ndarray, coef: np.ndarray) -> tuple[float, float, float]:
+    """Return how far the number of the last column is off: low end, estimate, high end."""
     low, high = intervals[-1]
     return float(low), float(coef[-1]), float(high)
 
 
-def _with_change(memory: Memory, design: Design, coef: np.ndarray) -> tuple[Design, Probes]:
-    """Return a model whose last column is what a change of a memory does."""
+def _with_derivative(memory: Memory, design: Design, coef: np.ndarray) -> tuple[Design, Probes]:
+    """Return a model whose last column is the derivative of the rates by a memory's number."""
     (value,) = memory.values
     probes = Probes(design, (memory, replace(memory, values=(value * (1.0 + STEP),))))
     swap, swap_longer = probes.swap(0), probes.swap(1)
-    own = len(design.states) + memory.column
+    index = len(design.states) + memory.column
     sides = [probes.widen(side) for side in design.equations(coef).sums]
     slopes = tuple(
         mul(
             constant(1.0 / (STEP * value)),
             sub(substituted(side, swap_longer), substituted(side, swap)),
         )
-        if own in side.variables
+        if index in side.variables
         else Sum(())
         for side in sides
     )

@@ -1,8 +1,8 @@
 """Probes: memories that an input may have, tried beside all other effects in the same search.
 
-What each memory of a grid makes of an input becomes one more input of the records. A model that has
-it in the place of the input itself has as many coefficients as before, and must predict held-out
-segments better to be proposed. Twins carry the same inputs, so the search in them is the same.
+The response of each memory of a grid becomes one more input of the records: a probe. A model with
+the probe in place of the input has as many coefficients as before, and is proposed if it predicts
+held-out segments better. Twins carry the same probes, so the search in them is the same.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from .chains import traded
 __all__ = ["RATIO", "Exchange", "MemoryCandidate", "Probes", "exchanges", "grid_of", "users_of"]
 
 SHORTEST = 0.02  # delay or time constant, in periods of the highest frequency looked at
-RATIO = 2.5  # between places of the grid; a model between two of them is a mixture
-LONGEST = 0.25  # of a segment
-OWN = 0.5  # share of the gain of input and probe together that the probe must have alone
+RATIO = 2.5  # of neighboring lengths on the grid
+LONGEST = 0.25  # share of a segment; of a record for a lag or a vessel
+OWN = 0.5  # share of the gain of input and probe together that the probe alone must reach
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,8 @@ def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> l
     part : Segments
         Pieces of the training records.
     present : sequence of Memory
-        Memories that the inputs have already; none is tried twice, and a delay gives way to a lag.
+        Memories that the inputs have already. No kind is tried twice; for another one they may be
+        shortened, see `traded`.
 
     Returns
     -------
@@ -80,17 +81,17 @@ def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> l
     for column in range(0 if design.algebraic or part.by_trajectory else len(design.inputs)):
         if not users_of(design, column):
             continue
-        had = {memory.kind for memory in present if memory.column == column}
-        reach = {DELAY: LONGEST * segment}
-        reach[LAG] = max(reach[DELAY], LONGEST * record)
+        kinds = {memory.kind for memory in present if memory.column == column}
+        longest = {DELAY: LONGEST * segment}
+        longest[LAG] = max(longest[DELAY], LONGEST * record)
         if all(r.raw_u[:, column].min() >= 0.0 for r in part.records):
-            reach[VESSEL] = reach[LAG]
-        if {LAG, VESSEL} & had:
-            reach.pop(LAG)
-            reach.pop(VESSEL, None)
-        for kind in (k for k in reach if k not in had):
+            longest[VESSEL] = longest[LAG]
+        if {LAG, VESSEL} & kinds:
+            longest.pop(LAG)
+            longest.pop(VESSEL, None)
+        for kind in (k for k in longest if k not in kinds):
             value = SHORTEST / highest
-            while value < reach[kind]:
+            while value < longest[kind]:
                 found.append(traded(Memory(kind, column, (value,)), present))
                 value *= RATIO
     return found
@@ -105,21 +106,21 @@ class Probes:
     design : Design
         The model so far.
     memories : tuple of Memory
-        What is tried.
+        The memories to try.
     """
 
     design: Design
     memories: tuple[Memory, ...]
 
     def widen(self, expression: Sum) -> Sum:
-        """Return an expression of the variables numbered as with probes, before the time."""
+        """Return an expression with its variables numbered as with probes, time last."""
         time = self.design.time
         if time not in expression.variables:
             return expression
         return substituted(expression, {time: variable(time + len(self.memories))})
 
     def narrow(self, expression: Sum) -> Sum:
-        """Return an expression of the variables numbered as without probes."""
+        """Return an expression with its variables numbered as without probes."""
         time = self.design.time
         moved = time + len(self.memories)
         if moved not in expression.variables:
@@ -154,8 +155,8 @@ class Probes:
         n_inputs = len(self.design.inputs)
         records = [replace(r, u=None if r.u is None else r.u[:, :n_inputs]) for r in part.records]
         terms = tuple(self.narrow(Sum(((1.0, term),))).parts[0][1] for term in equations.terms)
-        own = replace(equations, terms=terms, inputs=self.design.inputs)
-        proposed = [rewritten(c, self.widen) for c in offer(self.design, own, part.of(records))]
+        plain = replace(equations, terms=terms, inputs=self.design.inputs)
+        proposed = [rewritten(c, self.widen) for c in offer(self.design, plain, part.of(records))]
         return [*proposed, *self._best(design, part)]
 
     def _best(self, design: Design, part: Segments) -> list[Candidate]:
@@ -169,12 +170,12 @@ class Probes:
         return [self.candidate(design, k) for gain, k in best.values() if gain > 0.0]
 
     def swap(self, k: int) -> dict[int, Sum]:
-        """Return the input of a probe and what may stand in its place."""
+        """Return the substitution of a probe for its input."""
         probe = self.design.time + k
         return {len(self.design.states) + self.memories[k].column: variable(probe)}
 
     def candidate(self, design: Design, k: int) -> MemoryCandidate:
-        """Return a memory as what it changes in the equations of a widened design."""
+        """Return a memory as a candidate: its terms are what it changes in a widened design."""
         memory = self.memories[k]
         state = users_of(self.design, memory.column)[0]
         swap = self.swap(k)
@@ -188,7 +189,7 @@ class Probes:
 
 @dataclass(frozen=True, eq=False)
 class Exchange:
-    """What replacing variables does to the held-out errors, shape (n_folds,) each.
+    """Held-out errors without and with variables replaced, shape (n_folds,) each.
 
     Attributes
     ----------
@@ -212,7 +213,7 @@ class Exchange:
 
 
 def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -> list[Exchange]:
-    """Replace variables of a design, each time others, and predict held-out segments.
+    """Apply each of several substitutions to a design, and predict held-out segments.
 
     Parameters
     ----------
@@ -228,7 +229,7 @@ def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -
     list of Exchange
     """
     columns = list(design.columns)
-    n_own = len(columns)
+    n_fixed = len(columns)
     places = []
     for swap in swaps:
         new = {
@@ -240,25 +241,27 @@ def exchanges(design: Design, part: Segments, swaps: Sequence[dict[int, Sum]]) -
         columns += new.values()
     grams = spectral_grams(part, design, [*columns, Column("known", design.fixed)])
     by_fold = summed(grams, part.folds)
-    targets = [place.get(n_own) for place in places]
-    moved = [tuple(place.get(k, k) for k in range(n_own)) for place in places]
-    both = [(*range(n_own), *(p for k, p in place.items() if k < n_own)) for place in places]
-    (without,) = _errors(by_fold, [tuple(range(n_own))], [None])
-    alone, beside = (_errors(by_fold, models, targets) for models in (moved, both))
+    targets = [place.get(n_fixed) for place in places]
+    replaced = [tuple(place.get(k, k) for k in range(n_fixed)) for place in places]
+    extended = [
+        (*range(n_fixed), *(p for k, p in place.items() if k < n_fixed)) for place in places
+    ]
+    (without,) = _errors(by_fold, [tuple(range(n_fixed))], [None])
+    alone, beside = (_errors(by_fold, models, targets) for models in (replaced, extended))
     return [Exchange(without, *errors) for errors in zip(alone, beside, strict=True)]
 
 
 def _errors(
     grams: np.ndarray, models: Sequence[tuple[int, ...]], targets: Sequence[int | None]
 ) -> list[np.ndarray]:
-    """Return the errors of models in each fold, those of one length and target at once."""
+    """Return the errors of models in each fold, all models of one length and target at once."""
     alike: dict[tuple[int | None, int], list[int]] = {}
     for i, (model, target) in enumerate(zip(models, targets, strict=True)):
         alike.setdefault((target, len(model)), []).append(i)
-    each, found = np.arange(len(grams)), dict[int, np.ndarray]()
+    every_fold, found = np.arange(len(grams)), dict[int, np.ndarray]()
     for (target, _), members in alike.items():
-        aimed = grams if target is None else _with_target(grams, target)
-        errors = fold_errors(aimed, np.array([models[i] for i in members]), each)
+        targeted = grams if target is None else _with_target(grams, target)
+        errors = fold_errors(targeted, np.array([models[i] for i in members]), every_fold)
         found |= dict(zip(members, errors, strict=True))
     return [found[i] for i in range(len(models))]
 
@@ -269,7 +272,7 @@ def _swapped(column: Column, swap: tuple[tuple[int, Sum], ...]) -> Column:
 
 
 def _with_target(grams: np.ndarray, place: int) -> np.ndarray:
-    """Exchange the known parts in the target: columns, then the original known parts, target."""
+    """Exchange the known parts in the target, next to last, for those at a place."""
     last = grams.shape[1] - 1
     change = np.eye(last + 1)
     change[last - 1, last], change[place, last] = 1.0, -1.0  # target + known - changed known

@@ -1,4 +1,4 @@
-"""How long a memory reaches back: tuned, and held against the other kinds."""
+"""How far a memory reaches back: its tuning, and its comparison with other kinds."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def settled_memory(
     rng: np.random.Generator,
     present: Sequence[Memory] = (),
 ) -> tuple[Memory, tuple[tuple[str, float], ...]]:
-    """Tune how long a memory reaches back, and compare it with the other kinds at their best.
+    """Tune how far a memory reaches back, and compare it with the other kinds, tuned as well.
 
     Parameters
     ----------
@@ -50,27 +50,27 @@ def settled_memory(
     level : float
         A rival with a smaller p-value is refuted.
     rng : numpy.random.Generator
-        Draws the signs.
+        Draws the signs of the bootstrap.
     present : sequence of Memory
         Memories that the records have already.
 
     Returns
     -------
     memory : Memory
-        Of the plainest kind that does as well as the best; a vessel only if a delay or a lag gains
-        nothing beside it.
+        Of the plainest kind that does as well as the best; a vessel only if the best delay or lag
+        gains no more than chance beside it.
     rivals : tuple of (str, float)
         Kinds that could stand in its place, with their p-values.
     """
     grid = [m for m in grid_of(design, part, present) if m.column == memory.column]
-    first = best_of_kinds(grid, design, part)
-    places = [(kind, memory.column) for kind in (DELAY, LAG, VESSEL)]
-    best = [reach_of(first[place], design, part) for place in places if place in first]
+    on_grid = best_of_kinds(grid, design, part)
+    keys = [(kind, memory.column) for kind in (DELAY, LAG, VESSEL)]
+    best = [reach_of(on_grid[key], design, part) for key in keys if key in on_grid]
     gains = [exchange.gain for exchange in exchanged(best, design, part)]
     chosen = plainest(best, gains)
-    linear = [pair for pair in zip(best, gains, strict=True) if pair[0].kind != VESSEL]
+    linear = [entry for entry in zip(best, gains, strict=True) if entry[0].kind != VESSEL]
     if chosen.kind == VESSEL and linear:
-        # Its outflow is a root of its level, which says more than a delay or a lag does.
+        # A vessel claims more than a delay or a lag: its outflow is the root of its level.
         other = plainest(*zip(*linear, strict=True))
         stands = _chance_of(chosen, other, design, part, level, rng) > level
         chosen = chosen if stands else other
@@ -80,7 +80,7 @@ def settled_memory(
 
 
 def plainest(memories: Sequence[Memory], gains: Sequence[float]) -> Memory:
-    """Return the first, and so the plainest, that does as well as the best."""
+    """Return the first memory, and so the plainest, that does as well as the best."""
     enough = max(gains) - max(MARGIN, 0.01 * max(gains))
     return next(m for m, gain in zip(memories, gains, strict=True) if gain >= enough)
 
@@ -88,9 +88,9 @@ def plainest(memories: Sequence[Memory], gains: Sequence[float]) -> Memory:
 def best_of_kinds(
     memories: Sequence[Memory], design: Design, part: Segments
 ) -> dict[tuple[str, int], Memory]:
-    """Return the best memory of each kind and input: the numbers of two kinds do not compare.
+    """Return the best memory of each kind and input.
 
-    By how long a vessel delays its input depends on how full it is.
+    The numbers of two kinds do not compare: the delay of a vessel depends on how full it is.
     """
     gains = [exchange.gain for exchange in exchanged(memories, design, part)]
     ordered = sorted(zip(gains, memories, strict=True), key=lambda pair: pair[0])
@@ -105,7 +105,7 @@ def exchanged(memories: Sequence[Memory], design: Design, part: Segments) -> lis
 
 
 def reach_of(memory: Memory, design: Design, part: Segments) -> Memory:
-    """Return a memory that reaches as far back as predicts held-out pieces best."""
+    """Return a memory with the number that predicts held-out pieces best."""
     start = float(np.log(memory.values[0]))
 
     def at(log_value: float) -> Memory:
@@ -113,7 +113,7 @@ def reach_of(memory: Memory, design: Design, part: Segments) -> Memory:
 
     reach = 1.5 * float(np.log(RATIO))
     found = minimize_scalar(
-        lambda place: -exchanged([at(place)], design, part)[0].gain,
+        lambda log_value: -exchanged([at(log_value)], design, part)[0].gain,
         bounds=(start - reach, start + reach),
         method="bounded",
         options={"maxiter": 20, "xatol": 0.01},
@@ -122,7 +122,7 @@ def reach_of(memory: Memory, design: Design, part: Segments) -> Memory:
 
 
 def trade_of(memory: Traded, design: Design, part: Segments) -> Traded:
-    """Return a memory and how much the other one gives up for it, that predict pieces best."""
+    """Return a trade whose two numbers predict held-out pieces best."""
 
     def loss(logs: np.ndarray) -> float:
         value, given = np.exp(logs).tolist()
@@ -130,21 +130,21 @@ def trade_of(memory: Traded, design: Design, part: Segments) -> Traded:
 
     value, given = _least(loss, (memory.values[0], memory.given))
     tuned = replace(memory, values=(value,), given=given)
-    return tuned if tuned.leaves_some else memory  # what changes nothing may still be least
+    return tuned if tuned.leaves_some else memory  # a trade of all changes nothing
 
 
 def chain_of(chain: Chain, design: Design, part: Segments) -> Chain:
-    """Return a delay and a lag that together predict held-out pieces best."""
+    """Return a delay and a lag that predict held-out pieces best together."""
 
     def loss(logs: np.ndarray) -> float:
-        there = replace(chain, values=tuple(np.exp(logs).tolist()))
-        return -exchanged([there], design, part)[0].gain
+        moved = replace(chain, values=tuple(np.exp(logs).tolist()))
+        return -exchanged([moved], design, part)[0].gain
 
     return replace(chain, values=_least(loss, chain.values))
 
 
 def _least(loss: Callable[[np.ndarray], float], start: Sequence[float]) -> tuple[float, ...]:
-    """Return the positive numbers for whose logarithms a loss is least."""
+    """Return the positive numbers whose logarithms minimize a loss."""
     options = {"maxfev": 80, "xatol": 0.005, "fatol": 1e-4}
     found = minimize(loss, np.log(start), method="Nelder-Mead", options=options)
     return tuple(np.exp(found.x).tolist())
@@ -158,16 +158,16 @@ def _chance_of(
     level: float,
     rng: np.random.Generator,
 ) -> float:
-    """Return the chance that one memory gains as much beside another, if that were the cause."""
+    """Return the chance of the chosen memory's gain beside a rival, if the rival were the cause."""
     probes = Probes(design, (rival, chosen))
     pieces, wide = probes.extended_pieces(part), probes.widened(design)
-    there, other = (swapped(wide, probes.swap(k)) for k in (0, 1))
-    # What is known of the input acts through a memory as well.
-    known = Column("known", tuple(map(sub, other.fixed, there.fixed)))
-    columns = [*there.columns, *other.columns, known]
-    n_own = len(wide.columns)
-    grams = spectral_grams(pieces, there, columns)
-    return chance(grams, range(n_own), range(n_own, len(columns)), level, rng)
+    with_rival, with_chosen = (swapped(wide, probes.swap(k)) for k in (0, 1))
+    # Known terms of the input act through the memory too.
+    known = Column("known", tuple(map(sub, with_chosen.fixed, with_rival.fixed)))
+    columns = [*with_rival.columns, *with_chosen.columns, known]
+    n_fixed = len(wide.columns)
+    grams = spectral_grams(pieces, with_rival, columns)
+    return chance(grams, range(n_fixed), range(n_fixed, len(columns)), level, rng)
 
 
 def swapped(design: Design, swap: dict[int, Sum]) -> Design:

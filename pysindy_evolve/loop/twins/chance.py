@@ -1,8 +1,9 @@
-"""The chance that a statistic is so large where nothing is missing, from values of it there.
+"""The p-value of a statistic, from its values where nothing is missing.
 
 References
 ----------
-Phipson and Smyth, Stat. Appl. Genet. Mol. Biol. 9 (2010), DOI 10.2202/1544-6115.1585: never zero.
+Phipson and Smyth, Stat. Appl. Genet. Mol. Biol. 9 (2010), DOI 10.2202/1544-6115.1585: p-values are
+never zero.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ def p_value_of(observed: float, values: np.ndarray | Sequence[float]) -> float:
 
 
 def draws_for(level: float, usual: int) -> int:
-    """Return how many values it takes for a chance as small as a level: the usual number, or more.
+    """Return how many values a p-value as small as a level takes: the usual number, or more.
 
-    The smallest chance that n values can show is 1 / (n + 1).
+    The smallest p-value of n values is 1 / (n + 1).
     """
     return max(usual, int(np.ceil(1.0 / level - 1e-9)) - 1)

@@ -1,8 +1,7 @@
-"""Twins whose sensors have all the noise: what free runs miss of the readings, and no force.
+"""Twins without random forces: the whole error of free runs is taken for sensor noise.
 
-The noise of a sensor may be colored. It is in the states then, and in their derivative, and so a
-function of the states predicts what a model leaves; in twins with white noise and a random force
-none does.
+Colored sensor noise is in the states and in their derivative. So a function of the states predicts
+the residual, which none does in twins with white noise and a random force.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from .twins import like
 
 __all__ = ["ColoredTwins"]
 
-LOUDEST = 5.0  # times the noise from one reading to the next, that slower noise of a sensor has
+LOUDEST = 5.0  # error of a free run that may be noise, over noise from reading to reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,18 +45,18 @@ class ColoredTwins:
         Returns
         -------
         ColoredTwins or None
-            None if a record was not made from raw readings, or if a run does not stay so close to
-            it that noise could be all that it misses.
+            None if a record was not made from raw readings, or if its free run strays further than
+            sensor noise could.
         """
         runs = [follow(equations, record) for record in records]
         made = [record.preparation for record in records]
         free = [run for run in runs if run is not None and not run.push.any()]
-        known = [one for one in made if one is not None]
+        known = [preparation for preparation in made if preparation is not None]
         if len(free) < len(records) or len(known) < len(records):
             return None
-        missed = [one.y - run.y for one, run in zip(known, free, strict=True)]
-        for one, columns in zip(known, missed, strict=True):
-            if np.any(columns.std(axis=0) > LOUDEST * one.noise):
+        missed = [preparation.y - run.y for preparation, run in zip(known, free, strict=True)]
+        for preparation, columns in zip(known, missed, strict=True):
+            if np.any(columns.std(axis=0) > LOUDEST * preparation.noise):
                 return None
         return cls(tuple(records), tuple(free), tuple(known), tuple(map(Shuffle.of, missed)))
 

@@ -1,7 +1,7 @@
 """Twins of trajectories: simulated, pushed about by a random force, and read by a noisy sensor.
 
-What pushes and how noisy the sensor is, the likelihood says of the record, under the model in which
-nothing is missing. What the push does to the trajectory is taken from the linearized model.
+The sizes of the force and of the sensor noise maximize the likelihood of the record, under the
+model in which nothing is missing. The response to the force is that of the linearized model.
 """
 
 from __future__ import annotations
@@ -46,14 +46,14 @@ class DriftingTwins:
 
     @property
     def is_finite(self) -> bool:
-        """Whether the model runs over all records."""
+        """Whether the simulations over all records are finite."""
         return all(bool(np.isfinite(run).all()) for run in self.runs)
 
     def make(self, rng: np.random.Generator) -> list[Record]:
         """Return one twin of each record.
 
-        A model that cannot run over a record has no twin but the record itself, in which the same
-        search finds the same.
+        If the simulation over a record diverges, the record is its own twin, in which the search
+        finds the same as in the record.
         """
         parts = zip(self.records, self.runs, self.slopes, strict=True)
         return [self._twin(*part, rng) if np.isfinite(part[1]).all() else part[0] for part in parts]
@@ -63,19 +63,19 @@ class DriftingTwins:
     ) -> Record:
         made, (n, n_states) = made_of(record), run.shape
         push = np.zeros((1, n, n_states, 1))
-        for state, one in zip(
+        for state, disturbance in zip(
             range(made.order - 1, n_states, made.order), self.disturbed, strict=True
         ):
-            push[0, :, state, 0] = one.pushes(n, made.dt, rng)
+            push[0, :, state, 0] = disturbance.pushes(n, made.dt, rng)
         _, drift = respond(slope[None], push, made.dt, np.ones(n_states), 1)
         clean = (run + drift[0, :, 0].reshape(n, n_states))[:, :: made.order]
-        noise = np.array([one.sensor for one in self.disturbed])
-        read = replace(made, y=clean + noise * rng.standard_normal(clean.shape))
-        return replace(read.apply(read.t, read.y), u=record.u)
+        noise = np.array([disturbance.sensor for disturbance in self.disturbed])
+        noisy = replace(made, y=clean + noise * rng.standard_normal(clean.shape))
+        return replace(noisy.apply(noisy.t, noisy.y), u=record.u)
 
 
 def _run(equations: Equations, record: Record) -> np.ndarray:
-    """Simulate over the raw times, (n_raw, n_states), from about where the record begins."""
+    """Simulate over the raw times, (n_raw, n_states), from the first state of the record."""
     made, start = made_of(record), record.x[0]
     return simulate(equations, start, made.t, made.u, tolerance=TOLERANCE, on_divergence="nan")
 

@@ -1,9 +1,9 @@
-"""A path without noise close to a record, and what pushes the model along it.
+"""A noise-free path close to a record, and the push that keeps the model on it.
 
-A model that lacks something, or a chaotic one, leaves the record after a while. It is simulated in
-pieces then, each from a measured state, as long as stay close. Each piece fades into the next one,
-and what they fade into is no solution of the model; but its derivatives are known exactly, and so
-is by how much they differ from the model.
+An incomplete or chaotic model leaves the record after a while. Then it is simulated in pieces, each
+from a measured state, and as long as they stay close. Each piece fades into the next. Meanwhile the
+path is no solution of the model, but its derivatives are known exactly, and so is the push: their
+difference from the model.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ from ...substitution import acting
 
 __all__ = ["Path", "follow"]
 
-FAITHFUL = 0.5  # standard deviations; a path that strays further is not used
-SHORTEST = 64  # raw samples of a piece; below, little is left of the model
-FADE = 4  # pieces fade into one another over this part of their length
-TOLERANCES = (1e-10, 1e-7)  # of a simulation step: well below the noise, which may be rounding
-REFINEMENT = 4  # steps that splines put into each raw sample of an input, where that is cheap
-CHEAP = 160_000  # refined samples
+FAITHFUL = 0.5  # largest RMS distance of a path from the record, in its standard deviations
+SHORTEST = 64  # raw samples of a piece, at least: in less, little of the model shows
+FADE = 4  # pieces fade into one another over 1/FADE of their length
+TOLERANCES = (1e-10, 1e-7)  # limits, of a simulation step: far below noise that may be rounding
+REFINEMENT = 4  # steps per raw sample of an input, by splines, where that is cheap
+CHEAP = 160_000  # refined samples, at most
 
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A path close to a record, and what pushes the model along it.
+    """A path close to a record, and the push that keeps the model on it.
 
     Attributes
     ----------
     y : ndarray of shape (n_raw, n_columns)
         Measured columns without noise, at the raw times.
     push : ndarray of shape (n_raw, n_columns)
-        Highest derivative of y minus that of the model: zero but where pieces are joined.
+        Highest derivative of y minus that of the model: zero except where pieces are joined.
     """
 
     y: np.ndarray
@@ -50,7 +50,7 @@ class Path:
 
 
 def follow(equations: Equations, record: Record) -> Path | None:
-    """Simulate a model along a record, in pieces as long as stay close to it.
+    """Simulate a model along a record, in the longest pieces that stay close to it.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class _Course:
 
     @cached_property
     def states(self) -> np.ndarray:
-        """Where runs begin at each row of the record: what was measured, and hidden states."""
+        """Initial states of runs from each row of the record: measured, then hidden ones."""
         if not isinstance(self.equations, MemoryEquations):
             return np.asarray(self.record.x)
         hidden = self.equations.along(self.record.x, self.record.u, self.record.t)
@@ -109,20 +109,20 @@ class _Course:
 
     @cached_property
     def fine(self) -> tuple[np.ndarray, np.ndarray | None]:
-        """Refined times and inputs: straight lines between samples would take off their peaks."""
+        """Refined times and inputs: straight lines between samples would cut off their peaks."""
         t, u, steps = self.made.t, self.made.u, self.refinement
         if u is None:
             return t, u
         n = len(t)
         fine = np.interp(np.arange(steps * (n - 1) + 1) / steps, np.arange(n), t)
         spline = CubicSpline(t, u, axis=0)
-        # Straight lines lie above a curve that bends up, by so much on average.
+        # Chords lie above a convex curve, by so much on average.
         chords = (self.made.dt / steps) ** 2 / 12.0 * spline(fine, 2)
         return fine, spline(fine) - chords
 
     @cached_property
     def tolerance(self) -> float:
-        """Error of a simulation step: differentiated like noise, it must be smaller than that."""
+        """Error of a simulation step: differentiated like the noise, it must be smaller."""
         noise = self.made.noise / np.maximum(self.made.y.std(axis=0), TINY)
         return float(np.clip(0.01 * noise.min(), *TOLERANCES))
 
@@ -146,7 +146,7 @@ class _Course:
         return Path(y, push)
 
     def _joined(self, length: int, stop: int) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return states from the first sample to a stop, and the push at all; None if too large."""
+        """Return states from the first sample to a stop, and the push; None if not finite."""
         first, last = self.samples[[0, -1]]
         fade = length // FADE
         wanted = np.arange(first, max(first + 1, last + 1 - fade), length)
@@ -158,16 +158,19 @@ class _Course:
         for row, start, end in zip(rows, starts, ends, strict=True):
             piece = self._run(row, start, end)
             if start > first:
-                both = slice(start, min(start + fade, end))
-                old, new = x[both.start - first : both.stop - first], piece[: both.stop - start]
-                piece[: len(old)], push[both] = self._fade(old, new, both)
+                overlap = slice(start, min(start + fade, end))
+                old, new = (
+                    x[overlap.start - first : overlap.stop - first],
+                    piece[: overlap.stop - start],
+                )
+                piece[: len(old)], push[overlap] = self._fade(old, new, overlap)
             x[start - first : end - first] = piece
             if not (np.isfinite(piece).all() and np.isfinite(push[start:end]).all()):
                 return None
         return x, push
 
     def _run(self, row: int, start: int, end: int) -> np.ndarray:
-        """Simulate from a row of the record, which is the raw sample start, to before an end."""
+        """Simulate from a row, at raw sample `start`, to the last sample before `end`."""
         t, u = self.fine
         steps = self.refinement
         span = slice(start * steps, (end - 1) * steps + 1)
@@ -181,17 +184,17 @@ class _Course:
         )[::steps]
 
     def _fade(self, old: np.ndarray, new: np.ndarray, at: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Fade from one solution to another; return states, and what pushes the model along.
+        """Fade from one solution to another; return states, and the push.
 
         With a weight w, the derivatives of the path follow from those of the two by Leibniz's
         rule: (w gap)^(m) = sum over k of binomial(m, k) w^(k) gap^(m - k).
         """
         order = self.made.order
-        before, after = self._levels(old, at), self._levels(new, at)
-        gap = [b - a for a, b in zip(before, after, strict=True)]
+        old_levels, new_levels = self._levels(old, at), self._levels(new, at)
+        gap = [b - a for a, b in zip(old_levels, new_levels, strict=True)]
         weight = _weight(len(old), len(old) * self.made.dt, order)
         levels = [
-            before[m] + sum(comb(m, k) * weight[k] * gap[m - k] for k in range(m + 1))
+            old_levels[m] + sum(comb(m, k) * weight[k] * gap[m - k] for k in range(m + 1))
             for m in range(order + 1)
         ]
         n = self.record.n_states
@@ -203,7 +206,7 @@ class _Course:
         """Return the measured columns and all their derivatives, the last one by the model."""
         order = self.made.order
         u = None if self.made.u is None else self.made.u[at]
-        with np.errstate(all="ignore"):  # the caller looks whether they are finite
+        with np.errstate(all="ignore"):  # the caller checks that they are finite
             rates = self.equations.evaluate(x, u, self.made.t[at])
         n = self.record.n_states
         levels = (x[:, level:n:order] for level in range(order))

@@ -1,14 +1,14 @@
-"""Residuals times slow random signals: as strong and as colored, but functions of nothing.
+"""Residuals times slow random signals: as strong and as colored, but independent of the states.
 
-What is strong at some time stays strong there, and what is colored stays so over the memory of the
-residual, but nothing depends on the states any more. Beside the noise of a sensor little is left of
-the memory of what wanders slowly, which fits a trend or a square by chance as white noise never
-does. So the slow part of a residual has a signal of its own, with a memory of its own.
+The residual keeps its strength at each time, and its color over the memory of the signal. A slow
+wander fits a trend or a square by chance, as white noise never does, but sensor noise hides its
+long memory. So the slow part of a residual has a signal and a memory of its own.
 
 References
 ----------
 Shao, JASA 105 (2010), DOI 10.1198/jasa.2009.tm08744, the dependent wild bootstrap.
-Granger and Newbold, J. Econometrics 2 (1974), DOI 10.1016/0304-4076(74)90034-7: what wanders.
+Granger and Newbold, J. Econometrics 2 (1974), DOI 10.1016/0304-4076(74)90034-7: spurious
+regressions on series that wander.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ from ...checks import TINY
 
 __all__ = ["Shuffle"]
 
-# Longest memories, in records. What changes faster than the longer one is not slow, and even the
-# signal of the slow part must still change its sign.
+# Longest memories of the slow part and of the rest, as shares of a record. What changes faster than
+# the longer one is not slow, and the signal of the slow part must still change its sign.
 LONGEST, LONGEST_OF_REST = 1.0 / 8.0, 1.0 / 40.0
 
 
 @dataclass(frozen=True, eq=False)
 class Shuffle:
-    """Columns as a sum of parts, each with the memory that its signal has.
+    """Columns split into parts, each with the memory of its random signal.
 
     Attributes
     ----------
     parts : tuple of ndarray of shape (n_samples, n_columns)
-        What is slow, and the rest.
+        The slow part, and the rest; their sum is the columns.
     memories : tuple of float
-        Of each part: standard deviation, in samples, of the bell that smooths its signal.
+        Of each part: width (standard deviation) of the Gaussian that smooths its signal, samples.
     """
 
     parts: tuple[np.ndarray, ...]
@@ -45,7 +45,7 @@ class Shuffle:
 
     @classmethod
     def of(cls, columns: np.ndarray) -> Shuffle:
-        """Take columns of shape (n_samples, n_columns) apart."""
+        """Split columns of shape (n_samples, n_columns)."""
         n = len(columns)
         slow = _smoothed(columns, n * LONGEST)
         parts = (slow, columns - slow)
@@ -53,15 +53,15 @@ class Shuffle:
         return cls(parts, tuple(map(_memory_of, parts, longest)))
 
     def draw(self, rng: np.random.Generator) -> np.ndarray:
-        """Return the columns under other signals; what they share stays shared."""
+        """Return the parts times new random signals, the same for all columns, and added up."""
         pairs = zip(self.parts, self.memories, strict=True)
         return np.sum([part * _signal(len(part), memory, rng) for part, memory in pairs], axis=0)
 
 
 def _smoothed(columns: np.ndarray, width: float) -> np.ndarray:
-    """Return columns smoothed by a bell of a standard deviation in samples, mirrored at the ends.
+    """Return columns smoothed by a Gaussian of a width in samples, mirrored at the ends.
 
-    Through a cosine transform, as `scipy.ndimage.gaussian_filter1d` would sum over nearly all rows.
+    By a cosine transform: `scipy.ndimage.gaussian_filter1d` would sum over nearly all rows.
     """
     frequencies = np.pi * np.arange(len(columns))[:, None] / len(columns)
     waves = fft.dct(columns, axis=0) * np.exp(-0.5 * (width * frequencies) ** 2)
@@ -76,7 +76,7 @@ def _signal(n: int, memory: float, rng: np.random.Generator) -> np.ndarray:
 def _memory_of(columns: np.ndarray, longest: float) -> float:
     """Return twice the lag, in samples, at which the autocorrelation has fallen to a tenth.
 
-    Its envelope counts: that of a residual which rings crosses zero long before it is forgotten.
+    The envelope counts, as the autocorrelation of a ringing residual crosses zero much earlier.
     """
     n = len(columns)
     length = fft.next_fast_len(2 * n, real=True)

@@ -1,9 +1,9 @@
 """Twins: records of a machine that the declared model describes in full.
 
-Whatever a search finds in a twin, it finds where nothing is missing. A twin follows the model with
-the measured input, carries the noise of the sensor through the same preparation, and has the part
-of the residual that this noise does not explain, multiplied by slow random signals: as strong and
-as colored as measured, wherever it was, but a function of nothing, see signs.py.
+Whatever a search finds in a twin is a false alarm. A twin follows the model with the measured
+input, and its sensor noise goes through the same preparation. The part of the residual that this
+noise does not explain is added, times slow random signals: as strong and as colored as measured, at
+the same times, but independent of the states, see signs.py.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ class TwinMaker:
         Parameters
         ----------
         equations : Equations
-            The model in which nothing is missing, fitted. What it leaves is taken for disturbance:
-            a bootstrap that imposes the null hypothesis keeps its level better (Davidson and
+            The model in which nothing is missing, fitted. Its residual counts as disturbance: a
+            bootstrap that imposes the null hypothesis keeps its level better (Davidson and
             MacKinnon 1999, DOI 10.1017/S0266466699153027).
         records : sequence of Record
             What was measured.
@@ -60,7 +60,7 @@ class TwinMaker:
 
     @cached_property
     def _inputs_at_work(self) -> list[int]:
-        """Return the inputs that the model has, without what is only tried beside it."""
+        """Return the inputs that the model depends on, without probes."""
         n_states, n_inputs = len(self.equations.states), len(self.equations.inputs)
         used = frozenset().union(*(term.variables for term in self.equations.terms))
         return [k for k in range(n_inputs) if n_states + k in used]
@@ -87,13 +87,15 @@ class TwinMaker:
         rates = self.equations.evaluate(twin.x, twin.u, twin.t)
         if twin is not record:
             explained = as_observed(twin, twin.x_dot - rates)
-        explained = explained + self._untimely(twin, rates, residual, explained.var(axis=0), rng)
-        left = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
-        share = np.sqrt(left / np.maximum(residual.var(axis=0), TINY))
+        explained = explained + self._of_jump_times(
+            twin, rates, residual, explained.var(axis=0), rng
+        )
+        unexplained = np.maximum(residual.var(axis=0) - explained.var(axis=0), 0.0)
+        share = np.sqrt(unexplained / np.maximum(residual.var(axis=0), TINY))
         disturbed = rates + explained + share * shuffle.draw(rng)
         return replace(twin, x_dot=disturbed)
 
-    def _untimely(
+    def _of_jump_times(
         self,
         twin: Record,
         rates: np.ndarray,
@@ -101,36 +103,38 @@ class TwinMaker:
         noise: np.ndarray,
         rng: np.random.Generator,
     ) -> np.ndarray:
-        """Return what jumps of the inputs at other times change, as far as the residual has it.
+        """Return the effect of input jumps at random times, scaled to its share in the residual.
 
-        All of it is at the few jumps, where the noise is no stronger than elsewhere. How much of
-        it a residual has is seen by jumps that are all equally late: it would be taken for less
-        by the drawn ones, which count most where the draw happens to be large.
+        The effect is confined to the few jumps, where sensor noise is no stronger than elsewhere.
+        The share is measured with jumps that are all equally late. Drawn times would weigh most
+        where the draw happens to be large, and underestimate it.
         """
         errors = (untimely(twin, self._inputs_at_work, draw) for draw in (rng, None))
-        drawn, typical = (self._moved(twin, rates, error) for error in errors)
+        drawn, typical = (self._change_of_rates(twin, rates, error) for error in errors)
         power = typical**2
-        there = power / np.maximum(np.sum(power, axis=0), TINY)
-        unexplained = np.sum(there * residual**2, axis=0) - noise
-        expected = np.maximum(np.sum(there * power, axis=0), TINY)
+        weights = power / np.maximum(np.sum(power, axis=0), TINY)
+        unexplained = np.sum(weights * residual**2, axis=0) - noise
+        expected = np.maximum(np.sum(weights * power, axis=0), TINY)
         share = np.clip(unexplained, 0.0, expected) / expected
         return np.asarray(drawn * np.sqrt(share))
 
-    def _moved(self, twin: Record, rates: np.ndarray, error: np.ndarray | None) -> np.ndarray:
-        """Return what an error of the inputs changes of the rates."""
+    def _change_of_rates(
+        self, twin: Record, rates: np.ndarray, error: np.ndarray | None
+    ) -> np.ndarray:
+        """Return by how much an error of the inputs changes the rates."""
         if error is None or twin.u is None:
             return np.zeros_like(rates)
         return as_observed(twin, self.equations.evaluate(twin.x, twin.u + error, twin.t) - rates)
 
 
 def like(record: Record, twin: Record) -> Record:
-    """Return a twin with the inputs of a record, seen as that is."""
+    """Return a twin with the inputs of a record, and observed like it."""
     seen = None if record.seen is None else twin.seen
     return replace(twin, u=record.u, through=record.through, seen=seen)
 
 
 def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
-    """Measure a path with a noisy sensor; take off the derivative what pushed the model along."""
+    """Measure a path with a noisy sensor; subtract the push from the derivative."""
     noisy = path.y + made.noise * rng.standard_normal(path.y.shape)
     record = made.apply(made.t, noisy)
     if not path.push.any():
@@ -141,7 +145,7 @@ def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record
 
 
 def _noisier(record: Record, made: Preparation, rng: np.random.Generator) -> np.ndarray | None:
-    """Return the motion that explains a force, with the noise of its sensor once more."""
+    """Return the motion that explains a force, with its sensor noise added once more."""
     linear = replace(made, limits=np.full_like(made.limits, np.inf) * [[-1.0], [1.0]])
     noise = linear.apply(made.t, made.noise * rng.standard_normal(made.y.shape))
     columns = np.column_stack([noise.x, noise.x_dot[:, made.order - 1 :: made.order]])

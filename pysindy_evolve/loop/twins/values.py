@@ -1,4 +1,4 @@
-"""What a statistic is worth: its values on twins, in which nothing is missing."""
+"""Values of a statistic on twins, in which nothing is missing."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from .twins import TwinMaker
 
 __all__ = ["twin_values"]
 
-BATCH = 4  # twins between two looks at whether the rest can be spared
-CLEAR = 2.0  # times the best of all twins so far: more of them would not change the verdict
+BATCH = 4  # twins, after which it is decided whether more are needed
+CLEAR = 2.0  # a statistic so many times the best of all twins passes without more of them
 
 Maker = TwinMaker | DriftingTwins | ColoredTwins
 Statistic = Callable[[Segments], float]
@@ -34,9 +34,9 @@ def twin_values(
 ) -> np.ndarray:
     """Return a statistic of each twin: what the same search finds where nothing is missing.
 
-    Twins come in batches. Once enough of them do better than what was observed for it to fail,
-    the rest are spared (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301), and so they are
-    once there are enough for it to pass and none comes near it.
+    Twins come in batches. No more are made once so many of them reach the observed value that it
+    fails (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301), or once there are enough for it to
+    pass and none comes near it.
     """
     children = rng.spawn(rules.n_twins)
     allowed = rules.level * (rules.n_twins + 1) - 1.0
