@@ -44,9 +44,8 @@ def exchange(
         if present is None:
             continue
         better, n_present = scores[0].group[0], finding.candidate.n_columns
-        least = (
-            PRICE if finding.candidate.is_straight else MARGIN
-        )  # a nonlinear one must do much better
+        # To replace a straight line, or to add coefficients, an effect must do much better.
+        least = PRICE if finding.candidate.is_straight else MARGIN
         least += LEAD * max(better.n_columns - n_present, 0)
         if scores[0].value > present.value + least:
             exchanged = finding.with_candidate(better, design)
