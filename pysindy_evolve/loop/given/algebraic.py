@@ -1,7 +1,7 @@
-"""Algebraic targets: a force that is what it is now, with nothing differentiated.
+"""Algebraic targets: the model gives a quantity itself, such as a force, and not its rate.
 
-The effects of the vocabulary are functions of inputs here: of a position and its velocity where two
-inputs are that to each other, of any other input by itself.
+The effects of the vocabulary are functions of inputs here: of a position and its velocity if two
+inputs are such a pair, of any other input by itself.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from ...signals import Record
 
 __all__ = ["as_algebraic", "motions_of"]
 
-ALIKE = 0.98  # correlation from which on one input is the slope of another
+ALIKE = 0.98  # correlation from which on an input counts as the slope of another one
 
 
 def as_algebraic(record: Record) -> Record:
-    """Return a record whose target, its columns of x, stands in the place of the rates."""
+    """Return a record whose targets, its columns of x, take the place of the rates."""
     return replace(record, x_dot=record.x, preparation=None)
 
 

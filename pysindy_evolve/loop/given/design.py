@@ -39,8 +39,8 @@ class Column:
     parts : tuple of Sum, one for each state
         Expressions of the variables: states, inputs, time. Empty where it does not enter.
     inertia : InertiaWave, optional
-        Of which its coefficient is the amplitude. Then its part is what that lacks of the model
-        that was fitted last, and the equations hold the wave itself.
+        Wave of which its coefficient is the amplitude. Its part is then linear: what the last
+        fitted model lacks of the wave. `Design.equations` holds the exact form.
     """
 
     name: str
@@ -92,8 +92,8 @@ class Design:
     n_hidden : int
         Number of last states that nobody measured.
     doubted : tuple of int
-        States whose equation is one such as q' = v, but is contradicted by the records: like
-        others it may lack something.
+        States with an equation such as q' = v that the records contradict: like any other, it
+        may lack something.
     """
 
     states: tuple[str, ...]
@@ -167,7 +167,7 @@ class Design:
 
     @property
     def paths(self) -> tuple[Call, ...]:
-        """What remembers states in any of the terms, whatever its coefficient will be."""
+        """Operators with memory (paths) in any of the terms, whatever their coefficients are."""
         return paths_in(self.equations(np.ones(len(self.columns))))
 
     @property

@@ -1,4 +1,4 @@
-"""What records must be so that the loop can work on them; an error says what to do."""
+"""Checks of the records that the loop is given; each error says what to do."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from .through import with_functions
 __all__ = ["check_records", "doubt_held_out"]
 
 MIN_SAMPLES = 32
-LATE = 100.0  # times as long as all records, after which nobody counts from zero
-ROUNDING = 1e-13  # of its size, that a filter makes a constant column vary by
+LATE = 100.0  # first time, in lengths of all records, from which on zero is far away
+ROUNDING = 1e-13  # relative variation that a filter leaves in a constant column
 
 
 def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> None:
@@ -58,7 +58,7 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
                 f"got steps from {steps.min():g} to {steps.max():g}. "
                 "Interpolate the record to one sampling time first."
             )
-    for record in with_functions(design, records):  # a low-pass of steps swings past their ends
+    for record in with_functions(design, records):  # low-passed steps overshoot
         _check_finite(design, record)
     _doubt_clock(records)
     _check_names(design, records)
@@ -68,7 +68,7 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
 
 
 def _doubt_clock(records: Sequence[Record]) -> None:
-    """Warn where times begin so late that what depends on them is lost in an offset."""
+    """Warn if times begin so late that functions of them look like an offset."""
     start, end = records[0].t[0], max(record.t[-1] for record in records)
     if abs(start) > LATE * (end - start):
         warn(
@@ -129,9 +129,9 @@ def _check_names(design: Design, records: Sequence[Record]) -> None:
 
 
 def _check_velocities(design: Design, records: Sequence[Record]) -> None:
-    """Raise where a state is the velocity of another, and stands under another name in the model.
+    """Raise if the equation of a position uses another name than that of its velocity.
 
-    A name that is no state is a free parameter, so nothing else would say so.
+    A name that is no state would pass as a free parameter.
     """
     for position, velocity in permutations(range(len(design.states)), 2):
         swapped = design.derivative_of(velocity) == position
@@ -154,7 +154,7 @@ def _check_velocities(design: Design, records: Sequence[Record]) -> None:
 
 
 def _check_columns(design: Design, records: Sequence[Record]) -> None:
-    """Raise where a column says nothing, or is out of the range of the arithmetic."""
+    """Raise if a column is constant, or out of the range of the arithmetic."""
     rates = tuple(f"{state}'" for state in design.states)
     for name, called in (("x", design.states), ("u", design.inputs), ("x_dot", rates)):
         columns = [
