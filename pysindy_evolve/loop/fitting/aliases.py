@@ -77,7 +77,7 @@ def without_aliases(
 
 
 def share_of_steps(memory: Memory | None, step: float) -> float:
-    """Return the share of T^2 b du/dt by which samples fall short, if the input passes a memory.
+    """Return the share -theta of T^2 b du/dt, by which samples fall short, behind a memory.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ class _Way:
         return at(float(found.x))
 
     def _shown(self, record: Record) -> Record:
-        """Return a record of mean inputs with inputs as the samples of the states show them."""
+        """Return a record, given mean inputs, with inputs as samples of the states show them."""
         through = {memory.column: memory for memory in self.memories}
 
         def shown(t: np.ndarray, u: np.ndarray) -> np.ndarray:

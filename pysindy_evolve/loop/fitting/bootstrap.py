@@ -1,8 +1,8 @@
 """Intervals of coefficients from blocks of rows, which respect autocorrelated residuals.
 
 Each block gets a random weight. Blocks drawn with replacement could all miss the few in which a
-stop was hit, and so allow a stiffness of zero. If few blocks determine a coefficient, they also
-tell its spread badly: its interval is widened, as Student's t is for few measurements.
+stop was hit, and so allow a stiffness of zero. If few blocks determine a coefficient, its spread is
+uncertain too, so its interval is widened, as Student's t is for few measurements.
 
 References
 ----------

@@ -36,7 +36,7 @@ __all__ = [
     "refit",
 ]
 
-N_BLOCKS = 40  # of the derivative fit; each is longer than a residual is correlated
+N_BLOCKS = 40  # of the derivative fit; each much longer than a residual is correlated
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each with its own initial state
 JUDGED = 16  # stretches on which simulation fit and derivative fit are compared
 ROUNDING = 1e-16  # least squared residual, relative to the squared target

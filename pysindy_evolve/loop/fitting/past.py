@@ -41,7 +41,7 @@ def begun(equations: Equations, record: Record, *, doubted: bool = False) -> Rec
     record : Record
         What was measured.
     doubted : bool
-        Whether the inputs are known to have stood elsewhere. Then noise is no excuse.
+        Whether the inputs are known to have stood elsewhere; the error need not exceed noise then.
 
     Returns
     -------

@@ -256,7 +256,7 @@ def jacobian(equations: Equations, z: np.ndarray, scale: np.ndarray) -> np.ndarr
         ahead, behind = (
             [_moved(equations, flat, j, far * side * step) for far in (1, 2)] for side in (1, -1)
         )
-        with np.errstate(invalid="ignore"):  # of a run that leaves the record
+        with np.errstate(invalid="ignore"):  # where runs diverge
             forward, backward = (ahead[1] - ahead[0]) / step, (behind[0] - behind[1]) / step
         result[:, :, j] = np.where(np.abs(forward) < np.abs(backward), forward, backward)
     return result.reshape(*z.shape[:-1], n_states, n_states)
@@ -273,5 +273,5 @@ def _rates(equations: Equations, flat: np.ndarray) -> np.ndarray:
     columns = [term.evaluate(flat, cache) for term in equations.terms]
     if not columns:
         return np.zeros((len(flat), len(equations.states)))
-    with np.errstate(over="ignore", invalid="ignore"):  # of a run that leaves the record
+    with np.errstate(over="ignore", invalid="ignore"):  # where runs diverge
         return np.asarray(np.column_stack(columns) @ equations.coef.T)

@@ -104,7 +104,7 @@ class _Course:
 
     @property
     def n_free(self) -> int:
-        """Number of rows, less the numbers of the starts."""
+        """Number of rows minus the number of coefficients of the starts."""
         return sum(len(rows) - self.order for rows in self.rows)
 
     @cached_property

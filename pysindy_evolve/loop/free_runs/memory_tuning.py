@@ -128,7 +128,7 @@ def intervals_by_runs(
     """Return the 95 % intervals of the coefficients and then of the numbers of memories.
 
     Stretches are drawn with replacement, and all parameters are fitted to each draw to first order.
-    The quantiles about the median are centered on the fitted values. NaN if no run follows.
+    The quantiles about the median are centered on the fitted values. NaN if runs fail.
 
     Returns
     -------

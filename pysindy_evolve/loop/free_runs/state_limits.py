@@ -1,7 +1,8 @@
-"""Limits of a state itself, not only of its sensor: the state stops there, and leaves at once.
+"""Limits of a state itself, not only of its sensor.
 
-Beyond the range of a sensor the state goes on, and is seen again when it has come back. Free runs
-over training records tell which of the two it is; if they do not, the readings are taken as true.
+Such a state stops at the limit, and leaves it as soon as it is driven back. If only the sensor has
+a limit, the state goes on unseen, and shows again when it has come back. Free runs over training
+records tell which of the two it is; if they do not, the readings are taken as true.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ __all__ = ["Model", "Pasts", "Variant", "memories_beside"]
 
 Pasts = tuple[tuple[float, ...], ...]  # for each record, its inputs before it began
 
-BRIMS = (0.55, 0.7, 0.85)  # heights of a vessel, relative to its highest level without a brim
+BRIMS = (0.55, 0.7, 0.85)  # heights, relative to the highest level of a vessel without a brim
 SHARES = (0.0, 1.0)  # of the overflow that arrives: none, or all of it
 
 

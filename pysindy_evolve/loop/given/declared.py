@@ -241,7 +241,7 @@ def _check_kinds(inputs: Any, known: Any, operators: Any) -> None:
 
 
 def _check_used(known: Iterable[str], sides: Sequence[RightHandSide]) -> None:
-    """Raise if a constant stands in no equation; there it may have another name."""
+    """Raise if a constant stands in no equation; it may have another name there."""
     used = frozenset().union(*(side.names for side in sides))
     if unused := [name for name in known if name not in used]:
         raise ValueError(

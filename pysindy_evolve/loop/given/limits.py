@@ -17,7 +17,7 @@ from .sensor import ends_of
 
 __all__ = ["LIMITED", "Limit", "limited", "limits_of", "off_limits"]
 
-LIMITED = "saturation"  # its name
+LIMITED = "saturation"  # name of the effect
 NEAR = 0.01  # distance, in standard deviations, at which a state counts as being at a limit
 
 
@@ -69,12 +69,12 @@ def limited(design: Design, limits: Sequence[Limit]) -> Design:
 
 
 def limits_of(records: Sequence[Record]) -> list[Limit]:
-    """Return the limits of readings that raw records show, whatever they are limits of.
+    """Return the limits of readings that raw records show, of states and of sensors alike.
 
     Parameters
     ----------
     records : sequence of Record
-        Training records; without raw data nothing is seen.
+        Training records; without raw data there are none.
 
     Returns
     -------

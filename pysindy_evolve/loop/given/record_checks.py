@@ -19,7 +19,7 @@ from .through import with_functions
 __all__ = ["check_records", "doubt_held_out"]
 
 MIN_SAMPLES = 32
-LATE = 100.0  # first time, in lengths of all records, from which on zero is far away
+LATE = 100.0  # largest start time without a warning, in lengths of all records
 ROUNDING = 1e-13  # relative variation that a filter leaves in a constant column
 
 

@@ -44,7 +44,7 @@ def at_one_step(train: list[Record], test: list[Record]) -> tuple[list[Record], 
 
 
 def undecimated(train: list[Record], test: list[Record]) -> tuple[list[Record], list[Record]]:
-    """Return records of a target at the sampling time of their raw data, if that is one for all.
+    """Return records of a target at the sampling time of their raw data, if all share it.
 
     A decimated target holds what its sensor saw between two rows. A sign that changes there is only
     known to within a row, and would look rounded off.
@@ -74,12 +74,12 @@ def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
         return record
     settings = made.settings | {"cutoff": cutoff, "decimate": round(step / made.dt)}
     again = prepare(made.t, made.y, made.u, **settings)
-    again = _as_known(again, record, made) if record.motion is None else as_target(again)
+    again = _with_known_inputs(again, record, made) if record.motion is None else as_target(again)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
     return again[int(inside[0]) : int(inside[-1]) + 1]
 
 
-def _as_known(again: Record, record: Record, made: Preparation) -> Record:
+def _with_known_inputs(again: Record, record: Record, made: Preparation) -> Record:
     """Return a record prepared again with what was known of its inputs."""
     plan = again.preparation
     kept = None if plan is None else replace(plan, steps=made.steps)

@@ -97,7 +97,7 @@ class Segments:
 
     @property
     def ranges(self) -> Ranges:
-        """How far the variables go in these pieces."""
+        """Ranges of the variables in these pieces."""
         return Ranges.of(self.rows)
 
     @property

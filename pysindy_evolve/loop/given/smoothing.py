@@ -1,6 +1,6 @@
 """Records made by a user whose derivatives were smoothed more than their states.
 
-A derivative from a local polynomial (Savitzky and Golay) is smaller than the slope of its state: its
+A derivative from a local polynomial (Savitzky-Golay) is smaller than the slope of its state: its
 gain at a frequency f is 1 - b f^2. What is missing looks like a force. So the derivatives of such
 records are taken anew from the states, up to the frequency at which the states begin to be smoothed
 too. A linear equation holds for the slower part of the motion by itself. Any other equation cannot
@@ -30,7 +30,7 @@ LOST = 0.15  # share of a slope missed at the new cutoff; there states are right
 MOTION = 0.99  # share of the power of a derivative in the band of the motion
 FEWEST = 200  # samples; fewer tell no spectra apart
 FAST = 0.1  # share of the slopes that may lie above the new cutoff
-EVEN = 1e-3  # largest error of a sample's time, in sampling times
+EVEN = 1e-3  # largest spread of the time steps, relative to their mean
 
 
 def with_own_slopes(
@@ -58,8 +58,8 @@ def with_own_slopes(
     UserWarning
         If derivatives are taken anew.
     """
-    order = _states_each(design)
-    if not order or not all(map(_is_own, [*train, *test])):
+    order = _states_per_column(design)
+    if not order or not all(map(_is_made_by_user, [*train, *test])):
         return train, test, True
     cutoff = min(map(_whole_up_to, train))
     if not np.isfinite(cutoff):
@@ -72,11 +72,11 @@ def with_own_slopes(
         + ("" if shown else "The motion is faster than that, so no effect is looked for. ")
         + "Give the measurement as it is to prepare(t, y, u).",
     )
-    train, test = ([_anew(r, order, cutoff) for r in records] for records in (train, test))
+    train, test = ([_prepared_anew(r, order, cutoff) for r in records] for records in (train, test))
     return train, test, shown
 
 
-def _states_each(design: Design) -> int:
+def _states_per_column(design: Design) -> int:
     """Return how many states `prepare` makes of a measured column; 0 if it orders them otherwise.
 
     One if no state is the derivative of another, two if each position is followed by its velocity.
@@ -94,7 +94,7 @@ def _is_linear(design: Design) -> bool:
     return all(term.size <= 1 for side in sides for _, term in side.parts)
 
 
-def _is_own(record: Record) -> bool:
+def _is_made_by_user(record: Record) -> bool:
     """Tell whether a record was made by the user, is long and even, and all of it moves."""
     steps = np.diff(record.t)
     is_even = bool(np.ptp(steps) <= EVEN * steps.mean())
@@ -114,7 +114,7 @@ def _whole_up_to(record: Record) -> float:
 
 def _short_from(frequency: np.ndarray, slope: np.ndarray, given: np.ndarray) -> float:
     """Return the frequency where `LOST` of a slope is missed; infinite if not by 1 - b f^2."""
-    band = _moves(given)
+    band = _band_of_motion(given)
     missing, bent = (slope - given)[band], (frequency**2 * slope)[band]
     size = float(np.sum(np.abs(bent) ** 2))
     b = float(np.sum((missing * bent.conj()).real)) / size if size > 0.0 else 0.0
@@ -130,7 +130,7 @@ def _fast_share(record: Record, cutoff: float) -> float:
     frequency = fft.rfftfreq(record.n_samples, record.dt)
     shares = []
     for slope, given in zip(_slopes(record).T, record.x_dot.T, strict=True):
-        power = np.abs(_spectrum(slope))[_moves(_spectrum(given))] ** 2
+        power = np.abs(_spectrum(slope))[_band_of_motion(_spectrum(given))] ** 2
         fast = frequency[: len(power)] > cutoff
         shares.append(float(np.sqrt(np.sum(power[fast]) / np.sum(power))))
     return max(shares)
@@ -140,7 +140,7 @@ def _slopes(record: Record) -> np.ndarray:
     return np.asarray(np.gradient(record.x, record.t, axis=0, edge_order=2))
 
 
-def _moves(spectrum: np.ndarray) -> np.ndarray:
+def _band_of_motion(spectrum: np.ndarray) -> np.ndarray:
     """Return the frequencies of the motion, from the spectrum of a smooth derivative."""
     power = np.cumsum(np.abs(spectrum) ** 2)
     return np.flatnonzero(power <= MOTION * power[-1])
@@ -150,7 +150,7 @@ def _spectrum(column: np.ndarray) -> np.ndarray:
     return np.asarray(fft.rfft((column - column.mean()) * np.hanning(len(column))))
 
 
-def _anew(record: Record, order: int, cutoff: float) -> Record:
+def _prepared_anew(record: Record, order: int, cutoff: float) -> Record:
     """Return a record prepared from the states of another one."""
     y = record.x[:, ::order]
     made = prepare(record.t, y, record.u, order=order, cutoff=cutoff, limits=None)

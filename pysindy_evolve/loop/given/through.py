@@ -49,11 +49,11 @@ def with_functions(
 def _function_of(design: Design, column: int, train: Sequence[Record]) -> Sum | None:
     """Return the function of an input that the model has; None if it is the input itself."""
     place = len(design.states) + column
-    parts = {_part(term, place) for _, term in _terms(design) if place in term.variables}
+    parts = {_factors_of(term, place) for _, term in _terms(design) if place in term.variables}
     if not parts or None in parts or all(part is not None and part.size == 1 for part in parts):
         return None
     if len(parts) > 1:
-        return _sum_of(design, place, train)
+        return _fitted_sum(design, place, train)
     return Sum(tuple((1.0, part) for part in parts if part is not None))
 
 
@@ -63,21 +63,21 @@ def _terms(design: Design) -> Iterator[tuple[int, Product]]:
             yield state, term
 
 
-def _part(term: Product, place: int) -> Product | None:
+def _factors_of(term: Product, place: int) -> Product | None:
     """Return the factors of a term that depend on one variable; None if one depends on more."""
     of_variable = [(atom, power) for atom, power in term.factors if place in atom.variables]
     is_single = all(atom.variables == {place} for atom, _ in of_variable)
     return Product(tuple(of_variable)) if is_single else None
 
 
-def _sum_of(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
+def _fitted_sum(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
     """Return the fitted sum of all functions of an input.
 
     None unless they stand in one equation, and all have the same other factors.
     """
     acting = [(state, term) for state, term in _terms(design) if place in term.variables]
     states = {state for state, _ in acting}
-    if len(states) > 1 or len({_beside(term, place) for _, term in acting}) > 1:
+    if len(states) > 1 or len({_other_factors(term, place) for _, term in acting}) > 1:
         return None
     (state,) = states
     rows = np.concatenate([variables_of(record) for record in train])
@@ -90,11 +90,11 @@ def _sum_of(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
     total = design.fixed[state]
     for value, side in zip(coef.tolist(), sides, strict=True):
         total = add(total, mul(constant(value), side))
-    parts = ((c, _part(term, place)) for c, term in total.parts)
+    parts = ((c, _factors_of(term, place)) for c, term in total.parts)
     return Sum(tuple((c, part) for c, part in parts if part is not None and part.factors))
 
 
-def _beside(term: Product, place: int) -> Product:
+def _other_factors(term: Product, place: int) -> Product:
     """Return the factors of a term that do not depend on a variable."""
     return Product(tuple(factor for factor in term.factors if place not in factor[0].variables))
 

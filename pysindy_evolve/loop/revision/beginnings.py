@@ -86,7 +86,7 @@ def settled_beginning(
 def _begun(
     model: Equations, records: Sequence[Record], elsewhere: Sequence[bool]
 ) -> tuple[Record, ...]:
-    """Estimate past inputs again; noise is no excuse in records where they are known to differ."""
+    """Estimate past inputs again; where they are known to differ, errors need not exceed noise."""
     pairs = zip(records, elsewhere, strict=True)
     return tuple(begun(model, record, doubted=is_known) for record, is_known in pairs)
 

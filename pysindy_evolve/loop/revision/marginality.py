@@ -51,13 +51,13 @@ def without_parents(declared: Design, findings: Sequence[Finding], part: Segment
                 continue
             design = with_columns(declared, (*rest, *staying, child))
             if _gain(dropped, design, part) < MARGIN * len(dropped):
-                orphan = replace(child, candidate=_beside(child.candidate, staying))
+                orphan = replace(child, candidate=_with_parents(child.candidate, staying))
                 kept = [orphan if f is child else f for f in findings if f not in dropped]
                 return without_parents(declared, kept, part)
     return [_renamed(finding, findings, declared) for finding in findings]
 
 
-def _beside(candidate: Candidate, parents: Sequence[Finding]) -> Candidate:
+def _with_parents(candidate: Candidate, parents: Sequence[Finding]) -> Candidate:
     kept = tuple(term for parent in parents for term in parent.candidate.terms)
     return replace(candidate, parents=kept)
 

@@ -44,14 +44,14 @@ def without_outlived(
     """
     for finding in findings:
         rest = excluding(findings, finding)
-        if _may_go(finding, rest):
+        if _may_be_superseded(finding, rest):
             sides = model_of(declared, findings), model_of(declared, rest)
             if _derivative_loss(*sides, wide) < MARGIN and _loss_of_runs(*sides, records) < MARGIN:
                 return without_outlived(declared, rest, records, wide)
     return list(findings)
 
 
-def _may_go(finding: Finding, rest: Sequence[Finding]) -> bool:
+def _may_be_superseded(finding: Finding, rest: Sequence[Finding]) -> bool:
     """Tell whether later effects may explain what a finding did, and none of the rest needs it."""
     hidden = isinstance(finding, MemoryFinding) or finding.by_runs
     followed = any(other.step > finding.step for other in rest)
