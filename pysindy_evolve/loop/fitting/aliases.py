@@ -126,8 +126,8 @@ class _Way:
         """Return the same with the best delay or lag of one more input, if that clearly helps."""
         step = self.train[0].raw_dt
         kinds = ((DELAY, step * DELAYS), (LAG, step * LAGS))
-        ways = [self._best(kind, column, values) for kind, values in kinds]
-        best = min(ways, key=_Way.error)
+        options = [self._best(kind, column, values) for kind, values in kinds]
+        best = min(options, key=_Way.error)
         return best if self.error() > CLEAR * best.error() else self
 
     def _best(self, kind: str, column: int, values: np.ndarray) -> _Way:

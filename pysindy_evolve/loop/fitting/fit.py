@@ -106,8 +106,8 @@ def _is_better(
     judged: np.ndarray, blocks: np.ndarray, by_derivative: np.ndarray, by_simulation: np.ndarray
 ) -> bool:
     """Tell whether a fit to the other stretches simulates each better than the derivative fit."""
-    whole = blocks.sum(axis=0)
-    is_torn = square_of(whole, by_simulation) > MAX_TORN * square_of(whole, by_derivative)
+    total = blocks.sum(axis=0)
+    is_torn = square_of(total, by_simulation) > MAX_TORN * square_of(total, by_derivative)
     if len(judged) < 2 or is_torn:
         return False
     held_out = sum(
@@ -139,8 +139,8 @@ def _fit_to_all(horizons: dict[int, np.ndarray]) -> np.ndarray:
 def _normalized(grams: np.ndarray) -> np.ndarray:
     """Sum over the stretches, in units of the squared residual of the best fit to them."""
     total = grams.sum(axis=0)
-    left = sum(square_of(g, _solve(grams)) for g in grams)
-    return total / max(left, ROUNDING * float(total[-1, -1]), 1e-100)
+    residual = sum(square_of(g, _solve(grams)) for g in grams)
+    return total / max(residual, ROUNDING * float(total[-1, -1]), 1e-100)
 
 
 def _block_grams(design: Design, records: Sequence[Record]) -> np.ndarray:
@@ -218,12 +218,12 @@ def derivative_errors(
     state. The error is infinite if no row is left.
     """
     equations = design.equations(coef)
-    squares, samples, weights, known = [], [], [], np.zeros(len(design.states), dtype=bool)
+    squares, samples, weights, has_rows = [], [], [], np.zeros(len(design.states), dtype=bool)
     for record in records:
         wide = windows if record.n_samples >= windows.width else Windows(1)
         error = record.x_dot - rates_on(equations, record)
         valued = np.isfinite(error)
-        known |= valued.any(axis=0)
+        has_rows |= valued.any(axis=0)
         weight = moving(record, may_rest(design, [record])) * valued
         error = np.where(valued, error, 0.0)
         squares.append(project(error * weight, wide) ** 2)
@@ -231,7 +231,7 @@ def derivative_errors(
         weights.append(project(weight, wide) ** 2)
     rows = np.maximum(np.concatenate(weights).sum(axis=0), TINY)
     rms = np.sqrt(np.concatenate(squares).sum(axis=0) / rows)
-    return np.where(known, 100.0 * rms / scale_of(samples), np.inf)
+    return np.where(has_rows, 100.0 * rms / scale_of(samples), np.inf)
 
 
 def derivative_fit_errors(

@@ -82,8 +82,10 @@ def errors_of(trained: np.ndarray, judged: np.ndarray, models: np.ndarray) -> np
     """
     models = np.asarray(models, dtype=int)
     n_shared = int(np.argmin([*np.all(models == models[0], axis=0), False]))
-    shared, own = models[0, :n_shared], models[:, n_shared:]
-    others, places = np.unique(np.insert(own, own.shape[1], -1, axis=1), return_inverse=True)
+    shared, further = models[0, :n_shared], models[:, n_shared:]
+    others, places = np.unique(
+        np.insert(further, further.shape[1], -1, axis=1), return_inverse=True
+    )
     index = places.reshape(len(models), -1)
     size = np.maximum(np.diagonal(trained, axis1=1, axis2=2), TINY / RIDGE)
     size[:, -1] = 0.0  # the target is no column
@@ -103,13 +105,13 @@ def _projected(
     `index`, (n_models, k), holds the places of each model's columns in `others`; the result has
     the shape (n_parts, n_models, k, k).
     """
-    beside = grams[:, shared[:, None], others]
-    moved = grams[:, shared[:, None], shared] @ fits - beside
+    cross = grams[:, shared[:, None], others]
+    moved = grams[:, shared[:, None], shared] @ fits - cross
     rows, columns = index[:, :, None], index[:, None, :]
     if index.shape[1] > 2:  # the same pairs recur in many models
-        turned = np.swapaxes(fits, 1, 2) @ moved - np.swapaxes(beside, 1, 2) @ fits
+        turned = np.swapaxes(fits, 1, 2) @ moved - np.swapaxes(cross, 1, 2) @ fits
         return (grams[:, others[:, None], others] + turned)[:, rows, columns]
-    turned = fits[:, :, rows] * moved[:, :, columns] - beside[:, :, rows] * fits[:, :, columns]
+    turned = fits[:, :, rows] * moved[:, :, columns] - cross[:, :, rows] * fits[:, :, columns]
     return grams[:, others[rows], others[columns]] + turned.sum(axis=1)
 
 

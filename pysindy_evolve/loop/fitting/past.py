@@ -208,8 +208,8 @@ def _remembered(
     rows = stack(head.x, head.u, head.t)
 
     def along(start: float, n: int) -> np.ndarray:
-        begun = [*starts[:place], start, *starts[place + 1 :]]
-        return hidden_along(equations.paths, rows[:n], begun)
+        all_starts = [*starts[:place], start, *starts[place + 1 :]]
+        return hidden_along(equations.paths, rows[:n], all_starts)
 
     low, high = (along(end, len(rows))[:, place] for end in span)
     affected = np.flatnonzero(np.abs(high - low) > FADED * (span[1] - span[0]))

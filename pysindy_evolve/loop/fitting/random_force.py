@@ -69,8 +69,8 @@ def whitening(n: int, order: int) -> Whitening:
     starts, axes, spreads = _starts(n, order), [], []
     for memory in MEMORIES:
         drift = _drift(n, order, memory) / drift_size(n, order, memory)
-        left, sizes, _ = np.linalg.svd(drift)
-        axes.append(left)
+        vectors, sizes, _ = np.linalg.svd(drift)
+        axes.append(vectors)
         spreads.append(sizes**2)
     ratios = np.array([noise.ratio for noise in NOISES])
     variances = 1.0 + ratios[:, None] * np.array(spreads)[OF_MEMORY]

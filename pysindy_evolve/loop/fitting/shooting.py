@@ -121,7 +121,10 @@ def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple
         trials = [trial for trial in started if trial is not None]
         other_follows = other_follows or started[1] is not None
         if len(trials) == len(sides):
-            runs = [_settled(t, own) for t, (_, _, own) in zip(trials, sides, strict=True)]
+            runs = [
+                _settled(t, its_records)
+                for t, (_, _, its_records) in zip(trials, sides, strict=True)
+            ]
             missed = [_square_missed(run, len(few.states)) for run in runs]
             errors = [
                 square_left(d, records, r.coef) for d, r in zip((few, many), runs, strict=True)
@@ -162,19 +165,19 @@ def _begun(
     return None
 
 
-def _holds(begun: Trial, records: Sequence[Record], loss: Loss) -> bool:
+def _holds(trial: Trial, records: Sequence[Record], loss: Loss) -> bool:
     """Tell whether fits to each half of the stretches improve the other half.
 
     If a model lacks something, wrong coefficients can improve its runs. So a loss in the derivative
     counts against the gain in the runs.
     """
-    if len(begun.x) < 2:
+    if len(trial.x) < 2:
         return False
     before, after = 0.0, 0.0
-    halves = [begun.picked(slice(k, None, 2)) for k in (0, 1)]
+    halves = [trial.picked(slice(k, None, 2)) for k in (0, 1)]
     for seen, judged in (halves, halves[::-1]):
         coef = _settled(seen, records).coef
-        before += judged.error * loss(begun.coef)
+        before += judged.error * loss(trial.coef)
         after += _run(replace(judged, coef=coef), records).error * loss(coef)
     return after < before
 

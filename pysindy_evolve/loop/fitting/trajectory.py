@@ -116,8 +116,8 @@ class _Course:
     @cached_property
     def grams(self) -> np.ndarray:
         """Inner products of a zero column, the acting columns and the target, for each noise."""
-        own = [np.insert(rows[:, self.acting], 0, 0.0, axis=1) for rows in self.rows]
-        return np.sum([whitening(len(r), self.order).grams(r) for r in own], axis=0)
+        acting_rows = [np.insert(rows[:, self.acting], 0, 0.0, axis=1) for rows in self.rows]
+        return np.sum([whitening(len(r), self.order).grams(r) for r in acting_rows], axis=0)
 
     def gram(self, place: int) -> np.ndarray:
         """Return the inner products of all columns and the target for one of the noises."""
@@ -136,17 +136,19 @@ class _Course:
         places[self.acting] = np.arange(1, len(self.acting) + 1)
         distinct, inverse = np.unique(places[models], axis=0, return_inverse=True)
         least = ROUNDING * self.grams[:, -1, -1] + TINY
-        left = np.maximum(errors_of(self.grams, self.grams, distinct), least).T[:, inverse.ravel()]
-        return np.asarray(self.n_free * np.log(left / self.n_free) + self.logdets[:, None])
+        squares = np.maximum(errors_of(self.grams, self.grams, distinct), least).T[
+            :, inverse.ravel()
+        ]
+        return np.asarray(self.n_free * np.log(squares / self.n_free) + self.logdets[:, None])
 
     def likeliest(self) -> tuple[int, float]:
         """Return the place of the likeliest noise, and the variance of sensor noise."""
         n_columns = self.rows[0].shape[1] - 1
         place = int(np.argmin(self.deviances(np.arange(n_columns)[None])[:, 0]))
         gram = self.gram(place)
-        left = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
+        square = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
         free = max(self.n_free - n_columns, 1)
-        return place, float(max(left, ROUNDING * gram[-1, -1], TINY)) / free
+        return place, float(max(square, ROUNDING * gram[-1, -1], TINY)) / free
 
 
 class Trajectories:

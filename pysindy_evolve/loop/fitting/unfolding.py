@@ -116,7 +116,7 @@ def with_paths(
         return [_with_paths(paths, record, None) for record in records]
     full = with_memories(design.equations(coef), ())
     starts = [first_state(full, record)[record.n_states :].tolist() for record in records]
-    return [_with_paths(paths, r, own) for r, own in zip(records, starts, strict=True)]
+    return [_with_paths(paths, r, start) for r, start in zip(records, starts, strict=True)]
 
 
 def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float] | None) -> Record:
@@ -124,13 +124,13 @@ def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float] |
     hidden = hidden_along(paths, rows, starts)
     states = [variable(rows.shape[1] + k) for k in range(n)]
     rates = [rate for path in paths for rate in path_rates(path, own_states(states, paths, path))]
-    both = np.column_stack([rows, hidden])
+    all_rows = np.column_stack([rows, hidden])
     x = np.column_stack([record.x, hidden])
-    x_dot = np.column_stack([record.x_dot, *(rate.evaluate(both) for rate in rates)])
+    x_dot = np.column_stack([record.x_dot, *(rate.evaluate(all_rows) for rate in rates)])
     seen = record.seen
     if seen is not None:  # the memory of an unseen motion is not known either
-        known = np.all(seen, axis=1)[:, None]
-        seen = np.hstack([seen, np.repeat(known, n, axis=1)])
+        is_known = np.all(seen, axis=1)[:, None]
+        seen = np.hstack([seen, np.repeat(is_known, n, axis=1)])
     return replace(record, x=x, x_dot=x_dot, states=None, seen=seen)
 
 

@@ -86,10 +86,10 @@ class Pool:
         forms = [one for one in forms if have_values(one.terms, acted)]
         usable = _as_named([*closest, *leading, *forms, *members], model.design, self.part)
         rivals = [c for c in dict.fromkeys(usable) if c != own.candidate]
-        begun = [begun_with(model, [rival], drift) for rival in rivals]
+        started = [begun_with(model, [rival], drift) for rival in rivals]
         # The effect was fitted in other units of the errors, so it is fitted again.
-        first, *others = converged([own.trial, *begun])
-        fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, others)]
+        first, *fitted_rivals = converged([own.trial, *started])
+        fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, fitted_rivals)]
         tuned = tuned_by_runs(fitted, model, drift)
         return [*tuned, *self._forms_of_best(tuned, model, drift)]
 
@@ -100,13 +100,15 @@ class Pool:
         best = plainest(tuned)
         if best.tied:
             return []
-        design, known = model.design, {one.candidate.terms for one in tuned}
+        design, known_terms = model.design, {one.candidate.terms for one in tuned}
         forms = [
             *other_forms(best.candidate, design, self.part),
             *as_quotients(best.candidate, design, self.part),
         ]
         acted = model.acted(drift.records)
-        new = [one for one in forms if one.terms not in known and have_values(one.terms, acted)]
+        new = [
+            one for one in forms if one.terms not in known_terms and have_values(one.terms, acted)
+        ]
         trials = converged([begun_with(model, [one], drift) for one in new])
         return tuned_by_runs(list(map(Contender, new, trials)), model, drift) if new else []
 
@@ -158,11 +160,11 @@ def _fitted_with(
 ) -> tuple[Model, np.ndarray]:
     """Return a model with effects added, and its coefficients fitted to the derivative."""
     columns = [column for effect in effects for column in columns_of(effect, model.design)]
-    whole = replace(model, design=model.design.adding(columns))
-    return whole, refit(whole.design, model.acted(records), "derivative")
+    with_effects = replace(model, design=model.design.adding(columns))
+    return with_effects, refit(with_effects.design, model.acted(records), "derivative")
 
 
 def begun_with(model: Model, effects: Sequence[Candidate], drift: Drift) -> Trial:
     """Return a trial of a model with effects added, started from the fit to the derivative."""
-    whole, coef = _fitted_with(model, effects, drift.records)
-    return whole.trial(coef, drift.trial.scale, drift.part)
+    with_effects, coef = _fitted_with(model, effects, drift.records)
+    return with_effects.trial(coef, drift.trial.scale, drift.part)

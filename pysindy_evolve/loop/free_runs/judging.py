@@ -254,6 +254,6 @@ def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
 def _as_rejected(finding: Finding, share: float, drift: Drift, level: float) -> Rejected:
     """Return a finding that did not pass, for the report."""
     design = drift.model.design
-    left = np.full(1, np.exp(-finding.score))
-    tried = Score((finding.candidate,), (), np.ones(1), left, finding.score)
+    error_ratio = np.full(1, np.exp(-finding.score))
+    tried = Score((finding.candidate,), (), np.ones(1), error_ratio, finding.score)
     return Rejected(tried, share, finding.p_value, finding.twin_scores, design.names, level)

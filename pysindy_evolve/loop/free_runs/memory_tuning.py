@@ -219,8 +219,10 @@ class _Numbers:
         flat[self.free] = np.exp(place[: len(self.free)])
         memories, rest = [], list(flat)
         for memory in self.model.memories:
-            own, rest = rest[: len(memory.values)], rest[len(memory.values) :]
-            memories.append(replace(memory, values=tuple(float(value) for value in own)))
+            values_of_memory, rest = rest[: len(memory.values)], rest[len(memory.values) :]
+            memories.append(
+                replace(memory, values=tuple(float(value) for value in values_of_memory))
+            )
         pasts, values = [], iter(place[len(self.free) :].tolist())
         for past in self.given:
             changed = list(past)

@@ -54,10 +54,10 @@ def one_for_several(
     for group in _groups(findings):
         rest = [finding for finding in findings if finding not in group]
         without = replace(model, design=with_columns(model.design, rest))
-        found = _single(without, group, pool, records)
-        if found is not None:
-            left = [found if f is group[0] else f for f in findings if f not in group[1:]]
-            return one_for_several(model, left, pool, records)
+        single = _single(without, group, pool, records)
+        if single is not None:
+            remaining = [single if f is group[0] else f for f in findings if f not in group[1:]]
+            return one_for_several(model, remaining, pool, records)
     return list(findings)
 
 
@@ -91,11 +91,11 @@ def _single(
     if drift is None:
         return None
     (trial,) = converged([drift.trial])
-    own = Contender(first.candidate, begun_with(without, [first.candidate], drift))
+    first_alone = Contender(first.candidate, begun_with(without, [first.candidate], drift))
     bound, size = np.exp(MARGIN) * trial.error, sum(effect.size for effect in effects)
     as_good = [
         one
-        for one in pool.contenders(without, own, drift, effects)
+        for one in pool.contenders(without, first_alone, drift, effects)
         if one.error * np.exp(PRICE * max(one.candidate.size - size, 0)) <= bound
     ]
     if not as_good:

@@ -158,9 +158,9 @@ def _curved(product: Product) -> list[Call]:
     return [one for one in calls if one.operator.name in SCALED]
 
 
-def _without(product: Product, gone: Collection[Atom]) -> Sum:
+def _without(product: Product, dropped: Collection[Atom]) -> Sum:
     """Return a product without some of its atoms."""
-    return of_term(Product(tuple(one for one in product.factors if one[0] not in gone)))
+    return of_term(Product(tuple(one for one in product.factors if one[0] not in dropped)))
 
 
 def _quotients(rest: Sum, index: int, largest: float) -> Iterator[Family]:

@@ -79,18 +79,18 @@ def tuned_by_runs(contenders: Sequence[Contender], model: Model, drift: Drift) -
     return found
 
 
-def _moved(one: Contender, model: Model, drift: Drift) -> Contender | None:
+def _moved(contender: Contender, model: Model, drift: Drift) -> Contender | None:
     """Return an effect after a step of its numbers, not run yet; None if it has no numbers."""
-    shape, trial = _shape_of(one.candidate, model.design), one.trial
-    change = None if shape is None else _with_slopes(one, shape, model).change()
+    shape, trial = _shape_of(contender.candidate, model.design), contender.trial
+    change = None if shape is None else _with_slopes(contender, shape, model).change()
     if shape is None or change is None:
         return None
     n_coef = len(trial.coef)
     steps = np.clip(np.nan_to_num(change[0][n_coef:]), -MOST, MOST)
-    candidate = _at(one.candidate, shape, steps)
-    whole = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
+    candidate = _at(contender.candidate, shape, steps)
+    stepped_model = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
     coef = trial.coef + change[0][:n_coef]
-    started = whole.trial(coef, drift.trial.scale, drift.part)
+    started = stepped_model.trial(coef, drift.trial.scale, drift.part)
     return Contender(candidate, replace(started, starts=trial.starts + change[1]))
 
 
@@ -111,9 +111,9 @@ def _at(candidate: Candidate, shape: Shape, steps: np.ndarray) -> Candidate:
     return moved if candidate.shape is not None else replace(moved, shape=None)
 
 
-def _with_slopes(one: Contender, shape: Shape, model: Model) -> Trial:
+def _with_slopes(contender: Contender, shape: Shape, model: Model) -> Trial:
     """Return a trial with columns added: the slopes of an effect's terms in its numbers."""
-    candidate, trial = one.candidate, one.trial
+    candidate, trial = contender.candidate, contender.trial
     weights = trial.coef[len(trial.coef) - candidate.n_columns :]
     columns = slopes_of(candidate, shape, model.design, weights, SLOPE)
     coef = np.append(trial.coef, np.zeros(len(columns)))

@@ -94,12 +94,12 @@ def _shared(
     group: Sequence[Candidate], model: Model, records: Sequence[Record]
 ) -> tuple[float, ...] | None:
     """Return the numbers that partners share, in a model without them; None to keep their own."""
-    apart = joined(group)
-    drift = steady_drift(model, [apart], records)
+    unshared = joined(group)
+    drift = steady_drift(model, [unshared], records)
     if drift is None:
         return None
     initial = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
-    together = [apart.at(values) for values in initial]
+    together = [unshared.at(values) for values in initial]
     trials = [begun_with(model, [effect], drift) for effect in together]
     # The effects with their own numbers were fitted in other units of the errors.
     separate, *fitted = converged([drift.trial, *trials])

@@ -78,12 +78,12 @@ def needed(
 ) -> list[LimitFinding]:
     """Return the limits without which the runs, seen through the sensors, get notably worse."""
     kept = []
-    for one in stops:
-        others = tuple(f.limit for f in stops if f is not one)
+    for stop in stops:
+        others = tuple(f.limit for f in stops if f is not stop)
         without = replace(model, limits=others)
-        whole = replace(model, limits=(*others, one.limit))
-        if _gain(whole, without, records) >= rules.notable_gain:
-            kept.append(one)
+        with_all = replace(model, limits=(*others, stop.limit))
+        if _gain(with_all, without, records) >= rules.notable_gain:
+            kept.append(stop)
     return kept
 
 

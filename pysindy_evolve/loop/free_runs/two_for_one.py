@@ -101,8 +101,8 @@ def _closest(
     started = [begun_with(model, pair, drift) for pair in pairs]
     present, *of_pairs = converged([drift.trial, *started])
     best = min(range(len(pairs)), key=lambda k: of_pairs[k].error)
-    own, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
-    if own.name == EVOLVED and size <= own.size:
+    effect, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
+    if effect.name == EVOLVED and size <= effect.size:
         is_better = of_pairs[best].error <= np.exp(MARGIN) * present.error
     else:
         is_better = is_closer(of_pairs[best], present, rules.notable_gain, rules.significance)

@@ -50,7 +50,7 @@ def motions_of(records: Sequence[Record], n_states: int) -> tuple[tuple[int, int
             ]
             slope, given = (np.concatenate(side) for side in zip(*pairs, strict=True))
             if slope.std() > 0.0 and given.std() > 0.0:
-                alike = np.corrcoef(slope, given)[0, 1] > ALIKE
-                if alike and np.isclose(slope.std(), given.std(), rtol=0.2):
+                is_slope = np.corrcoef(slope, given)[0, 1] > ALIKE
+                if is_slope and np.isclose(slope.std(), given.std(), rtol=0.2):
                     found.append((n_states + position, n_states + velocity))
     return tuple(found)

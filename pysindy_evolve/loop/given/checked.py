@@ -83,18 +83,18 @@ def checked(
     fit_on, judge_on = split_records(train, test)
     design = design_of(declared, fit_on)
     is_split = not test and (isinstance(train, Record) or len(train) == 1)
-    whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_split else 0
-    check_records(design, [*fit_on, *judge_on], whole)
+    n_whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_split else 0
+    check_records(design, [*fit_on, *judge_on], n_whole)
     doubt_held_out(fit_on, judge_on)
     if design.algebraic:
         # An algebraic target is not integrated, so it follows a held input at once.
-        held, alike = held_inputs(fit_on), undecimated(*at_one_step(fit_on, judge_on))
-        fit_on, judge_on = ([as_algebraic(hold(r, held)) for r in records] for records in alike)
+        held, resampled = held_inputs(fit_on), undecimated(*at_one_step(fit_on, judge_on))
+        fit_on, judge_on = ([as_algebraic(hold(r, held)) for r in records] for records in resampled)
         wide = [replace(r, x=np.zeros_like(r.x)) for r in widened(fit_on)]
         return Given(design, fit_on, judge_on, wide)
     fit_on, judge_on, shows_motion = with_own_slopes(design, fit_on, judge_on)
-    held, alike = held_inputs(fit_on), at_one_step(fit_on, judge_on)
-    fit_on, judge_on = ([hold(r, held) for r in records] for records in alike)
+    held, resampled = held_inputs(fit_on), at_one_step(fit_on, judge_on)
+    fit_on, judge_on = ([hold(r, held) for r in records] for records in resampled)
     acting = [as_held(record) for record in with_functions(design, fit_on, judge_on)]
     fit_on, judge_on = acting[: len(fit_on)], acting[len(fit_on) :]
     return Given(doubted(design, fit_on), fit_on, judge_on, widened(fit_on), shows_motion)

@@ -53,8 +53,8 @@ def as_held(record: Record) -> Record:
 
 def is_held(record: Record, column: int) -> bool:
     """Tell whether an input was held between the jumps that its raw samples show."""
-    known = column in record.held
-    return record.has_raw_inputs and (known or _samples_of_jump(record.raw_u[:, column]) > 0)
+    is_known = column in record.held
+    return record.has_raw_inputs and (is_known or _samples_of_jump(record.raw_u[:, column]) > 0)
 
 
 def jumps_at_once(record: Record, column: int) -> bool:

@@ -87,10 +87,10 @@ def doubt_held_out(train: Sequence[Record], test: Sequence[Record]) -> None:
         To fit on, and to judge on.
     """
     for one, other in product(train, test):
-        _, here, there = np.intersect1d(one.t, other.t, return_indices=True)
-        if len(here) > 1 and np.array_equal(one.x[here], other.x[there]):
+        _, shared, in_other = np.intersect1d(one.t, other.t, return_indices=True)
+        if len(shared) > 1 and np.array_equal(one.x[shared], other.x[in_other]):
             warn(
-                f"close_loop(train=..., test=...): {len(here)} samples of a test record are in a "
+                f"close_loop(train=..., test=...): {len(shared)} samples of a test record are in a "
                 "training record too, so errors on it are no held-out errors. Pass another record, "
                 "or leave `test` out: the end of the training record is held out then.",
             )
@@ -119,8 +119,8 @@ def _check_names(design: Design, records: Sequence[Record]) -> None:
     for record in records:
         for kind, wanted in (("states", design.states), ("inputs", design.inputs)):
             names = getattr(record, kind) or ()
-            for name, own in zip(names, wanted, strict=False):
-                if name != own and name in wanted:
+            for name, declared_name in zip(names, wanted, strict=False):
+                if name != declared_name and name in wanted:
                     raise ValueError(
                         f"close_loop(train=..., test=...) must have {kind} in the order of the "
                         f"model, {', '.join(wanted)}; got {', '.join(names)}. Reorder the columns "

@@ -140,8 +140,8 @@ def generator(random_state: Any) -> np.random.Generator:
         If it is none of these, or a seed below zero.
     """
     seed = random_state
-    whole = isinstance(seed, Integral) and not isinstance(seed, bool) and int(seed) >= 0
-    if not (seed is None or whole or isinstance(seed, np.random.Generator)):
+    is_seed = isinstance(seed, Integral) and not isinstance(seed, bool) and int(seed) >= 0
+    if not (seed is None or is_seed or isinstance(seed, np.random.Generator)):
         raise ValueError(
             "close_loop(random_state=...) must be a whole number of at least 0, a numpy Generator "
             f"or None; got {seed!r}. Give a seed such as 0."

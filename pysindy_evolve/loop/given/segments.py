@@ -163,15 +163,17 @@ class Segments:
         length = self.z.shape[1]
         z, x_dot, weight = _cut(records, self.resting, self.places, length)
         weight = self._late(weight, self.settling) if self.settling else weight
-        seen, own = _seen(records, self.places, length), tuple(records)
-        band = Band(own, self.places, length)
-        return replace(self, z=z, x_dot=x_dot, weight=weight, records=own, seen=seen, band=band)
+        seen, new_records = _seen(records, self.places, length), tuple(records)
+        band = Band(new_records, self.places, length)
+        return replace(
+            self, z=z, x_dot=x_dot, weight=weight, records=new_records, seen=seen, band=band
+        )
 
     def begun(self, records: Sequence[Record]) -> Segments:
         """Return the same pieces of records that differ only in what came before them."""
-        own = tuple(records)
-        band = None if self.band is None else replace(self.band, records=own)
-        return replace(self, records=own, band=band)
+        new_records = tuple(records)
+        band = None if self.band is None else replace(self.band, records=new_records)
+        return replace(self, records=new_records, band=band)
 
     def missed(self, x: np.ndarray) -> np.ndarray:
         """Return by how much runs (n_segments, n, n_states) miss what the sensors show."""
@@ -205,7 +207,7 @@ def segments(
     -------
     Segments
     """
-    own = tuple(records)
+    all_records = tuple(records)
     places, length = places_of(records, n_segments, max_rows)
     z, x_dot, weight = _cut(records, resting, places, length)
     state_scale = scale_of([record.x for record in records])
@@ -214,8 +216,8 @@ def segments(
     if windows.width > length // 2:
         windows = Windows(width=max(1, length // 2), stride=max(1, length // 8))
     slowest = FEWEST_FREQUENCIES / (length * records[0].dt)
-    known = max(slowest, min(known_up_to(record) for record in records))
-    cutoff = min(known, *(_band(record, slowest) for record in records))
+    input_cutoff = max(slowest, min(known_up_to(record) for record in records))
+    cutoff = min(input_cutoff, *(_band(record, slowest) for record in records))
     return Segments(
         z,
         x_dot,
@@ -227,10 +229,10 @@ def segments(
         rate_scale,
         cutoff,
         places,
-        own,
+        all_records,
         limits=limits_of_states(records),
         seen=_seen(records, places, length),
-        band=Band(own, places, length),
+        band=Band(all_records, places, length),
     )
 
 

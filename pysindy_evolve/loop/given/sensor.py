@@ -81,5 +81,5 @@ def as_observed(record: Record, columns: np.ndarray) -> np.ndarray:
     """Return columns (n_samples, ...) of a record, zero where a sensor does not see its state."""
     if record.seen is None:
         return columns
-    whole = np.all(record.seen, axis=1)
-    return np.asarray(np.where(whole[:, None], columns, 0.0))
+    all_seen = np.all(record.seen, axis=1)
+    return np.asarray(np.where(all_seen[:, None], columns, 0.0))

@@ -84,8 +84,8 @@ def moving(record: Record, resting: Sequence[int]) -> np.ndarray:
     for state in resting:
         speed = _speed(record, state)
         share = np.clip((speed - 1.0) / (IN_MOTION / AT_REST - 1.0), 0.0, 1.0)
-        apart = share * _away_from_rest(record, speed)
-        share = apart if apart.mean() >= ENOUGH else share
+        without_rests = share * _away_from_rest(record, speed)
+        share = without_rests if without_rests.mean() >= ENOUGH else share
         if share.mean() >= ENOUGH:
             weights[:, state] = share * share * (3.0 - 2.0 * share)
     if record.seen is not None:  # each equation may hold every state

@@ -84,9 +84,9 @@ def _fitted_sum(design: Design, place: int, train: Sequence[Record]) -> Sum | No
     rates = np.concatenate([record.x_dot[:, state] for record in train])
     sides = [column.parts[state] for column in design.columns if column.parts[state].parts]
     theta = np.array([side.evaluate(rows) for side in sides]).reshape(len(sides), len(rows)).T
-    known = design.known(rows)[:, state]
-    has_value = np.isfinite(theta).all(axis=1) & np.isfinite(known)
-    coef = np.linalg.lstsq(theta[has_value], (rates - known)[has_value], rcond=None)[0]
+    known_rates = design.known(rows)[:, state]
+    has_value = np.isfinite(theta).all(axis=1) & np.isfinite(known_rates)
+    coef = np.linalg.lstsq(theta[has_value], (rates - known_rates)[has_value], rcond=None)[0]
     total = design.fixed[state]
     for value, side in zip(coef.tolist(), sides, strict=True):
         total = add(total, mul(constant(value), side))

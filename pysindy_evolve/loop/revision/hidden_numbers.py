@@ -89,7 +89,7 @@ def with_numbers_of_runs(
     paths = paths_of(design)
     weights = [kind_of(path).weights(path) for path in paths]
     initial = np.concatenate([refit(design, records, "derivative"), *weights])
-    ends = len(design.columns) + np.cumsum([0, *(len(own) for own in weights)])[:-1]
+    ends = len(design.columns) + np.cumsum([0, *(len(of_path) for of_path in weights)])[:-1]
 
     def at(coef: np.ndarray) -> list[Finding]:
         return _retuned(findings, paths, np.split(coef, ends)[1:], declared)
@@ -162,8 +162,8 @@ def _retuned(
 ) -> list[Finding]:
     """Return findings with new weights of their hidden states."""
     kept = list(findings)
-    for path, own in zip(paths, weights, strict=True):
-        changed = [retuned(finding.candidate, path, own) for finding in kept]
+    for path, new in zip(paths, weights, strict=True):
+        changed = [retuned(finding.candidate, path, new) for finding in kept]
         kept = [
             f if c is f.candidate else f.with_candidate(c, design)
             for f, c in zip(kept, changed, strict=True)

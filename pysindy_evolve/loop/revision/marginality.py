@@ -82,15 +82,15 @@ def _parents_of(child: Finding, findings: Sequence[Finding], declared: Design) -
     """Return the parents that were found, if the derivative showed all that are not declared."""
     declared_terms = {of_term(term) for term in declared.terms_of(child.candidate.state)}
     wanted = set(child.candidate.parents) - declared_terms
-    found = [
+    parents = [
         f
         for f in findings
         if f.candidate.state == child.candidate.state
         and wanted & set(f.candidate.terms)
         and not (isinstance(f, MemoryFinding) or f.by_runs)
     ]
-    brought = {term for f in found for term in f.candidate.terms}
-    return found if brought == wanted else []
+    brought = {term for f in parents for term in f.candidate.terms}
+    return parents if brought == wanted else []
 
 
 def _gain(parents: Sequence[Finding], design: Design, part: Segments) -> float:

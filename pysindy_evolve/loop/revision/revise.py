@@ -85,11 +85,11 @@ def _in_place_of(
     excluded = [c for c in pair if not c.contains_parents]
     # Refinements have to pass a test of their own, and a stop brings its position as a number.
     offered = candidates(design, part.ranges)
-    others = [
+    allowed = [
         c for c in offered if not (c.must_beat or (c.contains_parents and c.shape is not None))
     ]
-    mirrors = [tuned(there, design, part) for c in pair for there in begun_at_same(c)]
-    options = [*mirrors, *(c for c in others if c not in excluded)]
+    mirrors = [tuned(mirror, design, part) for c in pair for mirror in begun_at_same(c)]
+    options = [*mirrors, *(c for c in allowed if c not in excluded)]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
     # Scored in one call, since the noise weights depend on all columns together.
     scores = score(design, part, list(free))
@@ -101,7 +101,7 @@ def _in_place_of(
         return None
     (candidate,) = best.group
     # A filter rounds a kink, and an offset makes up for a part of that.
-    least = PRICE if any(candidate.terms == there.terms for there in mirrors) else MARGIN
+    least = PRICE if any(candidate.terms == mirror.terms for mirror in mirrors) else MARGIN
     if best.value < pair_score - least:
         return None
     weaker = max(first, second, key=lambda f: f.p_value)

@@ -52,15 +52,15 @@ def with_shared_numbers(
 
 def _shared(group: Sequence[Candidate], design: Design, part: Segments) -> tuple[float, ...] | None:
     """Return the numbers that partners share; None if they do already, or do worse with them."""
-    apart = joined(group)
+    unshared = joined(group)
     initial = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
     if len(initial) == 1:
         return None
-    together = [apart.at(values) for values in initial]
+    together = [unshared.at(values) for values in initial]
     for _ in range(N_ROUNDS):
         together = [tuned(effect, design, part) for effect in together]
     # Scored in one call, since the noise weights depend on all columns together.
-    gains = {s.group[0]: s.value for s in score(design, part, [apart, *together], pairs=False)}
+    gains = {s.group[0]: s.value for s in score(design, part, [unshared, *together], pairs=False)}
     best = max(together, key=lambda effect: gains.get(effect, -math.inf))
-    least = gains.get(apart, -math.inf) - MARGIN
+    least = gains.get(unshared, -math.inf) - MARGIN
     return best.shape.values if best.shape and gains.get(best, -math.inf) > least else None
