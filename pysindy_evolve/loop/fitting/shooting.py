@@ -106,8 +106,8 @@ def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple
     -------
     runs, derivative : float
         log(squared error of the simpler one / of the other), of runs over stretches that both can
-        follow, and of the derivative with the same coefficients. Infinite if only the other one
-        can follow; minus infinity if it cannot.
+        follow, and of the derivative with the same coefficients. Infinite if the other one follows
+        some stretches, but never both the same; minus infinity if it follows none.
     """
     share = min(1.0, MAX_ROWS / sum(len(record) for record in records))
     records = [record[: int(share * len(record))] for record in records]

@@ -30,8 +30,8 @@ NEAR_ZERO = {"sin": 1, "tanh": 1, "softsign": 1, "cos": 2}
 def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
     """Return the other forms of a grown term; of an end stop, the contact of curved bodies.
 
-    They lack one factor, or hold a power in place of one function. Forms that do not vanish at zero
-    also stand beside an offset.
+    They lack one factor, or hold a power in place of one function. Each of them, and the term, is
+    also offered beside an offset unless the records show that it vanishes at zero.
 
     Parameters
     ----------

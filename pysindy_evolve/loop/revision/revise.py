@@ -88,6 +88,7 @@ def _in_place_of(
     allowed = [
         c for c in offered if not (c.must_beat or (c.contains_parents and c.shape is not None))
     ]
+    # Dead zones with one end that begin at the kink of one of the two.
     mirrors = [tuned(mirror, design, part) for c in pair for mirror in begun_at_same(c)]
     options = [*mirrors, *(c for c in allowed if c not in excluded)]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
