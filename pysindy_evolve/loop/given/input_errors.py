@@ -34,7 +34,7 @@ SMALL = 0.1  # ... relative to their RMS; of a steady sine, a fifth is below 0.4
 LARGE = 0.25  # a jump is a step above this share of the largest one
 QUICKER = 1.0 / 6.0  # factor of the second difference that corrects a directly driven state
 TYPICAL = 1.0 / np.sqrt(12.0)  # RMS error, in samples, of a jump at any time between two
-FORETOLD = 0.25  # correlation of successive steps if not random; means of two have a half
+FORETOLD = 0.25  # correlation of successive steps below which they are random; means have 0.5
 DOUBT = 0.05  # largest unknown share of a held input at the frequencies of the search
 
 
