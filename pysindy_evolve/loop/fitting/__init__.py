@@ -17,8 +17,8 @@ disturbances
 random_force      weights for trajectories with sensor noise and a random force
 aliases           removes the error of sampled states where an input moves in steps
 switches, memory
-saltation         how a switch changes a small deviation from a run
-past              initial hidden states, from what happened before a record began
+saltation         how a switch changes a small deviation of a run
+past              initial hidden states, from the first rows of a record
 unfolding         a term with memory as an additional state, so that runs can begin anywhere
 ================  ==========================================================================
 """

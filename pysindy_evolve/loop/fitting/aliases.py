@@ -1,19 +1,19 @@
-r"""Take off states what their samples show of the steps of an input as if it were slow (aliasing).
+r"""Remove the aliases of the steps of an input from sampled states.
 
-A state that a held input drives directly runs in straight pieces, and its samples do not tell these
-from the smooth curve that the model is about, which the mean of the input over a sampling time
-drives. With the gain b of the input u, as it acts, the samples are off by
+A state that a held input drives directly runs in straight pieces. The model describes a smooth
+curve instead, which the mean of the input over a sampling time T drives. With the gain b of the
+input u, as it acts, samples of the pieces differ from the smooth curve by
 
     \theta T^2 b du/dt,
 
 where \theta is -1/12 if the steps come with the samples, has another size and sign if they come
-between two of them, and vanishes where a lag rounds them off. So the share depends on what the
-input goes through before it acts, of which nothing is known yet: the delay or the lag that leaves
-least of the declared model is taken, for no more than this. Of a second integral next to nothing is
-left, so that records of positions need no such care.
+between two samples, and vanishes if a lag rounds them off. So it depends on the delay or lag of the
+input, which is not known yet. The delay or lag with the least residual of the declared model is
+taken, for this purpose only. In a second integral the aliases are negligible, so records of
+positions are not corrected.
 
-The share is the first term, in powers of frequency over sampling rate, of the response to the
-sidebands of the steps; for a delay that is the second Bernoulli polynomial.
+The share \theta is the first term, in powers of frequency over sampling rate, of the response to
+the sidebands of the steps; for a delay that is the second Bernoulli polynomial.
 """
 
 from __future__ import annotations
@@ -35,49 +35,49 @@ from .fit import derivative_fit_errors, refit
 
 __all__ = ["share_of_steps", "without_aliases"]
 
-LONGEST = 10.0  # sampling times by which an input may be late
-DELAYS = np.arange(0.4, LONGEST, 0.4)  # sampling times, to begin with
-LAGS = np.geomspace(0.1, LONGEST, 9)
-CLEAR = 1.02  # a delay or a lag is taken only if the error without it is so many times larger
-STEP = 1e-4  # of the range of an input, over which its gain is taken
-SECOND = 0.05  # of the third derivative that the next term has, where steps come with the samples
-ROUNDED = 0.1  # sampling times over a lag, below which a series is more exact
+LONGEST = 10.0  # longest delay or lag, in sampling times
+DELAYS = np.arange(0.4, LONGEST, 0.4)  # grid of delays, in sampling times
+LAGS = np.geomspace(0.1, LONGEST, 9)  # grid of lags, in sampling times
+CLEAR = 1.02  # a delay or lag is taken only if the error without it is larger by this factor
+STEP = 1e-4  # finite difference for the gain of an input, relative to its range
+SECOND = 0.05  # factor of the third derivative in the next term, for steps at the samples
+ROUNDED = 0.1  # sampling time over lag below which the series is more accurate
 
 
 def without_aliases(
     design: Design, train: Sequence[Record], *others: Sequence[Record]
 ) -> list[list[Record]]:
-    """Return records whose states are smooth, as their inputs are.
+    """Return records whose states are free of the aliases of input steps.
 
     Parameters
     ----------
     design : Design
         The declared model.
     train : sequence of Record
-        Records that say how much the inputs do, and by how much they seem to be late.
+        Records from which the gains and apparent delays of the inputs are estimated.
     *others : sequence of Record
         More records.
 
     Returns
     -------
     list of list of Record
-        All of them. Positions, and what no held input drives, stay as they are.
+        All of them. Positions, and states that no held input drives, are unchanged.
     """
     groups = [list(train), *map(list, others)]
     held = sorted({column for record in train if _is_aliased(record) for column in record.held})
     if not held:
         return groups
-    meant = [[_with_means(record) for record in group] for group in groups]
-    way = _Way(design, meant[0])
+    with_means = [[_with_means(record) for record in group] for group in groups]
+    way = _Way(design, with_means[0])
     for column in held:
         way = way.with_best(column)
     equations = design.equations(refit(design, way.acted(), "derivative"))
     through = {memory.column: memory for memory in way.memories}
-    return [[_smooth(equations, record, through) for record in group] for group in meant]
+    return [[_smooth(equations, record, through) for record in group] for group in with_means]
 
 
 def share_of_steps(memory: Memory | None, step: float) -> float:
-    """Return the share of T^2 b du/dt that samples are behind, if an input goes through a memory.
+    """Return the share -theta of T^2 b du/dt, by which samples fall short, behind a memory.
 
     Parameters
     ----------
@@ -104,9 +104,9 @@ def share_of_steps(memory: Memory | None, step: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Way:
-    """What inputs seem to go through before they act, if the declared model lacks nothing else.
+    """Delays and lags that inputs seem to have, if the declared model lacks nothing else.
 
-    The training records give held inputs as their means over a sampling time.
+    In `train`, held inputs are given as their means over a sampling time.
     """
 
     design: Design
@@ -114,24 +114,24 @@ class _Way:
     memories: tuple[Memory, ...] = ()
 
     def acted(self) -> list[Record]:
-        """Return the records with what their samples show of the inputs."""
+        """Return the records with inputs as the samples of the states show them."""
         return [self._shown(record) for record in self.train]
 
     def error(self) -> float:
-        """Return what the declared model leaves of the derivatives, fitted."""
+        """Return the error of the derivatives of the declared model, fitted."""
         acted = self.acted()
         return float(np.linalg.norm(derivative_fit_errors(self.design, acted, acted)))
 
     def with_best(self, column: int) -> _Way:
-        """Return the same with what one more input seems to go through, if that is clear."""
+        """Return the same with the best delay or lag of one more input, if that clearly helps."""
         step = self.train[0].raw_dt
         kinds = ((DELAY, step * DELAYS), (LAG, step * LAGS))
-        ways = [self._best(kind, column, values) for kind, values in kinds]
-        best = min(ways, key=_Way.error)
+        options = [self._best(kind, column, values) for kind, values in kinds]
+        best = min(options, key=_Way.error)
         return best if self.error() > CLEAR * best.error() else self
 
     def _best(self, kind: str, column: int, values: np.ndarray) -> _Way:
-        """Return the same with the delay or lag that leaves least."""
+        """Return the same with the delay or lag of least error."""
 
         def at(value: float) -> _Way:
             return replace(self, memories=(*self.memories, Memory(kind, column, (value,))))
@@ -143,14 +143,14 @@ class _Way:
         return at(float(found.x))
 
     def _shown(self, record: Record) -> Record:
-        """Return a record with what its samples show of the inputs, given as their means."""
+        """Return a record, given mean inputs, with inputs as samples of the states show them."""
         through = {memory.column: memory for memory in self.memories}
 
         def shown(t: np.ndarray, u: np.ndarray) -> np.ndarray:
             acting = u.copy()
             for column in record.held:
                 acting[:, column] = changed(
-                    record, column, partial(_seen, through.get(column), t), u[:, column]
+                    record, column, partial(_sampled, through.get(column), t), u[:, column]
                 )
             return acting
 
@@ -168,60 +168,60 @@ def _with_means(record: Record) -> Record:
     def meant(_: np.ndarray, u: np.ndarray) -> np.ndarray:
         acting = u.copy()
         for column, late in record.held.items():
-            if column in record.through:  # from the steps, as these functions may end at zero
+            if column in record.through:  # from the steps, as a root may end at zero
                 mean, source = partial(averaged, late=late), record.recorded_u
                 acting[:, column] = changed(record, column, mean, source[:, column])
-            else:  # of the steps, from what samples show of them
+            else:  # from what samples of an integral show of the steps
                 acting[:, column] = averaged(averaged(u[:, column], 0.0), 0.0)
         return acting
 
     return record.with_inputs(meant) if _is_aliased(record) else record
 
 
-def _seen(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Return what samples of its integral show of the mean of an input behind a memory."""
-    late, behind = _behind(memory, t, u)
-    return late - rates_of(behind, 1)
+def _sampled(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Return the mean of an input after a memory, as samples of its integral show it."""
+    response, shortfall = _response(memory, t, u)
+    return response - rates_of(shortfall, 1)
 
 
-def _behind(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean of an input behind a memory, and what samples of its integral are behind.
+def _response(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mean of an input after a memory, and the shortfall of samples of its integral.
 
     Units of u, and of u times the sampling time.
     """
-    late = u if memory is None else memory.response(t, u)
+    response = u if memory is None else memory.response(t, u)
     share = share_of_steps(memory, float(t[-1] - t[0]) / (len(t) - 1))
-    return late, share * (rates_of(late, 1) - SECOND * rates_of(late, 3))
+    return response, share * (rates_of(response, 1) - SECOND * rates_of(response, 3))
 
 
 def _smooth(equations: Equations, record: Record, through: dict[int, Memory]) -> Record:
-    """Return a record without the straight pieces in its states."""
+    """Return a record with its states moved from the straight pieces to the smooth curve."""
     if not _is_aliased(record):
         return record
 
-    behind = sum(
-        _gain(equations, record, column) * _bend(record, column, through.get(column))[:, None]
+    shortfall = sum(
+        _gain(equations, record, column) * _shortfall(record, column, through.get(column))[:, None]
         for column in record.held
     )
-    rate = CubicSpline(record.t, behind, axis=0)(record.t, 1)
-    return replace(record, x=record.x + behind, x_dot=record.x_dot + rate)
+    rate = CubicSpline(record.t, shortfall, axis=0)(record.t, 1)
+    return replace(record, x=record.x + shortfall, x_dot=record.x_dot + rate)
 
 
-def _bend(record: Record, column: int, memory: Memory | None) -> np.ndarray:
-    """Return by how much samples of the integral of what acts of an input are behind it."""
+def _shortfall(record: Record, column: int, memory: Memory | None) -> np.ndarray:
+    """Return by how much samples of the integral of an input, as it acts, fall short."""
     u = acts_as(record, column, record.raw_u[:, column])
     t = np.arange(len(u)) * record.raw_dt
-    return record.raw_dt * record.lowpass(_behind(memory, t, u)[1])
+    return record.raw_dt * record.lowpass(_response(memory, t, u)[1])
 
 
 def _gain(equations: Equations, record: Record, column: int) -> np.ndarray:
-    """Return what acts of an input adds to the derivatives, (n_samples, n_states), per unit."""
+    """Return the slope of the derivatives in an input as it acts, (n_samples, n_states)."""
     u = np.asarray(record.u)
     size = float(np.ptp(acts_as(record, column, u[:, column])))
     nudge = STEP * (size or 1.0)  # an input may rest in one record
     sides = []
-    for way in (-nudge, nudge):
+    for step in (-nudge, nudge):
         nudged = u.copy()
-        nudged[:, column] = changed(record, column, partial(np.add, way), u[:, column])
+        nudged[:, column] = changed(record, column, partial(np.add, step), u[:, column])
         sides.append(equations.evaluate(record.x, nudged, record.t))
-    return np.nan_to_num((sides[1] - sides[0]) / (2.0 * nudge))  # where the model has no value
+    return np.nan_to_num((sides[1] - sides[0]) / (2.0 * nudge))  # zero where the model has no value

@@ -1,8 +1,8 @@
-"""Intervals of coefficients from blocks of rows, which respect the memory of the residual.
+"""Intervals of coefficients from blocks of rows, which respect autocorrelated residuals.
 
-Each block counts with a random weight. Blocks drawn with replacement may all miss the few in which
-a stop was hit, and say then that its stiffness may be zero. And where few blocks know a number, few
-say by how much it spreads: its interval is wider, as Student's of so few measurements is.
+Each block gets a random weight. Blocks drawn with replacement could all miss the few in which a
+stop was hit, and so allow a stiffness of zero. If few blocks determine a coefficient, its spread is
+uncertain too, so its interval is widened, as Student's t is for few measurements.
 
 References
 ----------
@@ -23,7 +23,7 @@ __all__ = ["block_intervals"]
 
 N_RESAMPLES = 400
 CHANCES = (0.025, 0.975)
-LEAST = 0.5  # degrees of freedom: what one block knows has an interval some 200 times as wide
+LEAST = 0.5  # degrees of freedom: if one block tells a number, its interval is 200 times as wide
 
 
 def block_intervals(grams: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -44,16 +44,16 @@ def block_intervals(grams: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     coefs = [solve_gram(gram) for gram in np.tensordot(weights, grams, axes=1)]
     ends = np.quantile(coefs, CHANCES, axis=0)
     middle, freedom = solve_gram(grams.sum(axis=0)), _freedom(grams)
-    # Weighed blocks spread by the root of (n - 1) / (n + 1) of what n blocks do by chance.
+    # Random weights of n blocks give only sqrt((n - 1) / (n + 1)) of the true spread.
     wider = stats.t.ppf(CHANCES[1], freedom) / stats.norm.ppf(CHANCES[1])
     wider = wider * np.sqrt((freedom + 2.0) / freedom)
     return np.asarray((middle + wider * (ends - middle)).T)
 
 
 def _freedom(grams: np.ndarray) -> np.ndarray:
-    """Return how many blocks tell each coefficient, less one."""
+    """Return the effective number of blocks that determine each coefficient, less one."""
     columns = grams[:, :-1, :-1]
     weights = solve_many(columns.sum(axis=0), np.eye(columns.shape[-1]))
-    told = np.maximum(np.einsum("ij,bik,kj->bj", weights, columns, weights), 0.0)
-    shares = told / np.maximum(told.sum(axis=0), TINY)
+    information = np.maximum(np.einsum("ij,bik,kj->bj", weights, columns, weights), 0.0)
+    shares = information / np.maximum(information.sum(axis=0), TINY)
     return np.maximum(1.0 / np.maximum(np.sum(shares**2, axis=0), TINY) - 1.0, LEAST)

@@ -1,9 +1,9 @@
 """Fit the coefficients of a design on whole records, and say how sure they are.
 
-The derivative is fitted first, in windows. Where the simulation then does better on parts of the
-training data that it was not fitted on, the coefficients come from there, from short stretches and
-long ones alike: position noise, which the second derivative magnifies and which biases sgn and its
-like, hardly enters, and what only adds up over a long run, such as a loss of energy, does.
+The derivative is fitted first, in windows. If the simulation does better on held-out parts of the
+training data, the coefficients come from simulations over short and long stretches alike. Position
+noise, which the second derivative magnifies and which biases sgn and similar functions, hardly
+enters there. Small effects that add up over a long run, such as a loss of energy, do.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ __all__ = [
     "refit",
 ]
 
-N_BLOCKS = 40  # of the derivative fit: long against the memory of a residual
-N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each from one initial state
-JUDGED = 16  # stretches by which the simulation fit is compared with the derivative fit
-ROUNDING = 1e-16  # an exact fit leaves no less of the target's square
-# A model that lacks something fits simulation and derivative with different coefficients; where the
-# square of the derivative error would rise by more than this, the derivative is kept.
+N_BLOCKS = 40  # of the derivative fit; each much longer than a residual is correlated
+N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each with its own initial state
+JUDGED = 16  # stretches on which simulation fit and derivative fit are compared
+ROUNDING = 1e-16  # least squared residual, relative to the squared target
+# A model that lacks something fits simulation and derivative with different coefficients. If the
+# simulation fit raises the squared derivative error by more than this factor, it is not used.
 MAX_TORN = 2.0
 
 
@@ -54,7 +54,7 @@ class Fit:
     coef : ndarray of shape (p,)
         One for each column of the design.
     intervals : ndarray of shape (p, 2)
-        From blocks of rows, weighed at random, so they respect the memory of the residual.
+        From randomly weighted blocks of rows, so they respect autocorrelated residuals.
     criterion : {"derivative", "simulation", "trajectory"}
         The error that was minimized.
     """
@@ -94,21 +94,21 @@ def fit(
     if refine == "derivative":
         return Fit(by_derivative, block_intervals(blocks, rng), "derivative")
     horizons = simulation_grams(design, by_derivative, records)
-    by_simulation = _over_all(horizons)
-    if refine == "auto" and not _betters(horizons[JUDGED], blocks, by_derivative, by_simulation):
+    by_simulation = _fit_to_all(horizons)
+    if refine == "auto" and not _is_better(horizons[JUDGED], blocks, by_derivative, by_simulation):
         return Fit(by_derivative, block_intervals(blocks, rng), "derivative")
     shortest = horizons[max(horizons)]
     shift = by_simulation - _solve(shortest)
     return Fit(by_simulation, block_intervals(shortest, rng) + shift[:, None], "simulation")
 
 
-def _betters(
+def _is_better(
     judged: np.ndarray, blocks: np.ndarray, by_derivative: np.ndarray, by_simulation: np.ndarray
 ) -> bool:
-    """Tell whether stretches are simulated better by a fit to the others than by the derivative."""
-    whole = blocks.sum(axis=0)
-    torn = square_of(whole, by_simulation) > MAX_TORN * square_of(whole, by_derivative)
-    if len(judged) < 2 or torn:
+    """Tell whether a fit to the other stretches simulates each better than the derivative fit."""
+    total = blocks.sum(axis=0)
+    is_torn = square_of(total, by_simulation) > MAX_TORN * square_of(total, by_derivative)
+    if len(judged) < 2 or is_torn:
         return False
     held_out = sum(
         square_of(stretch, _solve(np.delete(judged, k, axis=0))) for k, stretch in enumerate(judged)
@@ -118,7 +118,7 @@ def _betters(
 
 
 def derivative_square(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:
-    """Return the sum of squares that coefficients leave of the windowed derivative."""
+    """Return the squared residual of the windowed derivative for given coefficients."""
     return square_of(_block_grams(design, records).sum(axis=0), coef)
 
 
@@ -129,18 +129,18 @@ def refit(design: Design, records: Sequence[Record], criterion: str) -> np.ndarr
     by_derivative = _solve(_block_grams(design, records))
     if criterion == "derivative":
         return by_derivative
-    return _over_all(simulation_grams(design, by_derivative, records))
+    return _fit_to_all(simulation_grams(design, by_derivative, records))
 
 
-def _over_all(horizons: dict[int, np.ndarray]) -> np.ndarray:
+def _fit_to_all(horizons: dict[int, np.ndarray]) -> np.ndarray:
     return _solve(np.array([_normalized(grams) for grams in horizons.values()]))
 
 
 def _normalized(grams: np.ndarray) -> np.ndarray:
-    """Sum over the stretches, in units of the error that the best fit to them leaves."""
+    """Sum over the stretches, in units of the squared residual of the best fit to them."""
     total = grams.sum(axis=0)
-    left = sum(square_of(g, _solve(grams)) for g in grams)
-    return total / max(left, ROUNDING * float(total[-1, -1]), 1e-100)
+    residual = sum(square_of(g, _solve(grams)) for g in grams)
+    return total / max(residual, ROUNDING * float(total[-1, -1]), 1e-100)
 
 
 def _block_grams(design: Design, records: Sequence[Record]) -> np.ndarray:
@@ -212,18 +212,18 @@ def derivative_errors(
 ) -> np.ndarray:
     """Return the NRMSE of the derivative, percent of the standard deviation, for each state.
 
-    Both sides are averaged over the windows of the fit, so that it is the error of the model
-    and not of the differentiation; rows at rest, where the sign of the velocity is a coin toss,
-    are left out, and so are those in which the model has no value, such as a root of what is
-    negative there; infinite if there are no others.
+    Both sides are averaged over the windows of the fit, so that it is the error of the model and
+    not of the differentiation. Two kinds of rows are left out: rows at rest, where the sign of the
+    velocity is random, and rows on which the model has no value, such as the root of a negative
+    state. The error is infinite if no row is left.
     """
     equations = design.equations(coef)
-    squares, samples, weights, known = [], [], [], np.zeros(len(design.states), dtype=bool)
+    squares, samples, weights, has_rows = [], [], [], np.zeros(len(design.states), dtype=bool)
     for record in records:
         wide = windows if record.n_samples >= windows.width else Windows(1)
         error = record.x_dot - rates_on(equations, record)
         valued = np.isfinite(error)
-        known |= valued.any(axis=0)
+        has_rows |= valued.any(axis=0)
         weight = moving(record, may_rest(design, [record])) * valued
         error = np.where(valued, error, 0.0)
         squares.append(project(error * weight, wide) ** 2)
@@ -231,7 +231,7 @@ def derivative_errors(
         weights.append(project(weight, wide) ** 2)
     rows = np.maximum(np.concatenate(weights).sum(axis=0), TINY)
     rms = np.sqrt(np.concatenate(squares).sum(axis=0) / rows)
-    return np.where(known, 100.0 * rms / scale_of(samples), np.inf)
+    return np.where(has_rows, 100.0 * rms / scale_of(samples), np.inf)
 
 
 def derivative_fit_errors(

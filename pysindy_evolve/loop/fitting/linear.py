@@ -1,4 +1,4 @@
-"""Normal equations, solved without harm from columns of very different size."""
+"""Normal equations, solved accurately for columns of very different size."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from ...checks import TINY
 
 __all__ = ["errors_of", "log_ratio", "solve", "solve_gram", "solve_many", "square_of", "summed"]
 
-RIDGE = 1e-10  # relative; keeps a column that repeats another one from blowing up
+RIDGE = 1e-10  # relative; keeps the coefficients of dependent columns finite
 
 
 def solve(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
-    """Solve normal equations, with columns brought to one size first.
+    """Solve normal equations, with columns scaled to one norm first.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def solve(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
 
 
 def solve_many(xx: np.ndarray, xy: np.ndarray) -> np.ndarray:
-    """Solve normal equations for several targets, with columns brought to one size first.
+    """Solve normal equations for several targets, with columns scaled to one norm first.
 
     Parameters
     ----------
@@ -64,14 +64,14 @@ def solve_gram(gram: np.ndarray) -> np.ndarray:
 
 
 def errors_of(trained: np.ndarray, judged: np.ndarray, models: np.ndarray) -> np.ndarray:
-    """Fit many models to one part of the data each time, and judge them by another.
+    """Fit many models to parts of the data, and evaluate each fit on another part.
 
-    The columns that come first in all of them are projected out once, whatever their number.
+    The leading columns that all models share are projected out once.
 
     Parameters
     ----------
     trained, judged : ndarray of shape (n_parts, p + 1, p + 1)
-        Inner products of columns and, last, target: those to fit, those to judge by.
+        Inner products of columns and, last, target: of the data to fit, and to evaluate on.
     models : ndarray of int of shape (n_models, n_columns)
         Columns of each model.
 
@@ -82,34 +82,36 @@ def errors_of(trained: np.ndarray, judged: np.ndarray, models: np.ndarray) -> np
     """
     models = np.asarray(models, dtype=int)
     n_shared = int(np.argmin([*np.all(models == models[0], axis=0), False]))
-    shared, own = models[0, :n_shared], models[:, n_shared:]
-    others, places = np.unique(np.insert(own, own.shape[1], -1, axis=1), return_inverse=True)
+    shared, further = models[0, :n_shared], models[:, n_shared:]
+    others, places = np.unique(
+        np.insert(further, further.shape[1], -1, axis=1), return_inverse=True
+    )
     index = places.reshape(len(models), -1)
     size = np.maximum(np.diagonal(trained, axis1=1, axis2=2), TINY / RIDGE)
     size[:, -1] = 0.0  # the target is no column
     ridged = trained + RIDGE * size[:, :, None] * np.eye(trained.shape[1])
     fits = solve_many(trained[:, shared[:, None], shared], trained[:, shared[:, None], others])
-    fitted, held = (_left(grams, shared, others, fits, index) for grams in (ridged, judged))
+    fitted, held = (_projected(grams, shared, others, fits, index) for grams in (ridged, judged))
     coef = solve(fitted[..., :-1, :-1], fitted[..., :-1, -1])
     contrast = np.concatenate([coef, np.full((*coef.shape[:-1], 1), -1.0)], axis=-1)
     return np.asarray(np.einsum("fmi,fmij,fmj->mf", contrast, held, contrast))
 
 
-def _left(
+def _projected(
     grams: np.ndarray, shared: np.ndarray, others: np.ndarray, fits: np.ndarray, index: np.ndarray
 ) -> np.ndarray:
-    """Return what shared columns leave of the inner products in each model (Frisch and Waugh).
+    """Project shared columns out of the inner products of each model (Frisch and Waugh).
 
-    `index` are the places of a model's columns among the others, (n_models, k); the result has the
-    shape (n_parts, n_models, k, k).
+    `index`, (n_models, k), holds the places of each model's columns in `others`; the result has
+    the shape (n_parts, n_models, k, k).
     """
-    beside = grams[:, shared[:, None], others]
-    moved = grams[:, shared[:, None], shared] @ fits - beside
+    cross = grams[:, shared[:, None], others]
+    moved = grams[:, shared[:, None], shared] @ fits - cross
     rows, columns = index[:, :, None], index[:, None, :]
-    if index.shape[1] > 2:  # many columns meet in pairs
-        turned = np.swapaxes(fits, 1, 2) @ moved - np.swapaxes(beside, 1, 2) @ fits
+    if index.shape[1] > 2:  # the same pairs recur in many models
+        turned = np.swapaxes(fits, 1, 2) @ moved - np.swapaxes(cross, 1, 2) @ fits
         return (grams[:, others[:, None], others] + turned)[:, rows, columns]
-    turned = fits[:, :, rows] * moved[:, :, columns] - beside[:, :, rows] * fits[:, :, columns]
+    turned = fits[:, :, rows] * moved[:, :, columns] - cross[:, :, rows] * fits[:, :, columns]
     return grams[:, others[rows], others[columns]] + turned.sum(axis=1)
 
 
@@ -119,11 +121,11 @@ def log_ratio(before: float, after: float) -> float:
 
 
 def square_of(gram: np.ndarray, coef: np.ndarray) -> float:
-    """Return the square that coefficients leave of the target, the last column of a Gram matrix."""
+    """Return the squared residual of coefficients, from a Gram matrix with the target last."""
     contrast = np.append(coef, -1.0)
     return float(contrast @ gram @ contrast)
 
 
 def summed(grams: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """Return the sums of matrices, (n, p, p), of one label each, which count from zero."""
+    """Return the sum of the matrices (n, p, p) of each label; labels count from zero."""
     return np.array([grams[labels == k].sum(axis=0) for k in range(int(labels.max()) + 1)])

@@ -1,4 +1,4 @@
-"""Where hidden states begin: what inputs and motions of a record were before it."""
+"""Initial hidden states, estimated from the first rows of a record."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from ..given.sticking import noise_of
 
 __all__ = ["begun", "first_state", "hidden_on", "missed_on", "rates_on", "settled_rows"]
 
-LONGEST = 8  # no more than the eighth part of a record tells how it began
-PAST_HALVES = 4.0  # times the mean square that another past must leave: it halves the error
-FADED = 0.05  # of what a hidden state was at the beginning is left when it counts no more
-CLEAR = 3.0  # standard deviations of the noise, that the error must be in the mean of its rows
-MOST_WAIT = 0.25  # of a record, until the derivative counts
+LONGEST = 8  # at most one eighth of a record is used to estimate how it began
+PAST_HALVES = 4.0  # factor by which another past must lower the mean square: it halves the error
+FADED = 0.05  # share of an initial hidden state below which it no longer matters
+CLEAR = 3.0  # least RMS error of the first rows, in standard deviations of the noise
+MOST_WAIT = 0.25  # largest share of a record to leave out until hidden states have settled
 _SHORTEST = 2  # rows: a record holds no less
 
 
 def begun(equations: Equations, record: Record, *, doubted: bool = False) -> Record:
-    """Return a record before which the inputs stood where its first rows say.
+    """Return a record with the inputs before it as its first rows suggest.
 
-    A run begins in a state, of which the hidden part was not measured. By default the inputs are
-    taken to have stood at their first values for long. Where that leaves more of the derivative
-    over the first time constant than the noise of the sensor does, and other values, within the
-    range of the input, halve it, these are taken.
+    The hidden part of the state in which a run begins was not measured. By default the inputs are
+    taken to have stood at their first values for long. Another value, within the range of an input,
+    is taken if the default leaves more error of the derivative over the first time constant than
+    sensor noise does, and the other value halves this error.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def begun(equations: Equations, record: Record, *, doubted: bool = False) -> Rec
     record : Record
         What was measured.
     doubted : bool
-        Whether the inputs are known to have stood elsewhere, so that noise does not count.
+        Whether the inputs are known to have stood elsewhere; the error need not exceed noise then.
 
     Returns
     -------
@@ -88,22 +88,22 @@ def _begun_in(
 
 
 def first_state(equations: Equations, record: Record) -> np.ndarray:
-    """Return where a free run over a record begins.
+    """Return the state in which a free run over a record begins.
 
-    What a friction or a damper remembers of the motion before the record nobody measured. It fades
-    over a short way or time, and until then the derivatives say what it was.
+    A friction or a damper may remember the motion before the record, which was not measured. This
+    memory fades over a short way or time; until then it shows in the derivatives.
 
     Parameters
     ----------
     equations : Equations
-        The model; memories of its inputs are not looked at here.
+        The model; memories of its inputs are ignored here.
     record : Record
         What was measured.
 
     Returns
     -------
     ndarray of shape (n_states,)
-        The first measured state, and the hidden states that follow measured ones there.
+        The first measured state, then the initial hidden states that follow measured ones.
     """
     if not isinstance(equations, MemoryEquations) or not equations.paths:
         return np.asarray(record.x[0])
@@ -111,21 +111,21 @@ def first_state(equations: Equations, record: Record) -> np.ndarray:
     paths = equations.paths
     spans = [span for path in paths for span in kind_of(path).spans(path, rows)]
     starts = hidden_along(paths, rows[:1])[0].tolist()
-    for _ in range(max(kind_of(path).order for path in paths)):  # those of one path go together
+    for _ in range(max(kind_of(path).order for path in paths)):  # states of a path are coupled
         for k, span in enumerate(spans):
             starts[k] = _remembered(equations, record, starts, k, span)
     return np.concatenate([record.x[0], starts])
 
 
 def rates_on(equations: Equations, record: Record) -> np.ndarray:
-    """Return the rates on a record, the hidden states begun where its first rows say.
+    """Return the rates of a model on a record, initial hidden states taken from its first rows.
 
     Parameters
     ----------
     equations : Equations
-        The model, in terms of what acts; what remembers a state is an operator on the rows.
+        The model of inputs as they act; terms with memory are operators on the rows.
     record : Record
-        What was measured, with what acts.
+        What was measured, with inputs as they act.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def rates_on(equations: Equations, record: Record) -> np.ndarray:
 
 
 def missed_on(equations: Equations, record: Record) -> np.ndarray:
-    """Return what a model leaves of the derivative, its memories begun where the first rows say.
+    """Return the residual of the derivative, initial hidden states taken from the first rows.
 
     Parameters
     ----------
@@ -158,14 +158,14 @@ def missed_on(equations: Equations, record: Record) -> np.ndarray:
 
 
 def hidden_on(equations: MemoryEquations, record: Record) -> np.ndarray:
-    """Return the hidden states that follow measured ones, begun where the first rows say.
+    """Return the hidden states that follow measured ones, their starts taken from the first rows.
 
     Parameters
     ----------
     equations : MemoryEquations
         The model.
     record : Record
-        What was measured, with what acts.
+        What was measured, with inputs as they act.
 
     Returns
     -------
@@ -176,19 +176,19 @@ def hidden_on(equations: MemoryEquations, record: Record) -> np.ndarray:
 
 
 def settled_rows(design: Design, record: Record) -> np.ndarray:
-    """Return on which rows it does not matter any more how hidden states began.
+    """Return the rows on which the initial hidden states no longer matter.
 
     Parameters
     ----------
     design : Design
-        Holds what remembers as operators on the rows.
+        Holds terms with memory as operators on the rows.
     record : Record
         What was measured.
 
     Returns
     -------
     ndarray of shape (n_samples, 1)
-        One or zero; one on most rows, however slow what remembers is.
+        One or zero; one on most rows, however slow a memory is.
     """
     paths = design.paths
     wait = max((kind_of(path).fades(path) for path in paths), default=0.0)
@@ -203,17 +203,17 @@ def _remembered(
     place: int,
     span: tuple[float, float],
 ) -> float:
-    """Return one hidden state at the first row, given the others, within a span."""
+    """Estimate one hidden state at the first row within a span, given the others."""
     head = record[: max(_SHORTEST, len(record) // LONGEST)]
     rows = stack(head.x, head.u, head.t)
 
     def along(start: float, n: int) -> np.ndarray:
-        begun = [*starts[:place], start, *starts[place + 1 :]]
-        return hidden_along(equations.paths, rows[:n], begun)
+        all_starts = [*starts[:place], start, *starts[place + 1 :]]
+        return hidden_along(equations.paths, rows[:n], all_starts)
 
     low, high = (along(end, len(rows))[:, place] for end in span)
-    felt = np.flatnonzero(np.abs(high - low) > FADED * (span[1] - span[0]))
-    n, scale = max(_SHORTEST, 1 + int(felt.max(initial=0))), scale_of([record.x_dot])
+    affected = np.flatnonzero(np.abs(high - low) > FADED * (span[1] - span[0]))
+    n, scale = max(_SHORTEST, 1 + int(affected.max(initial=0))), scale_of([record.x_dot])
 
     def miss(start: float) -> float:
         rates = equations.evaluate(

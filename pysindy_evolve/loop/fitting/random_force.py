@@ -1,19 +1,19 @@
 r"""Weights that make the rows of a trajectory white: sensor noise, and a random force, integrated.
 
-The readings of a record are disturbed by e + D w, where e is white, w is a random force that
-forgets exponentially, some at once, and D integrates it. With V = I + ratio D C D^T, where C holds
-the correlations of w, least squares weighed by its inverse are generalized ones (Aitken 1936,
-DOI 10.1017/S0370164600014346). A start, which nobody knows, is taken off first.
+The readings of a record are disturbed by e + D w, where e is white sensor noise, w is a random
+force, white or with exponential correlation, and D integrates it. Generalized least squares (Aitken
+1936, DOI 10.1017/S0370164600014346) weighs the rows by the inverse of V = I + ratio D C D^T, where
+C is the correlation matrix of w. The unknown start of a record is projected out first.
 
 ======  ==============================================  ======================================
 symbol  shape                                           meaning
 ======  ==============================================  ======================================
 ratio   scalar                                          variance of the drift D w, over that of e
-memory  scalar                                          of w, in lengths of the record
+memory  scalar                                          correlation time of w, in record lengths
 starts  (n, order)                                      what the unknown first state adds
-axes    (n_memories, n, n)                              of D C D^T, which all ratios share
-scales  (n_noises, n)                                   that make the rows along them white
-fitted  (n_noises, n, order)                            orthonormal: the starts, made white
+axes    (n_memories, n, n)                              eigenvectors of D C D^T
+scales  (n_noises, n)                                   factors that whiten rows along the axes
+fitted  (n_noises, n, order)                            orthonormal basis of whitened starts
 ======  ==============================================  ======================================
 """
 
@@ -31,13 +31,13 @@ __all__ = ["NOISES", "Noise", "Whitening", "drift_size", "whitening"]
 
 
 class Noise(NamedTuple):
-    """How strong a force is against the noise of the sensor, and how long it lasts."""
+    """Strength of a random force relative to sensor noise, and its correlation time."""
 
     ratio: float
     memory: float
 
 
-RATIOS = np.geomspace(1e-2, 1e6, 13)  # from hardly any force to nothing else
+RATIOS = np.geomspace(1e-2, 1e6, 13)  # from hardly any force to hardly any sensor noise
 MEMORIES = (0.0, 0.05, 0.15)  # a force that lasts longer is taken for an effect
 NOISES = (Noise(0.0, 0.0), *(Noise(float(r), m) for m in MEMORIES for r in RATIOS))
 OF_MEMORY = np.array([MEMORIES.index(noise.memory) for noise in NOISES])
@@ -45,7 +45,7 @@ OF_MEMORY = np.array([MEMORIES.index(noise.memory) for noise in NOISES])
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
-    """How rows are weighed for each noise, and the log determinants of the restricted likelihood.
+    """Weights of rows for each noise, and log determinants of the restricted likelihood.
 
     Symbols as above.
     """
@@ -56,7 +56,7 @@ class Whitening:
     logdets: np.ndarray
 
     def grams(self, rows: np.ndarray) -> np.ndarray:
-        """Return inner products of columns of shape (n, p), free of starts: (n_noises, p, p)."""
+        """Return inner products of columns (n, p), starts projected out: (n_noises, p, p)."""
         along = np.swapaxes(self.axes, 1, 2) @ rows
         white = self.scales[:, :, None] * along[OF_MEMORY]
         starts = np.swapaxes(self.fitted, 1, 2) @ white
@@ -65,12 +65,12 @@ class Whitening:
 
 @lru_cache(maxsize=32)
 def whitening(n: int, order: int) -> Whitening:
-    """Return how n rows are weighed whose disturbing force is integrated `order` times."""
+    """Return the weights of n rows for a disturbing force that is integrated `order` times."""
     starts, axes, spreads = _starts(n, order), [], []
     for memory in MEMORIES:
         drift = _drift(n, order, memory) / drift_size(n, order, memory)
-        left, sizes, _ = np.linalg.svd(drift)
-        axes.append(left)
+        vectors, sizes, _ = np.linalg.svd(drift)
+        axes.append(vectors)
         spreads.append(sizes**2)
     ratios = np.array([noise.ratio for noise in NOISES])
     variances = 1.0 + ratios[:, None] * np.array(spreads)[OF_MEMORY]
@@ -84,9 +84,9 @@ def whitening(n: int, order: int) -> Whitening:
 
 @lru_cache(maxsize=64)
 def drift_size(n: int, order: int, memory: float) -> float:
-    """Return the RMS drift of n rows by a force of unit variance, the best start taken off.
+    """Return the RMS drift of n rows by a force of unit variance, the best start projected out.
 
-    For a sampling time of one; it is proportional to its power `order`.
+    It holds for a sampling time of one, and grows as dt ** order.
     """
     drift = _drift(n, order, memory)
     basis, _ = np.linalg.qr(_starts(n, order))
@@ -95,7 +95,7 @@ def drift_size(n: int, order: int, memory: float) -> float:
 
 @lru_cache(maxsize=64)
 def _drift(n: int, order: int, memory: float) -> np.ndarray:
-    """Return what makes a drift of independent numbers."""
+    """Return the matrix that turns independent numbers of unit variance into a drift."""
     integral = np.linalg.matrix_power(np.tril(np.ones((n, n))), order)
     if memory == 0.0:
         return integral

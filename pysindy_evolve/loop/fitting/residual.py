@@ -1,4 +1,4 @@
-r"""What a model leaves unexplained, seen in two ways that say how much an effect matters.
+r"""The residual of a model in two views, which show how much an effect matters.
 
 *Derivative view*: x_dot - f(x), averaged over smooth windows (the weak form).
 *Simulation view*: the deviation e of the measured states from a simulation that starts on them.
@@ -38,18 +38,18 @@ from ..given.sensor import as_observed
 __all__ = ["derivative_grams", "force_on", "forces", "jacobian", "residual_on", "respond"]
 __all__ += ["simulation_rows", "view_grams"]
 
-DIVERGED = 1e60  # a deviation that grew larger; its square does not overflow
-MAX_GROWTH = 1e3  # a simulation window is so short that an unstable model does not blow up in it
-ROWS_PER_WINDOW = 64  # of the simulated deviation, which is smooth, so many rows are kept
+DIVERGED = 1e60  # deviations are clipped here, so that their squares do not overflow
+MAX_GROWTH = 1e3  # of a deviation; simulation windows are shortened until it grows by less
+ROWS_PER_WINDOW = 64  # rows to keep of the simulated deviation, which is smooth
 
 
 def residual_on(equations: Equations, record: Record) -> np.ndarray:
-    """Return what equations leave of the measured derivative, as sensors would show it.
+    """Return the residual of the measured derivative, as sensors would show it.
 
     Parameters
     ----------
     equations : Equations
-        A model; what remembers a state in it is at rest before the record.
+        A model; its hidden states are at rest before the record.
     record : Record
         What was measured.
 
@@ -69,7 +69,7 @@ def view_grams(
     Parameters
     ----------
     part : Segments
-        Rows to look at.
+        Rows of the records.
     design : Design
         Supplies the known parts of the equations.
     columns : sequence of Column
@@ -97,7 +97,7 @@ def derivative_grams(part: Segments, design: Design, columns: Sequence[Column]) 
 def forces(
     part: Segments, design: Design, columns: Sequence[Column], *, weighed: bool = True
 ) -> np.ndarray:
-    """Evaluate columns and target in each equation; the target is x_dot minus what is known."""
+    """Evaluate columns and target in each equation; the target is x_dot minus the known part."""
     cache: Cache = {}
     force = np.stack([force_on(part, design, columns, s, cache) for s in range(part.n_states)])
     force = force.transpose(2, 3, 0, 1)
@@ -204,19 +204,19 @@ def _over_blocks(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Integrate over all blocks of `keep` steps at once.
 
-    Return what becomes of the deviation at the start of each block until its end, and what the
-    force adds: shapes (n_windows, n_blocks, n_states, n_states) and (..., n_states, n_columns).
+    Return the matrix that carries a deviation over each block, and what the force adds: shapes
+    (n_windows, n_blocks, n_states, n_states) and (..., n_states, n_columns).
     """
     n_windows, span, n_states, n_columns = driven.shape
     n_blocks = (span - 1) // keep
-    here = slice(0, n_blocks * keep)
+    used = slice(0, n_blocks * keep)
     blocks = (n_windows, n_blocks, keep, n_states)
-    a = dt * slope[:, here].reshape(*blocks, n_states)
+    a = dt * slope[:, used].reshape(*blocks, n_states)
     eye = np.eye(n_states)
     step = eye + a @ (eye + a @ (eye + a / 3.0) / 2.0)
-    before, after = driven[:, here], driven[:, 1 : n_blocks * keep + 1]
+    before, after = driven[:, used], driven[:, 1 : n_blocks * keep + 1]
     before, after = (0.5 * dt * half.reshape(*blocks, n_columns) for half in (before, after))
-    jumps = None if jumps is None else jumps[:, here].reshape(*blocks, n_states)
+    jumps = None if jumps is None else jumps[:, used].reshape(*blocks, n_states)
     deviation = np.zeros((n_windows, n_blocks, n_states, n_states + n_columns))
     deviation[..., :n_states] = eye
     for i in range(keep):
@@ -256,7 +256,7 @@ def jacobian(equations: Equations, z: np.ndarray, scale: np.ndarray) -> np.ndarr
         ahead, behind = (
             [_moved(equations, flat, j, far * side * step) for far in (1, 2)] for side in (1, -1)
         )
-        with np.errstate(invalid="ignore"):  # of a run that leaves the record
+        with np.errstate(invalid="ignore"):  # where runs diverge
             forward, backward = (ahead[1] - ahead[0]) / step, (behind[0] - behind[1]) / step
         result[:, :, j] = np.where(np.abs(forward) < np.abs(backward), forward, backward)
     return result.reshape(*z.shape[:-1], n_states, n_states)
@@ -273,5 +273,5 @@ def _rates(equations: Equations, flat: np.ndarray) -> np.ndarray:
     columns = [term.evaluate(flat, cache) for term in equations.terms]
     if not columns:
         return np.zeros((len(flat), len(equations.states)))
-    with np.errstate(over="ignore", invalid="ignore"):  # of a run that leaves the record
+    with np.errstate(over="ignore", invalid="ignore"):  # where runs diverge
         return np.asarray(np.column_stack(columns) @ equations.coef.T)

@@ -1,4 +1,4 @@
-"""Free runs of a model over records, and how far they miss them."""
+"""Free runs of a model over records, and their errors."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .past import begun, first_state, hidden_on
 
 __all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 
-REFINEMENT = 4  # steps that splines put into each sample of an input
+REFINEMENT = 4  # steps into which splines divide each sample of an input
 
 
 def free_run(
     equations: Equations, record: Record, start: np.ndarray | None = None, **options: Any
 ) -> np.ndarray:
-    """Simulate over a record, from its first state if no other one is given.
+    """Simulate over a record, by default from its first state.
 
     Prepared inputs are smooth between the samples, so they are refined by splines: straight lines
     would take five percent off a sine with nine samples a period.
@@ -49,9 +49,9 @@ def free_run(
 
 
 def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any) -> np.ndarray:
-    """Run over a record whose raw inputs also say what the hidden states were at its first row.
+    """Run over a record, with hidden states that the raw inputs determine.
 
-    Where they do not, its first rows do: what the inputs were before the record nobody measured.
+    The inputs before the record were not measured, and are estimated from its first rows.
     """
     record, hidden = begun(equations, record), []
     for memory in equations.memories:
@@ -82,9 +82,9 @@ def nrmse(errors: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches: int) -> float:
-    """Return the mean square by which runs over stretches of records miss them.
+    """Return the sum of squared misses of runs over stretches of records.
 
-    Each stretch starts on its record; states count in their standard deviations. Infinite if a
+    Each run starts on its record. Misses are in standard deviations of the states. Infinite if a
     run diverges.
     """
     scale = scale_of([record.x for record in records])

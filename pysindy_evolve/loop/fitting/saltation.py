@@ -1,12 +1,13 @@
-r"""What a switch does to a small deviation: the saltation matrices of a run.
+r"""Saltation matrices: how a switch changes a small deviation from a run.
 
-Where a run crosses g = 0, and sgn(g) stands in the equations, a deviation from it crosses sooner or
-later, and meanwhile moves at the rate of the other side. To first order that multiplies it by
+Where a run crosses g = 0, and the equations contain sgn(g), a deviating run crosses a little sooner
+or later. Meanwhile the two runs move at the rates of different sides. To first order this
+multiplies the deviation by
 
 .. math:: S = I + (f^+ - f^-) \, n^T / (n^T f^- + \partial g / \partial t), \quad n = \nabla g.
 
-Where the run slides along g = 0, as a body that sticks does, nothing of the deviation across the
-surface is left.
+Where the run slides along g = 0, as a sticking body does, the deviation across the surface
+vanishes.
 
 References
 ----------
@@ -23,8 +24,8 @@ from ...terms import Sum
 
 __all__ = ["saltation"]
 
-STEP = 1e-6  # of the size of a state or of g: near enough, and far above rounding
-LARGEST = 10.0  # entry of a matrix; beyond, a run only grazes, and nothing is linear
+STEP = 1e-6  # finite difference, relative to the size of a state or of g; far above rounding
+LARGEST = 10.0  # entry of a matrix; beyond, a run only grazes g = 0, and is not linearized
 
 
 def saltation(
@@ -60,15 +61,15 @@ def saltation(
         before, after = np.sign(g[:, :-1]), np.sign(g[:, 1:])
         run, row = np.nonzero(np.where(before != 0.0, after != before, after == 0.0))
         if len(run):
-            met = _Surface(equations, switch.g, scale, z[run, row], z[run, row + 1], dt)
+            surface = _Surface(equations, switch.g, scale, z[run, row], z[run, row + 1], dt)
             matrices[run, row] = (
-                met.matrices(before[run, row], after[run, row]) @ matrices[run, row]
+                surface.matrices(before[run, row], after[run, row]) @ matrices[run, row]
             )
     return matrices
 
 
 class _Surface:
-    """Where steps from z0 to z1 meet g = 0, each row one of them."""
+    """Points at which steps from z0 to z1 meet g = 0, one in each row."""
 
     def __init__(
         self,
@@ -89,7 +90,7 @@ class _Surface:
         self.normal = (np.column_stack(ahead) - np.column_stack(behind)) / (2.0 * steps)
         x = self.z[:, : len(scale)]
         first, last = (g.evaluate(np.column_stack([x, z[:, len(scale) :]])) for z in (z0, z1))
-        self.own_rate = (last - first) / dt  # by inputs and time
+        self.own_rate = (last - first) / dt  # rate of g by inputs and time alone
         self.reach = STEP * np.sqrt(np.sum((self.normal * scale) ** 2, axis=1))
 
     def matrices(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
@@ -108,7 +109,7 @@ class _Surface:
         return np.eye(self.n_states) + np.where(usable, gain, 0.0)
 
     def rates(self, side: np.ndarray) -> np.ndarray:
-        """Return the right-hand sides just beside the surface, on the side with that sign of g."""
+        """Return the right-hand sides just beside the surface, where g has the sign `side`."""
         size = np.sum(self.normal**2, axis=1)
         moved = self.z.copy()
         moved[:, : self.n_states] += self.normal * _ratio(side * self.reach, size)[:, None]
@@ -116,7 +117,7 @@ class _Surface:
         return self.equations.evaluate(moved[:, :n], moved[:, n:-1], moved[:, -1])
 
     def across(self, rates: np.ndarray) -> np.ndarray:
-        """Return the speed at which g changes by the motion of the states."""
+        """Return the rate of g by the motion of the states."""
         return np.sum(self.normal * rates, axis=1)
 
 

@@ -1,9 +1,9 @@
 """Refine coefficients by the true simulation: multiple shooting.
 
-The fit of the simulation error in `fit` is linear, about the measured states. Here the model runs
-by itself over stretches of the record, as long as it stays close, and Gauss-Newton steps change its
-coefficients, and the states in which the stretches begin, until it meets what was measured. Noise
-of the sensor enters neither the states nor their derivatives of such a run, and biases nothing.
+The simulation fit in `fit` is linearized about the measured states. Here the model runs freely over
+stretches of the record, as long as it stays close. Gauss-Newton steps change its coefficients and
+the initial states of the stretches until the runs meet the record. Sensor noise enters neither the
+states nor the derivatives of such a run, so it causes no bias.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from .unfolding import square_left, unfolded, with_paths
 
 __all__ = ["fit_by_shooting", "fit_to_runs", "gains_of_runs"]
 
-N_STRETCHES = (4, 8, 16, 32)  # of the training data; the fewest that the model can follow
-FAITHFUL = 0.5  # standard deviations by which a run may miss
+N_STRETCHES = (4, 8, 16, 32)  # to try in this order, until the model can follow
+FAITHFUL = 0.5  # RMS miss of usable runs, in standard deviations of a state
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little
-N_STEPS = 20  # a fit that noise has led far astray needs many
-SETTLED = 1e-3  # relative gain of a step after which no other one is taken: runs cost much time
+N_STEPS = 20  # noise may have led the initial fit far astray
+SETTLED = 1e-3  # stop when a step gains less than this share of the error: runs are slow
 
 Loss = Callable[[np.ndarray], float]
 
@@ -44,15 +44,15 @@ def fit_by_shooting(design: Design, fitted: Fit, records: Sequence[Record]) -> F
     design : Design
         The model, with p columns.
     fitted : Fit
-        Coefficients to begin with.
+        Supplies the initial coefficients.
     records : sequence of Record
         Training records.
 
     Returns
     -------
     Fit
-        The same one where the model cannot follow the records, or where what every second stretch
-        says does not hold on those between.
+        The same one if the model cannot follow the records, or if fits to every second stretch do
+        not improve the stretches in between.
     """
     loss = partial(square_left, design, records)
     coef = fit_to_runs(unfolded(design), fitted.coef, with_paths(design, records), loss)
@@ -72,42 +72,42 @@ def fit_to_runs(
     design : Design
         The model, with p columns, unfolded.
     coef : ndarray of shape (p,)
-        Where to begin.
+        Initial coefficients.
     records : sequence of Record
-        Training records, with the paths that hidden states take.
+        Training records, hidden states included.
     loss : callable
-        Maps coefficients to the sum of squares that they leave of the derivative.
+        Maps coefficients to the squared residual of the derivative.
 
     Returns
     -------
     ndarray of shape (p,) or None
-        None as described in `fit_by_shooting`.
+        None where `fit_by_shooting` keeps its fit, or the records are too long.
     """
     if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
         return None
     records = _driven(records)
-    begun = _begun(design, coef, records)
-    if begun is None or not _holds(begun, records, loss):
+    started = _begun(design, coef, records)
+    if started is None or not _holds(started, records, loss):
         return None
-    return _settled(begun, records).coef
+    return _settled(started, records).coef
 
 
 def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple[float, float]:
-    """Return by how much one design comes closer than a simpler one, each fitted to free runs.
+    """Return the gains of a design over a simpler one, each fitted to free runs.
 
     Parameters
     ----------
     few, many : Design
         The simpler one and the other.
     records : sequence of Record
-        Training records; of long ones the first rows are looked at.
+        Training records; of long ones only the first rows are used.
 
     Returns
     -------
     runs, derivative : float
-        log(squares that the simpler one misses / the other), of runs over stretches that both can
-        follow, and of the derivative with the coefficients of these. Infinite where the simpler one
-        can follow none, and minus infinity where the other cannot.
+        log(squared error of the simpler one / of the other), of runs over stretches that both can
+        follow, and of the derivative with the same coefficients. Infinite if the other one follows
+        some stretches, but never both the same; minus infinity if it follows none.
     """
     share = min(1.0, MAX_ROWS / sum(len(record) for record in records))
     records = [record[: int(share * len(record))] for record in records]
@@ -115,17 +115,22 @@ def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple
         (unfolded(d), refit(d, records, "derivative"), _driven(with_paths(d, records)))
         for d in (few, many)
     ]
-    ever = False
+    other_follows = False
     for n_stretches in N_STRETCHES:
-        begun = [_begun(*side, (n_stretches,)) for side in sides]
-        trials = [trial for trial in begun if trial is not None]
-        ever = ever or begun[1] is not None
+        started = [_begun(*side, (n_stretches,)) for side in sides]
+        trials = [trial for trial in started if trial is not None]
+        other_follows = other_follows or started[1] is not None
         if len(trials) == len(sides):
-            runs = [_settled(t, own) for t, (_, _, own) in zip(trials, sides, strict=True)]
+            runs = [
+                _settled(t, its_records)
+                for t, (_, _, its_records) in zip(trials, sides, strict=True)
+            ]
             missed = [_square_missed(run, len(few.states)) for run in runs]
-            left = [square_left(d, records, r.coef) for d, r in zip((few, many), runs, strict=True)]
-            return log_ratio(*missed), log_ratio(*left)
-    return (float("inf"),) * 2 if ever else (-float("inf"),) * 2
+            errors = [
+                square_left(d, records, r.coef) for d, r in zip((few, many), runs, strict=True)
+            ]
+            return log_ratio(*missed), log_ratio(*errors)
+    return (float("inf"),) * 2 if other_follows else (-float("inf"),) * 2
 
 
 def _driven(records: Sequence[Record]) -> list[Record]:
@@ -148,11 +153,11 @@ def _begun(
     for n_stretches in numbers:
         part = segments(records, may_rest(design, records), n_stretches, max_rows=None)
         if part.z.shape[1] == length:
-            continue  # many short records are cut alike
+            continue  # many short records give the same pieces
         length, x = part.z.shape[1], part.z[:, :, : part.n_states]
         trial = _run(Trial(design, part, part.state_scale, coef, x[:, 0], x), records)
         missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
-        if not np.all((missed < FAITHFUL * part.state_scale)[: trial.n_seen]):  # so too for NaN
+        if not np.all((missed < FAITHFUL * part.state_scale)[: trial.n_seen]):  # also for NaN
             continue
         trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
         if trial.rows() is not None:
@@ -160,19 +165,19 @@ def _begun(
     return None
 
 
-def _holds(begun: Trial, records: Sequence[Record], loss: Loss) -> bool:
-    """Tell whether steps on one half of the stretches better the other half, and the reverse.
+def _holds(trial: Trial, records: Sequence[Record], loss: Loss) -> bool:
+    """Tell whether fits to each half of the stretches improve the other half.
 
-    Where a model lacks something, runs can be bettered by coefficients that are wrong. So what the
-    derivative loses counts against what the runs gain.
+    If a model lacks something, wrong coefficients can improve its runs. So a loss in the derivative
+    counts against the gain in the runs.
     """
-    if len(begun.x) < 2:
+    if len(trial.x) < 2:
         return False
     before, after = 0.0, 0.0
-    halves = [begun.picked(slice(k, None, 2)) for k in (0, 1)]
+    halves = [trial.picked(slice(k, None, 2)) for k in (0, 1)]
     for seen, judged in (halves, halves[::-1]):
         coef = _settled(seen, records).coef
-        before += judged.error * loss(begun.coef)
+        before += judged.error * loss(trial.coef)
         after += _run(replace(judged, coef=coef), records).error * loss(coef)
     return after < before
 

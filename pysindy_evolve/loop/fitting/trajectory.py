@@ -1,16 +1,16 @@
 r"""Scores by the trajectory: for records that hold few independent numbers.
 
-The derivative of fifty frames of a video is mostly noise, and what all candidates together leave of
-so few numbers says nothing about that noise. But an equation y^(m) = f(x) also holds when it is
-integrated m times, and then for the raw readings,
+The derivative of fifty frames of a video is mostly noise, and so few numbers do not allow an
+estimate of this noise from what all candidates together leave. But an equation y^(m) = f(x) can be
+integrated m times, and then holds for the raw readings,
 
 .. math:: y(t) = s(t) + \int \!\! \int f(x) + \int \!\! \int w + e,
 
 with a start s, a polynomial of m coefficients, white noise e of the sensor, and a random force w
-that disturbs the machine. How strong w is against e, and how long it lasts, are two numbers, which
-the likelihood knows even of a short record. f is evaluated on the filtered states; their noise is
-averaged away by the integrals. All rows are fitted, so each coefficient is charged with what one
-more gains by chance.
+that disturbs the machine. The strength of w relative to e, and its correlation time, are two
+numbers, which maximum likelihood finds even in a short record. f is evaluated on the filtered
+states; the integrals average their noise away. All rows are fitted, so each coefficient is charged
+with what a further one gains by chance.
 
 ======  ==============================================  ======================================
 symbol  shape                                           meaning
@@ -49,7 +49,7 @@ from .random_force import NOISES, drift_size, whitening
 
 __all__ = ["Disturbance", "Trajectories", "followable", "made_of"]
 
-MAX_ROWS = 256  # of a record; the means of groups of more rows say the same
+MAX_ROWS = 256  # of a record; more rows are averaged in groups, which loses little
 ROUNDING = 1e-14  # relative to the square of the target
 
 
@@ -80,7 +80,7 @@ class Disturbance:
     force : float
         Standard deviation of the random force on each raw sample, units of the derivative.
     memory : float
-        Time in which the force is forgotten, units of t; 0 if from one sample to the next.
+        Correlation time of the force, units of t; 0 if it is white.
     """
 
     sensor: float
@@ -104,20 +104,20 @@ class _Course:
 
     @property
     def n_free(self) -> int:
-        """Number of rows, the starts taken off."""
+        """Number of rows minus the number of coefficients of the starts."""
         return sum(len(rows) - self.order for rows in self.rows)
 
     @cached_property
     def acting(self) -> np.ndarray:
-        """Places of the columns that are not those of other equations, and so zero in this one."""
+        """Places of the columns that are not zero in this equation, and of the target."""
         acts = np.any(np.concatenate(self.rows), axis=0)
         return np.flatnonzero(np.append(acts[:-1], True))
 
     @cached_property
     def grams(self) -> np.ndarray:
-        """Inner products of nothing, of the acting columns and of the target, for each noise."""
-        own = [np.insert(rows[:, self.acting], 0, 0.0, axis=1) for rows in self.rows]
-        return np.sum([whitening(len(r), self.order).grams(r) for r in own], axis=0)
+        """Inner products of a zero column, the acting columns and the target, for each noise."""
+        acting_rows = [np.insert(rows[:, self.acting], 0, 0.0, axis=1) for rows in self.rows]
+        return np.sum([whitening(len(r), self.order).grams(r) for r in acting_rows], axis=0)
 
     def gram(self, place: int) -> np.ndarray:
         """Return the inner products of all columns and the target for one of the noises."""
@@ -134,19 +134,21 @@ class _Course:
         """Return -2 log likelihood at the best noise variance, (n_noises, n_models)."""
         places = np.zeros(self.rows[0].shape[1], dtype=int)
         places[self.acting] = np.arange(1, len(self.acting) + 1)
-        apart, alike = np.unique(places[models], axis=0, return_inverse=True)
+        distinct, inverse = np.unique(places[models], axis=0, return_inverse=True)
         least = ROUNDING * self.grams[:, -1, -1] + TINY
-        left = np.maximum(errors_of(self.grams, self.grams, apart), least).T[:, alike.ravel()]
-        return np.asarray(self.n_free * np.log(left / self.n_free) + self.logdets[:, None])
+        squares = np.maximum(errors_of(self.grams, self.grams, distinct), least).T[
+            :, inverse.ravel()
+        ]
+        return np.asarray(self.n_free * np.log(squares / self.n_free) + self.logdets[:, None])
 
     def likeliest(self) -> tuple[int, float]:
-        """Return the place of the ratio that makes the model likeliest, and the noise variance."""
+        """Return the place of the likeliest noise, and the variance of sensor noise."""
         n_columns = self.rows[0].shape[1] - 1
         place = int(np.argmin(self.deviances(np.arange(n_columns)[None])[:, 0]))
         gram = self.gram(place)
-        left = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
+        square = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
         free = max(self.n_free - n_columns, 1)
-        return place, float(max(left, ROUNDING * gram[-1, -1], TINY)) / free
+        return place, float(max(square, ROUNDING * gram[-1, -1], TINY)) / free
 
 
 class Trajectories:
@@ -179,7 +181,7 @@ class Trajectories:
         ]
 
     def total(self, place: int) -> np.ndarray:
-        """Return the Gram matrix for one of the ratios, each equation in units of its target."""
+        """Return the Gram matrix for one of the noises, each equation in units of its target."""
         grams = [course.gram(place) for course in self.courses]
         return np.sum([gram / max(gram[-1, -1], TINY) for gram in grams], axis=0)
 
@@ -216,7 +218,7 @@ class Trajectories:
         return coef, np.column_stack([coef - half, coef + half])
 
     def disturbances(self) -> list[Disturbance]:
-        """Return what disturbs each equation, if the columns are all that is in it."""
+        """Return what disturbs each equation, if no column is missing."""
         found, record = [], self.records[0]
         group = _group(len(record))
         for course in self.courses:
@@ -225,7 +227,7 @@ class Trajectories:
             noise, n = NOISES[place], len(course.rows[0])
             size = drift_size(n, self.order, noise.memory) * dt**self.order
             force = np.sqrt(variance * noise.ratio) / size
-            if not noise.memory:  # so that it adds up to the same
+            if not noise.memory:  # the force on a raw sample that gives the same drift
                 force *= np.sqrt(dt / made_of(record).dt)
             sensor = float(np.sqrt(variance * group))
             found.append(Disturbance(sensor, float(force), noise.memory * n * dt))
@@ -233,7 +235,7 @@ class Trajectories:
 
 
 def _integrated(columns: Sequence[Column], state: int, record: Record, cache: Cache) -> np.ndarray:
-    """Return integrated columns; in the place of the last one, the readings less it."""
+    """Return integrated columns; the last one is replaced by the readings minus it."""
     variables, made = variables_of(record), made_of(record)
     rows = np.zeros((len(record), len(columns)))
     for place, column in enumerate(columns):

@@ -1,10 +1,9 @@
-"""Models on trial: they run freely over stretches, and are fitted to them by multiple shooting.
+"""Trials of models: free runs over stretches, fitted to the record by multiple shooting.
 
-Gauss-Newton steps change the coefficients of each model, and the states in which its runs begin,
-until it meets the record as well as it can. What is left is linear in small changes, so that
-held-out errors, and what any other target would leave, follow from small Gram matrices. The runs
-of many models over the same stretches are columns of one integration, unless a caller brings
-another way to run them.
+Gauss-Newton steps change the coefficients of each model and the initial states of its runs until it
+meets the record as well as it can. There the misses are linear in small changes, so held-out
+errors, and errors for other targets, follow from small Gram matrices. The runs of many models over
+the same stretches are made in one integration, unless the caller passes another runner.
 
 References
 ----------
@@ -31,10 +30,10 @@ from .saltation import saltation
 
 __all__ = ["Rows", "Trial", "bettered", "converged", "runs_of"]
 
-ROWS = 2000  # of the runs that a step looks at
-N_STEPS = 6  # of Gauss-Newton, each of which may be a shortened one
-SHORTER = 0.3  # a step that makes the error larger is tried again, so much shorter
-SETTLED = 1e-4  # relative gain of a step after which no other one is taken
+ROWS = 2000  # about how many rows of the runs a step uses
+N_STEPS = 6  # Gauss-Newton steps, shortened ones included
+SHORTER = 0.3  # factor for a step that made the error larger, when it is tried again
+SETTLED = 1e-4  # stop when a step gains less than this share of the error
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,13 +45,13 @@ class Trial:
     design : Design
         The model, with p columns.
     part : Segments
-        States to meet, and the inputs as they act in this model.
+        Target states, and the inputs as they act in this model.
     scale : ndarray of shape (n_states,)
         Unit of the error of each state.
     coef : ndarray of shape (p,)
         Coefficients.
     starts : ndarray of shape (n_stretches, n_states)
-        Where the runs begin.
+        Initial states of the runs.
     x : ndarray of shape (n_stretches, n, n_states)
         The runs.
     """
@@ -66,22 +65,22 @@ class Trial:
 
     @property
     def n_seen(self) -> int:
-        """Number of states that were measured: of hidden ones, the last, no miss counts."""
+        """Number of measured states; hidden states come last, and their misses do not count."""
         return len(self.scale) - self.design.n_hidden
 
     @property
     def target(self) -> np.ndarray:
-        """States to meet, shape (n_stretches, n, n_states)."""
+        """Target states, shape (n_stretches, n, n_states)."""
         return self.part.z[:, :, : self.part.n_states]
 
     @property
     def shown(self) -> np.ndarray:
-        """What the low-passes of records leave of the runs, shape (n_stretches, n, n_states)."""
+        """The runs after the low-passes of the records, shape (n_stretches, n, n_states)."""
         return self.part.shown(self.x)
 
     @lazily
     def miss(self) -> np.ndarray:
-        """What the sensors show of the states to meet, minus what they show of the runs."""
+        """Target minus runs, both as the sensors show them."""
         return self.part.missed(self.x)
 
     @lazily
@@ -93,7 +92,7 @@ class Trial:
         return total if np.isfinite(total) else np.inf
 
     def aimed_at(self, target: np.ndarray) -> Trial:
-        """Return the trial with other states to meet."""
+        """Return the trial with other target states."""
         z = np.concatenate([target, self.part.z[:, :, self.part.n_states :]], axis=2)
         return replace(self, part=replace(self.part, z=z))
 
@@ -102,9 +101,10 @@ class Trial:
         return replace(self, part=self.part.picked(pick), starts=self.starts[pick], x=self.x[pick])
 
     def rows(self, most_growth: float = MAX_GROWTH) -> Rows | None:
-        """Return what the runs miss and what the coefficients change, free of the starts.
+        """Return the runs, linearized in the coefficients and the starts.
 
-        None where the runs forget how they began, or deviations typically grow by more than said.
+        None if a small deviation grows too much along any stretch, or along a typical (median) one
+        by more than `most_growth`.
         """
         n_stretches, length, _ = self.x.shape
         keep = max(1, n_stretches * length // ROWS)
@@ -113,9 +113,9 @@ class Trial:
         if not (np.max(growth) <= MAX_GROWTH and np.median(growth) <= most_growth):
             return None
         if self.part.limits is not None:
-            there = is_observed(self.x, self.part.limits, self.part.seen)
-            there = picked(there[..., : self.n_seen], keep)
-            free, response = free * there, response * there
+            observed = is_observed(self.x, self.part.limits, self.part.seen)
+            observed = picked(observed[..., : self.n_seen], keep)
+            free, response = free * observed, response * observed
         basis, _ = np.linalg.qr(free)
         return Rows(response, basis, np.linalg.pinv(free), self.scale, keep, self.n_seen)
 
@@ -128,7 +128,7 @@ class Trial:
         return of_states[:, :, : self.n_seen].reshape(n_stretches, n_left, n_columns)
 
     def sensitivities(self, keep: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return what the runs owe to their starts and to the coefficients, as in `respond`."""
+        """Return the slopes of the runs in starts and in coefficients, as `respond` does."""
         inputs = self.part.z[:, :, self.part.n_states :]
         along = replace(self.part, z=np.concatenate([self.x, inputs], axis=2))
         equations, scale, dt = self.design.equations(self.coef), self.part.state_scale, self.part.dt
@@ -152,20 +152,20 @@ Runner = Callable[[Sequence[Trial]], list[Trial]]
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """What the runs of a trial owe to its coefficients and starts, to first order.
+    """The runs of a trial, linearized in its coefficients and starts.
 
     Attributes
     ----------
     response : ndarray of shape (n_stretches, n_rows, p)
-        What a unit change of each coefficient moves.
+        Slopes of the runs in each coefficient.
     basis : ndarray of shape (n_stretches, n_rows, n_states)
-        Orthonormal basis of what the starts move.
+        Orthonormal basis of the changes that starts can make.
     to_starts : ndarray of shape (n_stretches, n_states, n_rows)
-        Change of the starts that explains rows best.
+        Maps rows to the change of the starts that explains them best.
     scale : ndarray of shape (n_states,)
         Unit of the error of each state.
     keep : int
-        Every so many samples a row is taken.
+        Number of samples from one row to the next.
     n_seen : int
         Number of states, the first ones, that were measured.
     """
@@ -182,36 +182,36 @@ class Rows:
         return picked((deviation / self.scale)[..., : self.n_seen], self.keep)
 
     def freed(self, rows: np.ndarray) -> np.ndarray:
-        """Return rows without what the starts can explain."""
+        """Project out of rows what the starts can explain."""
         return np.asarray(rows - self.basis @ (np.swapaxes(self.basis, 1, 2) @ rows))
 
     def change(self, response: np.ndarray, miss: np.ndarray, damping: float = 0.0) -> np.ndarray:
-        """Return the change that meets a miss best, with the starts eliminated first.
+        """Return the change of parameters that explains a miss best, with the starts eliminated.
 
         Parameters
         ----------
         response : ndarray of shape (n_stretches, n_rows, p)
-            What a unit change moves.
+            Slopes of the runs in each parameter.
         miss : ndarray of shape (n_stretches, n_rows, 1)
-            What is to be met.
+            The miss to explain.
         damping : float
-            Of Levenberg and Marquardt, relative to the square of each column.
+            Levenberg-Marquardt damping, relative to the square of each column.
 
         Returns
         -------
         ndarray of shape (p,)
         """
-        both = (response, miss)
-        columns, target = (self.freed(part).reshape(-1, part.shape[-1]) for part in both)
+        pair = (response, miss)
+        columns, target = (self.freed(part).reshape(-1, part.shape[-1]) for part in pair)
         size = np.maximum(np.linalg.norm(columns, axis=0), TINY)
         damped = np.vstack([columns / size, np.sqrt(damping) * np.eye(len(size))])
         wanted = np.append(target[:, 0], np.zeros(len(size)))
         return np.asarray(np.linalg.lstsq(damped, wanted, rcond=1e-8)[0] / size)
 
     def starts(self, response: np.ndarray, miss: np.ndarray, change: np.ndarray) -> np.ndarray:
-        """Return by how much the starts follow a change, shape (n_stretches, n_states)."""
-        left = miss - (response @ change)[..., None]
-        return np.asarray((self.to_starts @ left)[..., 0] * self.scale)
+        """Return the best change of the starts beside a change, shape (n_stretches, n_states)."""
+        residual = miss - (response @ change)[..., None]
+        return np.asarray((self.to_starts @ residual)[..., 0] * self.scale)
 
 
 def picked(states: np.ndarray, keep: int) -> np.ndarray:
@@ -231,16 +231,16 @@ def bettered(
     least_gain: float = SETTLED,
     n_steps: int = N_STEPS,
 ) -> list[Trial]:
-    """Take steps from trials whose runs are made, until they gain nothing more.
+    """Take Gauss-Newton steps from trials that have been run, until they gain nothing more.
 
     Parameters
     ----------
     trials : sequence of Trial
-        Models with the runs to begin with; those that diverge stay as they are.
+        Models with their initial runs; those that diverge stay as they are.
     run : callable, optional
         Makes the runs of moved trials; by default all in one integration.
     least_gain : float
-        Relative gain of a step after which no other one is taken.
+        Stop when a step gains less than this share of the error.
     n_steps : int
         Steps at most.
 

@@ -1,9 +1,9 @@
-"""What remembers a state as one more state of a design, for runs that begin anywhere.
+"""Terms with memory (paths) as hidden states of a design, for runs that begin anywhere.
 
-A design holds it as a term, an operator on the rows of a record, see path_states.py. A run that
-begins in the middle of a record needs a hidden state instead, with a start of its own. Nobody
-measured that state, so no miss of it counts. In some weights its equation is linear, so these may
-be columns like any others.
+A design holds a path as a term, an operator on the rows of a record, see path_states.py. A run that
+begins in the middle of a record needs a hidden state instead, with its own start. That state was
+not measured, so its misses do not count. Its equation is linear in some weights, which may be
+columns like any others.
 """
 
 from __future__ import annotations
@@ -33,18 +33,18 @@ from .past import first_state
 
 __all__ = ["paths_of", "retuned", "square_left", "unfolded", "with_paths"]
 
-FARTHEST = 4.0  # times by which runs may change a number; beyond, they have lost their way
+FARTHEST = 4.0  # factor by which runs may change a number; a larger change is rejected
 
 
 def paths_of(design: Design) -> tuple[Call, ...]:
-    """Return what remembers states in a design; nothing if it is algebraic."""
+    """Return the paths of a design; none if it is algebraic."""
     if design.algebraic:
         return ()
     return design.paths
 
 
 def unfolded(design: Design, *, free: bool = False) -> Design:
-    """Return a design with hidden states for what remembers.
+    """Return a design with hidden states in place of its paths.
 
     Parameters
     ----------
@@ -56,28 +56,30 @@ def unfolded(design: Design, *, free: bool = False) -> Design:
     Returns
     -------
     Design
-        The same object where nothing remembers.
+        The same object if there are no paths.
     """
     paths = paths_of(design)
     if not paths:
         return design
     n, m = len(design.states), n_hidden_of(paths)
-    later = range(n, design.time + 1)  # inputs and time, numbered after the hidden states
-    places: dict[int | Call, Sum] = {place: variable(place + m) for place in later}
+    after_hidden = range(n, design.time + 1)  # inputs and time, numbered after the hidden states
+    places: dict[int | Call, Sum] = {place: variable(place + m) for place in after_hidden}
     hidden = [variable(k) for k in range(n, n + m)]
-    own = [(path, moved(path, places), own_states(hidden, paths, path)) for path in paths]
-    written = places | {path: kind_of(path).term(here, states) for path, here, states in own}
+    placed = [(path, moved(path, places), own_states(hidden, paths, path)) for path in paths]
+    written = places | {
+        path: kind_of(path).term(shifted, states) for path, shifted, states in placed
+    }
     fixed = [substituted(side, written) for side in design.fixed]
-    nothing = (Sum(()),) * m
+    absent = (Sum(()),) * m
     columns = [
-        Column(c.name, (*(substituted(part, written) for part in c.parts), *nothing))
+        Column(c.name, (*(substituted(part, written) for part in c.parts), *absent))
         for c in design.columns
     ]
-    for _, here, states in own:
-        fixed += path_rates(here, states)
+    for _, shifted, states in placed:
+        fixed += path_rates(shifted, states)
         if free:
             last, fixed[-1] = len(fixed) - 1, Sum(())
-            parts = kind_of(here).parts(here, states)
+            parts = kind_of(shifted).parts(shifted, states)
             columns += [in_state("weight", part, last, n + m) for part in parts]
     return replace(
         design,
@@ -85,14 +87,14 @@ def unfolded(design: Design, *, free: bool = False) -> Design:
         fixed=tuple(fixed),
         columns=tuple(columns),
         n_hidden=m,
-        doubted=(*design.doubted, *range(n, n + m)),  # nobody measured their motion
+        doubted=(*design.doubted, *range(n, n + m)),  # unmeasured, so never kinematic
     )
 
 
 def with_paths(
     design: Design, records: Sequence[Record], coef: np.ndarray | None = None
 ) -> list[Record]:
-    """Return records with what remembers, along the measured states, as last states.
+    """Return records with hidden states, computed along the measured ones, as last states.
 
     Parameters
     ----------
@@ -101,7 +103,7 @@ def with_paths(
     records : sequence of Record
         What was measured.
     coef : ndarray of shape (p,), optional
-        With these the first rows say how the hidden states began; by default, at rest.
+        With these, the initial hidden states are estimated from the first rows; default: at rest.
 
     Returns
     -------
@@ -114,7 +116,7 @@ def with_paths(
         return [_with_paths(paths, record, None) for record in records]
     full = with_memories(design.equations(coef), ())
     starts = [first_state(full, record)[record.n_states :].tolist() for record in records]
-    return [_with_paths(paths, r, own) for r, own in zip(records, starts, strict=True)]
+    return [_with_paths(paths, r, start) for r, start in zip(records, starts, strict=True)]
 
 
 def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float] | None) -> Record:
@@ -122,36 +124,36 @@ def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float] |
     hidden = hidden_along(paths, rows, starts)
     states = [variable(rows.shape[1] + k) for k in range(n)]
     rates = [rate for path in paths for rate in path_rates(path, own_states(states, paths, path))]
-    both = np.column_stack([rows, hidden])
+    all_rows = np.column_stack([rows, hidden])
     x = np.column_stack([record.x, hidden])
-    x_dot = np.column_stack([record.x_dot, *(rate.evaluate(both) for rate in rates)])
+    x_dot = np.column_stack([record.x_dot, *(rate.evaluate(all_rows) for rate in rates)])
     seen = record.seen
-    if seen is not None:  # what remembers a motion that nobody saw is not known either
-        known = np.all(seen, axis=1)[:, None]
-        seen = np.hstack([seen, np.repeat(known, n, axis=1)])
+    if seen is not None:  # the memory of an unseen motion is not known either
+        is_known = np.all(seen, axis=1)[:, None]
+        seen = np.hstack([seen, np.repeat(is_known, n, axis=1)])
     return replace(record, x=x, x_dot=x_dot, states=None, seen=seen)
 
 
 def square_left(design: Design, records: Sequence[Record], coef: np.ndarray) -> float:
-    """Return the sum of squares that coefficients leave of the derivative.
+    """Return the squared residual of the derivative for given coefficients.
 
-    Hidden states begin where the first rows say: one that is slow to forget where it was believed
-    to begin would make what is right look wrong.
+    Initial hidden states are estimated from the first rows: a wrong start that fades slowly would
+    make a right model look wrong.
     """
     return derivative_square(unfolded(design), with_paths(design, records, coef), coef)
 
 
 def retuned(candidate: Candidate, path: Call, weights: np.ndarray) -> Candidate:
-    """Return an effect with other numbers in what remembers.
+    """Return an effect with other numbers in its path.
 
     Parameters
     ----------
     candidate : Candidate
         The effect.
     path : Call
-        What remembers, as it was; an effect that is another one stays as it is.
+        The path as it was; an effect with another one stays as it is.
     weights : ndarray of shape (n_weights,)
-        See path_states.py. Where they are far off, the effect stays as it is as well.
+        New weights, see path_states.py; if too far off, the effect stays as it is as well.
 
     Returns
     -------

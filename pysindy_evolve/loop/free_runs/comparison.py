@@ -1,10 +1,10 @@
-"""Effects that could take each other's place, judged by free runs.
+"""Effects that could replace each other, compared by free runs.
 
-A filter turns the sign of a speed into something smoother, and blurs what two effects of similar
-shape differ in. A model that runs by itself has no filter in it. So once all is found, each effect
-has to hold its place against the few that come closest to it: all models are fitted to the same
-stretches of the record by their runs, and another effect takes the place of one if its runs are
-closer to the record by what matters, on so many stretches that chance hardly explains it.
+A filter smooths the sign of a speed, and blurs the difference between effects of similar shape. A
+free run contains no filter. So once the search has ended, each effect has to hold its place against
+the few that come closest to it. All models are fitted to the same stretches of the record by their
+free runs. Another effect replaces the present one if its runs are closer to the record by a margin
+that matters, and on more stretches than chance explains.
 
 References
 ----------
@@ -45,7 +45,7 @@ def held_against(
     records: Sequence[Record],
     rules: Rules,
 ) -> list[Finding]:
-    """Return findings in which effects hold their places, or have lost them to others.
+    """Return the findings, each effect replaced where another one comes closer to the record.
 
     Parameters
     ----------
@@ -54,16 +54,16 @@ def held_against(
     findings : sequence of Finding
         What was found.
     pool : Pool
-        What may take a place.
+        Candidates that may replace an effect.
     records : sequence of Record
-        Training records, without memories.
+        Training records, before memories are applied.
     rules : Rules
-        Significance.
+        Gives the significance.
 
     Returns
     -------
     list of Finding
-        Their p-values stay: that something is missing there was tested before.
+        They keep their p-values: that an effect is missing there was tested before.
     """
     kept = list(findings)
     bar = tqdm(findings, desc="free runs", disable=not rules.progress, leave=False)
@@ -85,35 +85,39 @@ def _winner(
     *,
     tied: bool,
 ) -> Finding:
-    """Return a finding, or the one that takes its place in a model without it."""
-    own = finding.candidate
-    drift = steady_drift(model, [own], records)
+    """Return the finding, or its replacement, in a model that holds neither."""
+    present = finding.candidate
+    drift = steady_drift(model, [present], records)
     if drift is None:
         return finding
-    tuned = pool.contenders(model, Contender(own, drift.trial, tied), drift)
+    tuned = pool.contenders(model, Contender(present, drift.trial, tied), drift)
     best = _best(tuned, pool.matter, rules.significance / max(len(tuned) - 1, 1))
     plain = with_units(best.candidate)
-    if plain is not None:  # sin(q), unless another number than one in it does clearly better
+    if plain is not None:  # sin(q) replaces sin(0.99 q), unless that does clearly better
         (trial,) = converged([begun_with(model, [plain], drift)])
         best = Contender(plain, trial) if trial.error <= np.exp(pool.matter) * best.error else best
     return finding.with_candidate(beside(best.candidate, model.design), model.design)
 
 
 def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
-    """Return the first contender, or of those that do clearly better the one that does best."""
-    own, *rivals = tuned
+    """Return the first contender, or the best of those that are clearly closer to the record.
+
+    A grown term must also be clearly closer than the best named effect. Among contenders as good as
+    the best, plainer ones and names are preferred.
+    """
+    present, *rivals = tuned
     closer = [
         other for other in rivals
-        if is_closer(other.trial, own.trial, max(matter, _price(other, own)), level)
+        if is_closer(other.trial, present.trial, max(matter, _price(other, present)), level)
     ]  # fmt: skip
-    best = min(closer, key=lambda one: one.error * np.exp(_price(one, own)), default=own)
-    if not np.isfinite(best.error):  # nothing runs, so nothing does as well
-        return own
+    best = min(closer, key=lambda one: one.error * np.exp(_price(one, present)), default=present)
+    if not np.isfinite(best.error):  # no model can be run
+        return present
     if best.candidate.name == EVOLVED:
         names = [one for one in tuned if one.candidate.name != EVOLVED]
-        known = min(names, key=lambda one: one.error, default=best)
-        if not is_closer(best.trial, known.trial, matter, level):
-            best = known  # what engineers know by name, unless it does worse
+        best_named = min(names, key=lambda one: one.error, default=best)
+        if not is_closer(best.trial, best_named.trial, matter, level):
+            best = best_named
     as_good = [one for one in tuned if one.error <= np.exp(MARGIN) * best.error]
     if best.candidate.name == EVOLVED:
         best = min([best, *as_good], key=lambda one: one.candidate.plainness)
@@ -122,23 +126,23 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
 
 
 def _burden(candidate: Candidate) -> tuple[int, bool]:
-    """Return how many numbers an effect has, and whether it is more than a straight line."""
+    """Return how many coefficients and inner numbers an effect has, and if it is nonlinear."""
     shape = shape_of(candidate)
     inside = 0 if shape is None else len(shape.values)
     return candidate.n_columns + inside, not candidate.is_straight
 
 
 def _price(one: Contender, other: Contender) -> float:
-    """Return what the nodes cost that a grown term has more than an effect."""
+    """Return the price (log error) of the nodes by which a grown term is longer than another."""
     longer = max(one.candidate.size - other.candidate.size, 0)
     return PRICE * longer if one.candidate.name == EVOLVED else 0.0
 
 
 def is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:
-    """Tell whether the log error is less by so much, on more stretches than chance explains."""
-    if not one.error < np.exp(-least) * other.error:  # so too where both are zero
+    """Tell whether `one` has a log error less by `least`, on more stretches than by chance."""
+    if not one.error < np.exp(-least) * other.error:  # also where both are zero
         return False
-    if not np.isfinite(other.error):  # its runs leave every number behind
+    if not np.isfinite(other.error):  # its runs diverge
         return True
     closer = _squares(other) - _squares(one)
     return bool(wilcoxon(closer, alternative="greater").pvalue <= level)

@@ -1,4 +1,4 @@
-"""What may take the place of an effect: the few that come closest to it, fitted by free runs."""
+"""Contenders for the place of an effect: those that come closest to it, fitted by free runs."""
 
 from __future__ import annotations
 
@@ -27,25 +27,25 @@ from .variants import Model
 
 __all__ = ["Pool", "begun_with", "plainest", "steady_drift"]
 
-N_RIVALS = 5  # that come closest in the spectral view
-STRETCHES = (16, 32, 64, 128)  # the fewest that are steady
-STEADY = 10.0  # times by which a deviation may grow: in chaos, long runs tell luck from luck
+N_RIVALS = 5  # effects that score best in the spectral view
+STRETCHES = (16, 32, 64, 128)  # to try in this order; the first steady number is taken
+STEADY = 10.0  # factor by which a deviation may grow; in chaos, long runs only compare luck
 
 
 @dataclass(frozen=True, eq=False)
 class Pool:
-    """What may take the place of an effect, besides the effects of the vocabulary.
+    """Candidates that may replace an effect, besides those of the vocabulary.
 
     Attributes
     ----------
     grown : sequence of Candidate
         Grown terms.
     small : sequence of Candidate
-        Terms that count where runs show that what stands there leaves something.
+        Small terms, ranked by what free runs would gain from them to first order.
     part : Segments
         Pieces of the training records as they were searched.
     matter : float
-        Log error by which runs must come closer for it to matter.
+        Least gain in log error that matters.
     """
 
     grown: Sequence[Candidate]
@@ -63,19 +63,20 @@ class Pool:
         model : Model
             The model without the effect.
         own : Contender
-            The effect, which comes first.
+            The effect, which comes first in the result.
         drift : Drift
-            The model with the effect, or with a group of effects, its last columns.
+            The model with the effect, or with a group of effects, as its last columns.
         group : sequence of Candidate, optional
-            Effects of which this is the first, and which one may replace: one of them, too.
+            Effects, this one first, that a single contender may replace. Its other members are
+            contenders too.
         """
         least = -np.inf if group else self.matter
         acted = model.acted(drift.records)
-        able = [one for one in self.grown if have_values(one.terms, acted)]
+        usable = [one for one in self.grown if have_values(one.terms, acted)]
         terms = tuple(term for one in group or [own.candidate] for term in one.terms)
-        shown = stand_ins(drift, replace(own.candidate, terms=terms), self.small, least)
-        shown = [one for one in shown if have_values(one.terms, acted)]
-        closest = _closest(model, own.candidate, able, self.part)
+        leading = stand_ins(drift, replace(own.candidate, terms=terms), self.small, least)
+        leading = [one for one in leading if have_values(one.terms, acted)]
+        closest = _closest(model, own.candidate, usable, self.part)
         members = [replace(one, name=EVOLVED, parents=()) for one in group[1:]]
         forms = [
             form
@@ -83,81 +84,87 @@ class Pool:
             for form in other_forms(candidate, model.design, self.part)
         ]
         forms = [one for one in forms if have_values(one.terms, acted)]
-        able = _as_named([*closest, *shown, *forms, *members], model.design, self.part)
-        rivals = [c for c in dict.fromkeys(able) if c != own.candidate]
-        begun = [begun_with(model, [rival], drift) for rival in rivals]
-        # The effect itself was fitted in other units of the errors.
-        first, *others = converged([own.trial, *begun])
-        fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, others)]
+        usable = _as_named([*closest, *leading, *forms, *members], model.design, self.part)
+        rivals = [c for c in dict.fromkeys(usable) if c != own.candidate]
+        started = [begun_with(model, [rival], drift) for rival in rivals]
+        # The effect was fitted in other units of the errors, so it is fitted again.
+        first, *fitted_rivals = converged([own.trial, *started])
+        fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, fitted_rivals)]
         tuned = tuned_by_runs(fitted, model, drift)
         return [*tuned, *self._forms_of_best(tuned, model, drift)]
 
     def _forms_of_best(
         self, tuned: Sequence[Contender], model: Model, drift: Drift
     ) -> list[Contender]:
-        """Return what the best contender stands for, with its numbers as they are now, tuned."""
+        """Return other forms of the best contender, made from its tuned numbers, and tuned."""
         best = plainest(tuned)
         if best.tied:
             return []
-        design, known = model.design, {one.candidate.terms for one in tuned}
+        design, known_terms = model.design, {one.candidate.terms for one in tuned}
         forms = [
             *other_forms(best.candidate, design, self.part),
             *as_quotients(best.candidate, design, self.part),
         ]
         acted = model.acted(drift.records)
-        new = [one for one in forms if one.terms not in known and have_values(one.terms, acted)]
+        new = [
+            one for one in forms if one.terms not in known_terms and have_values(one.terms, acted)
+        ]
         trials = converged([begun_with(model, [one], drift) for one in new])
         return tuned_by_runs(list(map(Contender, new, trials)), model, drift) if new else []
 
 
 def plainest(contenders: Sequence[Contender]) -> Contender:
-    """Return the plainest of the contenders that come closest to the record."""
+    """Return the plainest of the contenders that come as close to the record as the best."""
     least = min(one.error for one in contenders)
     as_good = [one for one in contenders if one.error <= np.exp(MARGIN) * least] or contenders
     return min(as_good, key=lambda one: (*one.candidate.plainness, one.error))
 
 
 def _closest(
-    model: Model, own: Candidate, grown: Sequence[Candidate], part: Segments
+    model: Model, effect: Candidate, grown: Sequence[Candidate], part: Segments
 ) -> list[Candidate]:
     """Return the effects of the same equation that do best in the spectral view.
 
-    A narrow dead zone between two places of the grid would lose to a grown step, so its width is
-    tuned before. Of those that differ in their numbers alone, one is enough.
+    Numbers are tuned before: a narrow dead zone between two widths of the grid would lose to a
+    grown step. Of candidates that differ only in their numbers, the best is kept.
     """
-    pumps = other_pumps(own, model.design)
+    pumps = other_pumps(effect, model.design)
     options = [*candidates(model.design, part.ranges), *pumps, *grown]
-    alike = dict.fromkeys(c for c in options if c.state == own.state and c.terms != own.terms)
-    scores = score(model.design, part, sharpened(model.design, part, list(alike)), pairs=False)
+    same_equation = dict.fromkeys(
+        c for c in options if c.state == effect.state and c.terms != effect.terms
+    )
+    scores = score(
+        model.design, part, sharpened(model.design, part, list(same_equation)), pairs=False
+    )
     best: dict[object, Candidate] = {}
     for candidate in (s.group[0] for s in scores):
         best.setdefault(candidate.form if candidate.shape is None else candidate.name, candidate)
     return list(best.values())[:N_RIVALS]
 
 
-def _as_named(some: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
-    """Return candidates, each as the effect of the vocabulary that it is, if it is one."""
+def _as_named(proposed: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
+    """Return candidates; one with the terms of a named effect becomes that effect."""
     named = {(one.state, one.terms): one for one in candidates(design, part.ranges)}
-    return [named.get((one.state, one.terms), one) for one in some]
+    return [named.get((one.state, one.terms), one) for one in proposed]
 
 
 def steady_drift(
     model: Model, effects: Sequence[Candidate], records: Sequence[Record]
 ) -> Drift | None:
-    """Return runs of a model with effects over stretches on which deviations stay small."""
+    """Return the drift of a model with effects, over stretches on which deviations stay small."""
     return drift_of(*_fitted_with(model, effects, records), records, STRETCHES, STEADY)
 
 
 def _fitted_with(
     model: Model, effects: Sequence[Candidate], records: Sequence[Record]
 ) -> tuple[Model, np.ndarray]:
-    """Return a model with effects, and the coefficients that the derivative gives."""
-    columns = [column for one in effects for column in columns_of(one, model.design)]
-    whole = replace(model, design=model.design.adding(columns))
-    return whole, refit(whole.design, model.acted(records), "derivative")
+    """Return a model with effects added, and its coefficients fitted to the derivative."""
+    columns = [column for effect in effects for column in columns_of(effect, model.design)]
+    with_effects = replace(model, design=model.design.adding(columns))
+    return with_effects, refit(with_effects.design, model.acted(records), "derivative")
 
 
 def begun_with(model: Model, effects: Sequence[Candidate], drift: Drift) -> Trial:
-    """Return a trial of a model with effects, begun where the derivative says."""
-    whole, coef = _fitted_with(model, effects, drift.records)
-    return whole.trial(coef, drift.trial.scale, drift.part)
+    """Return a trial of a model with effects added, started from the fit to the derivative."""
+    with_effects, coef = _fitted_with(model, effects, drift.records)
+    return with_effects.trial(coef, drift.trial.scale, drift.part)

@@ -1,10 +1,10 @@
-"""How far free runs drift from the record, and what would keep them on it.
+"""How far free runs drift from the record, and which models drift less.
 
 Variants of a model are fitted to stretches of the record by their free runs, and predict the
-stretches that they were not fitted to. Twins tell what chance does: the runs of the present model
-plus what they leave of the record, with a random sign on each stretch. That is as large and as
-colored as measured, but no longer a function of the input. As each run begins in a state of its
-own, what disturbed one stretch does not reach the next.
+stretches that were held out. Twins show what chance gains: a twin is the runs of the present model
+plus their misses, with a random sign for each stretch. These misses are as large and as colored as
+the measured ones, but no longer a function of the input. Signs may differ between stretches, since
+each run starts from its own state and no disturbance carries over.
 
 References
 ----------
@@ -38,11 +38,11 @@ __all__ = [
     "gains_of_terms",
 ]
 
-N_STRETCHES = (16, 32)  # the fewest that the model can follow; enough for many draws of signs
-LONG = (4, 8, 16, 32)  # what numbers are tuned on: what is slow shows in long runs
-MAX_ROWS = 9600  # of all stretches; a run takes one step after the other
-CHUNK = 200  # terms that are looked at at a time, so that memory does not grow with them
-FAITHFUL = 1.0  # standard deviations by which a run may miss; beyond, it says nothing
+N_STRETCHES = (16, 32)  # to try in this order; 16 signs already allow many different draws
+LONG = (4, 8, 16, 32)  # the same for tuning numbers: slow effects show in long runs
+MAX_ROWS = 9600  # of all stretches together; limits the cost of a run
+CHUNK = 200  # terms evaluated at a time, so that memory does not grow with their number
+FAITHFUL = 1.0  # RMS miss of usable runs, in standard deviations of a state
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +54,11 @@ class Drift:
     model : Model
         The model.
     part : Segments
-        Stretches of the training records without memories.
+        Stretches of the training records, before memories are applied.
     trial : Trial
         The runs.
     whitener : Whitener
-        Tells what is new in their misses.
+        Removes from their misses what earlier misses predict.
     """
 
     model: Model
@@ -68,26 +68,26 @@ class Drift:
 
     @property
     def records(self) -> tuple[Record, ...]:
-        """Training records without memories."""
+        """Training records, before memories are applied."""
         return self.part.records
 
     @property
     def views(self) -> tuple[Whitener | None, ...]:
-        """How misses are looked at: as they are, and what is new in them."""
+        """The two views of the misses: as they are (None), and whitened."""
         return None, self.whitener
 
     @property
     def left(self) -> np.ndarray:
-        """What the runs leave of the record, shape (n_stretches, n, n_states)."""
+        """Misses of the runs, record minus run, shape (n_stretches, n, n_states)."""
         return np.asarray(self.trial.miss)
 
     @property
     def in_twins(self) -> Trial:
-        """The same runs, where they are the truth."""
+        """The trial with its own runs as target: the twin without noise."""
         return self.trial.aimed_at(self.trial.shown)
 
     def begun(self, model: Model) -> Trial:
-        """Return a trial of another model that begins where this one ended."""
+        """Return a trial of another model, with the coefficients and starts of this one."""
         old = self.trial
         coef = np.zeros(len(model.design.columns))
         coef[: len(old.coef)] = old.coef[: len(coef)]
@@ -108,13 +108,13 @@ def drift_of(
     model : Model
         The model, with p coefficients.
     coef : ndarray of shape (p,)
-        Where to begin.
+        Initial coefficients.
     records : sequence of Record
-        Training records without memories.
+        Training records, before memories are applied.
     n_stretches : sequence of int
-        How many stretches to try, in order.
+        Numbers of stretches to try, in order.
     most_growth : float
-        How much larger a deviation may become along half of the stretches.
+        Largest factor by which a small deviation may grow along a typical (median) stretch.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def drift_of(
         part = segments(records, may_rest(model.design, records), n, MAX_ROWS)
         (trial,) = converged([model.trial(coef, part.state_scale, part)])
         rows = trial.rows(most_growth)
-        with np.errstate(over="ignore"):  # of runs that leave the record
+        with np.errstate(over="ignore"):  # where runs diverge
             missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
         if rows is not None and np.all(missed < FAITHFUL * part.state_scale):
             misses = rows.freed(rows.of(trial.miss))
@@ -136,28 +136,28 @@ def drift_of(
 
 
 def gains_of_models(drift: Drift, models: Sequence[Model]) -> np.ndarray:
-    """Return log(error without / error with) of other models, each fitted to the record.
+    """Return log(error of the present model / error of another) for each other model, fitted.
 
     Parameters
     ----------
     drift : Drift
         The present model.
     models : sequence of Model
-        What may take its place.
+        The other models.
 
     Returns
     -------
     ndarray of shape (n_views, n_models)
-        On stretches that were not fitted, of the misses and of what is new in them; minus infinity
-        for what cannot be run.
+        Held-out gains of the plain and of the whitened misses; minus infinity for models that
+        cannot be run.
     """
-    one = np.ones((1, len(drift.part.z)))
+    unsigned = np.ones((1, len(drift.part.z)))
     trials = converged([drift.begun(model) for model in models])
     gains = np.full((len(drift.views), len(models)), -np.inf)
     for row, whitener in zip(gains, drift.views, strict=True):
-        before = _log_errors(drift.trial, None, whitener, one)[0]
+        before = _log_errors(drift.trial, None, whitener, unsigned)[0]
         for k, trial in enumerate(trials):
-            row[k] = before - _log_errors(trial, None, whitener, one)[0]
+            row[k] = before - _log_errors(trial, None, whitener, unsigned)[0]
     return gains
 
 
@@ -171,21 +171,21 @@ def chance_of_models(drift: Drift, models: Sequence[Model], signs: np.ndarray) -
     drift : Drift
         The present model, which is the truth in the twins.
     models : sequence of Model
-        As many as were tried on the record.
+        The models that were tried on the record.
     signs : ndarray of shape (n_twins, n_stretches)
-        Of what the present model leaves.
+        Signs of the present model's misses.
 
     Returns
     -------
     ndarray of shape (n_views, n_twins)
     """
-    begun = [drift.begun(model).aimed_at(drift.trial.shown) for model in models]
-    trials, left = converged(begun), drift.left
+    started = [drift.begun(model).aimed_at(drift.trial.shown) for model in models]
+    trials, misses = converged(started), drift.left
     largest = []
     for whitener in drift.views:
-        errors = [_log_errors(trial, left, whitener, signs) for trial in trials]
+        errors = [_log_errors(trial, misses, whitener, signs) for trial in trials]
         least = np.min([np.full(len(signs), np.inf), *errors], axis=0)
-        largest.append(_log_errors(drift.in_twins, left, whitener, signs) - least)
+        largest.append(_log_errors(drift.in_twins, misses, whitener, signs) - least)
     return np.array(largest)
 
 
@@ -194,28 +194,28 @@ def gains_of_terms(
 ) -> np.ndarray:
     """Return log(error without a group / error with it) for each group of columns.
 
-    To first order in their coefficients, so that no other runs are needed.
+    Runs are linearized in the coefficients, so no further runs are needed.
 
     Parameters
     ----------
     drift : Drift
         The present model.
     groups : sequence of tuple of Column
-        What each of the terms adds to the design.
+        Columns that each term adds to the design.
     n_replaced : int
-        So many of the model's columns, the last ones, give way to a group.
+        Number of the model's last columns that a group replaces.
 
     Returns
     -------
     ndarray of shape (n_groups,)
-        On stretches that were not fitted; minus infinity for what cannot be run, or is no more than
-        a combination of the model's columns.
+        Held-out gains; minus infinity for groups that cannot be run, or depend linearly on the
+        model's columns.
     """
-    gains, one = np.full(len(groups), -np.inf), np.ones((1, len(drift.part.z)))
+    gains, unsigned = np.full(len(groups), -np.inf), np.ones((1, len(drift.part.z)))
     for chunk in _chunks(groups):
         record = HeldOut.of(_with_columns(drift.trial, groups[chunk]))
         if record is not None:
-            gains[chunk] = _gains(record, drift, groups[chunk], one, n_replaced)[:, 0]
+            gains[chunk] = _gains(record, drift, groups[chunk], unsigned, n_replaced)[:, 0]
     return gains
 
 
@@ -229,9 +229,9 @@ def chance_of_terms(
     drift : Drift
         The present model, which is the truth in the twins.
     groups : sequence of tuple of Column
-        What each of the terms adds to the design.
+        Columns that each term adds to the design.
     signs : ndarray of shape (n_twins, n_stretches)
-        Of what the present model leaves.
+        Signs of the present model's misses.
 
     Returns
     -------
@@ -256,11 +256,11 @@ def _gains(
     signs: np.ndarray,
     n_replaced: int = 0,
 ) -> np.ndarray:
-    """Return what each group gains in each draw of signs, shape (n_groups, n_draws)."""
-    n_own = len(drift.trial.coef)
-    before, kept = np.log(view.errors(signs, range(n_own))), range(n_own - n_replaced)
+    """Return the log gain of each group for each draw of signs, shape (n_groups, n_draws)."""
+    n_present = len(drift.trial.coef)
+    before, kept = np.log(view.errors(signs, range(n_present))), range(n_present - n_replaced)
     gains = np.full((len(groups), len(signs)), -np.inf)
-    ends = n_own + np.cumsum([len(group) for group in groups], dtype=int)
+    ends = n_present + np.cumsum([len(group) for group in groups], dtype=int)
     for row, group, end in zip(gains, groups, ends.tolist(), strict=True):
         new = range(end - len(group), end)
         if view.is_new(len(kept), new):
@@ -277,6 +277,6 @@ def _with_columns(trial: Trial, groups: Sequence[tuple[Column, ...]]) -> Trial:
 def _log_errors(
     trial: Trial, noise: np.ndarray | None, whitener: Whitener | None, signs: np.ndarray
 ) -> np.ndarray:
-    """Return the logarithms of held-out errors; infinite if a trial cannot be run."""
+    """Return the logarithms of held-out errors; infinite if the trial cannot be run."""
     view = HeldOut.of(trial, noise, whitener)
     return np.full(len(signs), np.inf) if view is None else np.log(view.errors(signs))

@@ -1,13 +1,12 @@
 """Held-out errors of free runs: each fold of stretches predicted by a model fitted to the others.
 
-Where a model has met its target as well as it can, what its runs owe to small changes of the
-coefficients is linear. So leaving out stretches, and other targets close by, cost a few inner
-products, and no other run.
+Around a converged fit, the runs are linear in small changes of the coefficients. So errors with a
+fold left out, and for other targets close by, take a few inner products and no further run.
 
 ======  ==============================================  ======================================
 symbol  shape                                           meaning
 ======  ==============================================  ======================================
-signs   (n_draws, n_stretches)                          by which the noise is multiplied
+signs   (n_draws, n_stretches)                          factors of the noise, 1 or -1
 grams   (n_stretches, p + 2, p + 2)                     of columns, target without noise, noise
 ======  ==============================================  ======================================
 """
@@ -30,7 +29,7 @@ __all__ = ["HeldOut"]
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Inner products of a trial, in which the best starts are taken each time."""
+    """Inner products of a linearized trial, the initial states of its runs projected out."""
 
     grams: np.ndarray
     folds: np.ndarray
@@ -39,32 +38,32 @@ class HeldOut:
     def of(
         cls, trial: Trial, noise: np.ndarray | None = None, whitener: Whitener | None = None
     ) -> HeldOut | None:
-        """Look at a trial about its coefficients.
+        """Linearize a trial about its coefficients.
 
         Parameters
         ----------
         trial : Trial
             A model that has been fitted to its target.
         noise : ndarray of shape (n_stretches, n, n_states), optional
-            What is added to the target after multiplication by signs.
+            Added to the target, times the sign of each stretch.
         whitener : Whitener, optional
-            Leaves what is new in each row only.
+            Removes from each row what earlier rows predict.
 
         Returns
         -------
         HeldOut or None
-            None if the runs diverge or forget how they began.
+            None if the runs diverge, or small deviations grow too fast along them.
         """
         rows = trial.rows() if np.isfinite(trial.error) else None
         if rows is None or not np.isfinite(rows.response).all():
             return None
         target = rows.response @ trial.coef[:, None] + rows.of(trial.miss)
-        added = np.zeros_like(target) if noise is None else rows.of(noise)
-        every, basis = np.concatenate([rows.response, target, added], axis=2), rows.basis
+        noise_rows = np.zeros_like(target) if noise is None else rows.of(noise)
+        all_columns, basis = np.concatenate([rows.response, target, noise_rows], axis=2), rows.basis
         if whitener is not None:
-            every, (basis, _) = whitener(every), np.linalg.qr(whitener(basis))
-        every = every - basis @ (np.swapaxes(basis, 1, 2) @ every)
-        return cls(np.swapaxes(every, 1, 2) @ every, trial.part.folds)
+            all_columns, (basis, _) = whitener(all_columns), np.linalg.qr(whitener(basis))
+        all_columns = all_columns - basis @ (np.swapaxes(basis, 1, 2) @ all_columns)
+        return cls(np.swapaxes(all_columns, 1, 2) @ all_columns, trial.part.folds)
 
     def errors(self, signs: np.ndarray, columns: Sequence[int] | None = None) -> np.ndarray:
         """Return the sum of squared held-out errors for each draw of signs, shape (n_draws,)."""
@@ -79,12 +78,12 @@ class HeldOut:
             xy = rest[:, :p, p].sum(axis=0) + signs[:, ~held] @ rest[:, :p, p + 1]
             coef = solve_many(rest[:, :p, :p].sum(axis=0), xy.T).T
             for gram, sign in zip(grams[held], signs[:, held].T, strict=True):
-                left = np.column_stack([coef, -np.ones(len(signs)), -sign])
-                total += np.sum((left @ gram) * left, axis=1)
+                contrast = np.column_stack([coef, -np.ones(len(signs)), -sign])
+                total += np.sum((contrast @ gram) * contrast, axis=1)
         return np.maximum(total, TINY)
 
     def is_new(self, own: int, columns: Sequence[int]) -> bool:
-        """Tell whether columns are finite and no combinations of the first `own` ones."""
+        """Tell whether columns are finite and linearly independent of the first `own` ones."""
         index = np.array([*range(own), *columns])
         total = self.grams[:, index[:, None], index].sum(axis=0)
         return bool(are_new(total, own).all())

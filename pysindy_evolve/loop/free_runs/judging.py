@@ -1,7 +1,7 @@
-"""What variants of a model gain by their runs, and whether that is more than chance.
+"""How much free runs gain from variants of a model, and whether that is more than chance.
 
-A variant counts if it predicts the stretches that it was not fitted to better than any does in the
-twins, matters, and does not make the derivative worse.
+A variant counts if it predicts held-out stretches better than variants do in twins, if the gain
+matters, and if it does not make the derivative worse.
 """
 
 from __future__ import annotations
@@ -47,27 +47,27 @@ __all__ = [
     "variants_of",
 ]
 
-N_SIGNS = 999  # draws, which cost next to nothing
+N_SIGNS = 999  # draws of signs, which cost next to nothing
 
-SQUARES_HALVED = float(np.log(2.0))  # of the squares that the runs miss
-EXCESS = 3.0  # times the squares of the sensors' noise: these are a good part of what is missed
+SQUARES_HALVED = float(np.log(2.0))  # gain in log error that halves the squared misses
+EXCESS = 3.0  # squared misses over squared sensor noise; below, noise is a good part of them
 
-Judged = tuple[Variant, float, float]  # a variant, what it gains, and its chance
+Judged = tuple[Variant, float, float]  # a variant, its log gain, and its p-value
 
 
 def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
-    """Return a design with all findings, memories and limits among them."""
+    """Return the model of a design with all findings, memories and limits included."""
     return Model(with_columns(declared, findings), memories_in(findings), limits_in(findings))
 
 
 def signs_for(drift: Drift, rules: Rules, rng: np.random.Generator) -> np.ndarray:
-    """Draw the signs of the stretches of twins, (n_draws, n_stretches), enough for the level."""
+    """Draw signs for the stretches of twins, (n_draws, n_stretches); enough for the level."""
     n_draws = draws_for(rules.level_of_runs, N_SIGNS)
     return rng.choice([-1.0, 1.0], size=(n_draws, len(drift.part.z)))
 
 
 def refused(finding: Finding, declared: Design, drift: Drift, rules: Rules) -> Rejected | None:
-    """Return what the report says of a finding that does not pass; None if it does."""
+    """Return the report's entry for a finding that does not pass; None if it passes."""
     share = share_of_miss(finding, declared, drift)
     if finding.p_value <= rules.level_of_runs and matters(finding, share, rules):
         return None
@@ -75,15 +75,15 @@ def refused(finding: Finding, declared: Design, drift: Drift, rules: Rules) -> R
 
 
 def matters(finding: Finding, share: float, rules: Rules) -> bool:
-    """Tell whether a finding is more than a trace, or halves the squares that are left."""
+    """Tell whether a finding halves the squared misses, or removes a share that matters."""
     return finding.score >= SQUARES_HALVED or share >= rules.min_share
 
 
 def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
-    """Return what share of the squares that the declared model's runs miss a finding removes.
+    """Return the share of the declared model's squared misses that a finding removes.
 
-    As in the look at names, a memory is held against what the present model leaves: it makes no
-    equation longer.
+    For a memory, it is the share of the present model's misses, as in the search for names: a
+    memory makes no equation longer.
     """
     removed = float(-np.expm1(-finding.score))
     if isinstance(finding, MemoryFinding) or not declared.columns:
@@ -91,13 +91,13 @@ def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
     coef = refit(declared, drift.records, "derivative")
     trial = Model(declared).trial(coef, drift.trial.scale, drift.part)
     (first,) = converged([trial])
-    if not np.isfinite(first.error):  # nothing to be compared with
+    if not np.isfinite(first.error):  # the declared model cannot be run
         return removed
     return removed * min(drift.trial.error / max(first.error, TINY), 1.0)
 
 
 def named_terms(drift: Drift) -> list[Variant]:
-    """Return the effects of the vocabulary that may enter."""
+    """Return the present model with each of the vocabulary's effects that may enter."""
     design = drift.model.design
     acted = drift.model.acted(drift.records)
     variables = np.concatenate([variables_of(record) for record in acted])
@@ -125,33 +125,33 @@ def best_of(
     *,
     must_be_clear: bool,
 ) -> tuple[Finding, Model] | None:
-    """Return the plainest of the variants that gain most, with its chance.
+    """Return the plainest of the variants that gain most, with its p-value.
 
     Parameters
     ----------
     drift : Drift
         The present model.
     wide : sequence of Record
-        Training records with a higher cutoff, for the derivative.
+        Training records with a higher cutoff, to check the derivative.
     tried : sequence of Variant
-        All variants; of memories that differ in numbers only, the best one is tested, as in the
-        twins, and those that pass are tuned.
+        All variants. Of those that differ only in numbers the best is tested, in the twins too;
+        variants that pass are tuned.
     gains : ndarray of shape (n_variants,)
-        What they gain on the record.
+        Held-out log gain of each on the record.
     of_terms : ndarray of shape (n_draws,)
-        What the best of all terms gains in each twin.
+        Largest gain of all terms in each twin.
     signs : ndarray of shape (n_draws, n_stretches)
-        Of the twins.
+        Signs of the twins' misses.
     rules : Rules
         When an effect counts.
     must_be_clear : bool
-        Whether a term must halve the error, or leave little more than noise, and also show in the
-        whitened misses.
+        Whether a term must halve the squared misses, or leave little more than noise, and must also
+        gain on the whitened misses.
 
     Returns
     -------
     tuple of Finding and Model, or None
-        None where nothing gains notably. Whether the chance is small is left to the caller.
+        None if nothing gains notably. The caller decides whether the p-value is small enough.
     """
     heads = _heads(tried, gains, rules.notable_gain)
     heads = [(k, variant) for k, variant in heads if not _is_refuted(drift, wide, variant)]
@@ -163,9 +163,9 @@ def best_of(
     models += [v.model for _, v in heads if must_be_clear and v.memory is None]
     twins = chance_of_models(drift, models, signs)
     twins[0] = np.maximum(twins[0], of_terms)
-    variants, own = [v for _, v in heads], gains[[k for k, _ in heads]]
-    judged = _judged(drift, variants, own, twins, must_be_clear=must_be_clear)
-    passing = [one for one in judged if one[2] <= rules.level_of_runs]
+    variants, head_gains = [v for _, v in heads], gains[[k for k, _ in heads]]
+    judged = _judged(drift, variants, head_gains, twins, must_be_clear=must_be_clear)
+    passing = [entry for entry in judged if entry[2] <= rules.level_of_runs]
     variant, gain, p_value = _plainest(drift, passing) if passing else judged[0]
     named, columns, memory = variant.candidate, variant.columns, variant.memory
     evidence = gain, p_value, twins[0]
@@ -176,7 +176,7 @@ def best_of(
 
 
 def _heads(tried: Sequence[Variant], gains: np.ndarray, least: float) -> list[tuple[int, Variant]]:
-    """Return the best of each family that gains at least half as much as the best of all."""
+    """Return place and best variant of each family that gains half as much as the best of all."""
     found: dict[tuple[object, ...], int] = {}
     for k in np.argsort(-gains).tolist():
         if gains[k] >= max(least, 0.5 * gains.max()):
@@ -185,7 +185,7 @@ def _heads(tried: Sequence[Variant], gains: np.ndarray, least: float) -> list[tu
 
 
 def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
-    """Tell whether the derivative is predicted worse with a variant than without it."""
+    """Tell whether a variant makes the prediction of the derivative worse."""
     design = drift.model.design
     acted = drift.model.acted(wide)
     part = off_limits(segments(acted, may_rest(design, acted)), drift.model.limits)
@@ -200,20 +200,20 @@ def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
 
 
 def _is_clear(drift: Drift, gain: float) -> bool:
-    """Tell whether a term halves the squares that are missed, or leaves what the sensors do.
+    """Tell whether a term halves the squared misses, or leaves little more than sensor noise.
 
-    Where a force that nobody measured drives the runs apart, an input that answers it makes what
-    depends on the motion look like that force.
+    Where an unmeasured force drives the runs away from the record, and an input reacts to it, terms
+    of the motion can imitate that force.
     """
     return gain >= SQUARES_HALVED or over_noise(drift) * np.exp(-gain) <= EXCESS
 
 
 def over_noise(drift: Drift) -> float:
-    """Return the squares that runs miss of what was measured, over those of the sensors' noise."""
+    """Return the mean squared miss of measured states, over the variance of sensor noise."""
     made = drift.records[0].preparation
     states = range(0, drift.left.shape[-1], 1 if made is None else made.order)
     noise = np.array([[noise_of(record, state) for state in states] for record in drift.records])
-    if np.any(noise == 0.0):  # that is not known
+    if np.any(noise == 0.0):  # unknown
         return np.inf
     missed = np.mean(drift.left[..., list(states)] ** 2, axis=(0, 1))
     return float(np.mean(missed / np.mean(noise**2, axis=0)))
@@ -227,20 +227,22 @@ def _judged(
     *,
     must_be_clear: bool,
 ) -> list[Judged]:
-    """Return variants with their gains and chances.
+    """Return variants with their gains and p-values.
 
-    A variant must also gain on whitened misses, or feedback could feign it. A term found beside a
-    slow memory is exempt.
+    A variant must also gain on whitened misses, since feedback can imitate it in the plain ones.
+    Terms are exempt where they need not be clear.
     """
     views = gains_of_models(drift, [variant.model for variant in heads])
     views[0] = gains
     views[1, [variant.memory is None and not must_be_clear for variant in heads]] = np.inf
-    chances = [max(map(p_value_of, view, twins)) for view in views.T]  # the view less sure of it
-    return list(zip(heads, gains.tolist(), chances, strict=True))
+    p_values = [
+        max(map(p_value_of, view, twins)) for view in views.T
+    ]  # the larger one of both views
+    return list(zip(heads, gains.tolist(), p_values, strict=True))
 
 
 def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
-    """Tune variants on long runs, and return the plainest of those that do as well as the best."""
+    """Tune variants on long runs, and return the plainest of those as good as the best."""
     long = drift_of(drift.model, drift.trial.coef, drift.records, LONG) or drift
     variants = [one[0].with_model(tuned_memories(long, one[0].model)) for one in passing]
     gains = gains_of_models(long, [variant.model for variant in variants])[0]
@@ -250,8 +252,8 @@ def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
 
 
 def _as_rejected(finding: Finding, share: float, drift: Drift, level: float) -> Rejected:
-    """Return what did not pass, for the report."""
+    """Return a finding that did not pass, for the report."""
     design = drift.model.design
-    left = np.full(1, np.exp(-finding.score))
-    tried = Score((finding.candidate,), (), np.ones(1), left, finding.score)
+    error_ratio = np.full(1, np.exp(-finding.score))
+    tried = Score((finding.candidate,), (), np.ones(1), error_ratio, finding.score)
     return Rejected(tried, share, finding.p_value, finding.twin_scores, design.names, level)

@@ -1,8 +1,9 @@
 """Terms that bring the runs of a model closest to the record, to first order.
 
-What a filter makes look alike, a search by derivatives ranks by chance, and may not offer at all.
-The runs of a model that lacks little, or has something only similar in its place, stay so close to
-those of the right one that small changes of them tell what each term would make of the record.
+A filter can make terms look alike. A search in the derivative then ranks them by chance, and may
+not offer the right one at all. Where the present model lacks little, or holds a similar term
+instead, its runs stay close to those of the right model, and a linearization about them shows what
+each term would gain.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from .drift import Drift, gains_of_terms
 
 __all__ = ["leading_terms", "stand_ins"]
 
-N_FAMILIES = 12  # of terms, whose numbers are looked at more closely
-FACTORS = (0.55, 0.67, 0.82, 1.22, 1.5, 1.8)  # of these numbers, which stand on a coarse grid
-NODE = 0.1  # of a term's gain, that each of its nodes must be worth
-N_LEADING = 3  # that are worth runs of their own
+N_FAMILIES = 12  # families (terms equal but for their numbers) whose numbers are refined
+FACTORS = (0.55, 0.67, 0.82, 1.22, 1.5, 1.8)  # tried on these numbers, which lie on a coarse grid
+NODE = 0.1  # share of a term's gain that each of its nodes costs
+N_LEADING = 3  # terms returned, which are then fitted by runs
 
 
 def leading_terms(drift: Drift, terms: Sequence[Candidate], least: float) -> list[Candidate]:
@@ -40,8 +41,8 @@ def leading_terms(drift: Drift, terms: Sequence[Candidate], least: float) -> lis
     Returns
     -------
     list of Candidate
-        Best first, each node taken for a tenth of the gain; one of those that differ in their
-        numbers only, and none where no term gains so much.
+        The best few by gain, less a tenth for each node; one of each family. Empty if no term gains
+        `least`.
     """
     near, gains = _near(drift, terms, n_replaced=0)
     worth = gains * (1.0 - NODE * np.array([c.size for c in near]))
@@ -56,21 +57,21 @@ def stand_ins(
     Parameters
     ----------
     drift : Drift
-        The model with the effect, which was the last to come.
+        The model with the effect as its last columns.
     own : Candidate
-        The effect, or all the terms of several.
+        The effect, or one with all the terms of several effects.
     terms : sequence of Candidate
-        Terms to choose from. Those in which nothing acts that acts in the effect are left out.
+        Terms to choose from. Those that share no variable with the effect are left out.
     least : float
-        Log error that a term must gain, and at least the price of the nodes that it has more.
+        Log error that a term must gain; more if its additional nodes have a higher price.
 
     Returns
     -------
     list of Candidate
-        Best first, one of those that differ in their numbers only.
+        The best few, best first; one of each family.
     """
-    alike = [c for c in terms if c.state == own.state and own.variables & c.variables]
-    others = [c for c in alike if c.terms != own.terms]
+    related = [c for c in terms if c.state == own.state and own.variables & c.variables]
+    others = [c for c in related if c.terms != own.terms]
     near, gains = _near(drift, others, n_replaced=len(own.terms))
     prices = PRICE * np.array([c.size - own.size for c in near])
     return _leaders(near, gains - np.maximum(prices, least))
@@ -79,28 +80,28 @@ def stand_ins(
 def _near(
     drift: Drift, terms: Sequence[Candidate], n_replaced: int
 ) -> tuple[list[Candidate], np.ndarray]:
-    """Return the terms that do best on their grid, also with finer numbers, and what they gain."""
-    able = with_parents(terms, drift.model.design)
-    ranked = _of_families(able, _gains(drift, able, n_replaced))
+    """Return the best terms of the grid, also with their numbers scaled, and all their gains."""
+    allowed = with_parents(terms, drift.model.design)
+    ranked = _of_families(allowed, _gains(drift, allowed, n_replaced))
     leaders = [c for c, _ in ranked[:N_FAMILIES]]
-    near = [*leaders, *(_scaled(c, factor) for c in leaders for factor in FACTORS)]
-    near = list(dict.fromkeys(near))
-    return near, _gains(drift, near, n_replaced)
+    refined = [*leaders, *(_scaled(c, factor) for c in leaders for factor in FACTORS)]
+    refined = list(dict.fromkeys(refined))
+    return refined, _gains(drift, refined, n_replaced)
 
 
 def _leaders(near: Sequence[Candidate], worth: np.ndarray) -> list[Candidate]:
-    """Return the best few that are worth something."""
+    """Return the best few terms whose worth is positive."""
     return [c for c, value in _of_families(near, worth)[:N_LEADING] if value > 0.0]
 
 
 def _gains(drift: Drift, terms: Sequence[Candidate], n_replaced: int) -> np.ndarray:
-    """Return what each term gains in the place of the last columns, shape (n_terms,)."""
+    """Return the gain of each term in place of the last columns, shape (n_terms,)."""
     groups = [columns_of(c, drift.model.design) for c in terms]
     return gains_of_terms(drift, groups, n_replaced)
 
 
 def _of_families(terms: Sequence[Candidate], gains: np.ndarray) -> list[tuple[Candidate, float]]:
-    """Return the best of the terms that differ in their numbers only, best first."""
+    """Return the best term of each family with its gain, best first."""
     best: dict[Candidate, tuple[Candidate, float]] = {}
     for k in np.argsort(-gains, kind="stable").tolist():
         best.setdefault(_scaled(terms[k], None), (terms[k], float(gains[k])))
@@ -108,7 +109,7 @@ def _of_families(terms: Sequence[Candidate], gains: np.ndarray) -> list[tuple[Ca
 
 
 def _scaled(candidate: Candidate, factor: float | None) -> Candidate:
-    """Return a term with all its numbers times a factor, or all of them one."""
+    """Return a term with its numbers multiplied by a factor, or set to one without a factor."""
     terms = (
         term.with_constants([1.0 if factor is None else factor * c for c in term.constants])
         for term in candidate.terms

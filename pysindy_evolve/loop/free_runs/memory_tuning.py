@@ -1,4 +1,4 @@
-"""Tune the numbers of memories by free runs, the coefficients following each of them."""
+"""Tune the numbers of memories by free runs, together with the coefficients."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from .variants import Model, Pasts
 
 __all__ = ["fit_by_runs", "intervals_by_runs", "tuned_memories"]
 
-STEP = 0.02  # of the logarithm of a number, to see what it changes
-REACH = 1.5  # of the logarithms about where they begin
+STEP = 0.02  # finite difference: of log(number), or of a past input relative to its range
+REACH = 1.5  # how far a logarithm may move from its start
 MAX_STEPS = 50
-SETTLED = 1e-4  # relative gain of a step after which no other one is taken
-DAMPINGS = (1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)  # of steps, relative to the squares of columns
-N_RESAMPLES = 400
+SETTLED = 1e-4  # stop when a step gains less than this share of the error
+DAMPINGS = (1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)  # tried in each step, see `Rows.change`
+N_RESAMPLES = 400  # draws of stretches for the intervals
 
 
 def tuned_memories(drift: Drift, model: Model) -> Model:
     """Return a model with delays, time constants, brims and shares tuned; a share of zero stays.
 
-    So is where the inputs stood before each record, which hidden states remember.
+    The inputs before each record, which hidden states remember, are tuned too.
 
     Parameters
     ----------
     drift : Drift
         Stretches of the record.
     model : Model
-        With memories from a grid.
+        Its memories have numbers from a grid.
 
     Returns
     -------
@@ -45,15 +45,15 @@ def tuned_memories(drift: Drift, model: Model) -> Model:
     numbers = _Numbers.of(model, drift.records)
     if not len(numbers.start):
         return model
-    begun = drift.begun(numbers.at(numbers.start))
-    (now,), place = converged([begun]), numbers.start
+    initial = drift.begun(numbers.at(numbers.start))
+    (current,), place = converged([initial]), numbers.start
     for _ in range(MAX_STEPS):
-        tried = _steps(drift, now, numbers, place) if np.isfinite(now.error) else []
+        tried = _steps(drift, current, numbers, place) if np.isfinite(current.error) else []
         moved = runs_of([trial for trial, _ in tried])
         best = min(range(len(moved)), key=lambda k: moved[k].error, default=None)
-        gain = 0.0 if best is None else 1.0 - moved[best].error / max(now.error, TINY)
+        gain = 0.0 if best is None else 1.0 - moved[best].error / max(current.error, TINY)
         if best is not None and gain > 0.0:
-            now, place = moved[best], tried[best][1]
+            current, place = moved[best], tried[best][1]
         if gain < SETTLED:
             break
     return numbers.at(place)
@@ -62,32 +62,33 @@ def tuned_memories(drift: Drift, model: Model) -> Model:
 def _steps(
     drift: Drift, trial: Trial, numbers: _Numbers, place: np.ndarray
 ) -> list[tuple[Trial, np.ndarray]]:
-    """Return steps of coefficients, starts and numbers together, bold ones and timid ones.
+    """Return a trial and its numbers after a joint step of all parameters, for each damping.
 
-    Coefficients that follow the numbers only afterwards creep along the valley that they share.
+    If the coefficients were refitted only after each step of the numbers, the two would creep along
+    their common valley.
     """
     rows = trial.rows()
     if rows is None:
         return []
-    there = [numbers.at(place + step) for step in np.diag(numbers.steps)]
-    begun = [_like(trial, drift, model, trial.coef, trial.starts) for model in there]
+    ahead = [numbers.at(place + step) for step in np.diag(numbers.steps)]
+    started = [_like(trial, drift, model, trial.coef, trial.starts) for model in ahead]
     slopes = [
-        rows.of((one.x - trial.x) / step)
-        for one, step in zip(runs_of(begun), numbers.steps, strict=True)
+        rows.of((run.x - trial.x) / step)
+        for run, step in zip(runs_of(started), numbers.steps, strict=True)
     ]
     response = np.concatenate([rows.response, *slopes], axis=2)
     miss = rows.of(trial.miss)
     if not np.isfinite(response).all():
         return []
-    found, n_coef = [], len(trial.coef)
+    stepped, n_coef = [], len(trial.coef)
     for damping in DAMPINGS:
         change = rows.change(response, miss, damping)
         moved = np.clip(place + change[n_coef:], numbers.low, numbers.high)
         change[n_coef:] = moved - place
         starts = trial.starts + rows.starts(response, miss, change)
         model, coef = numbers.at(moved), trial.coef + change[:n_coef]
-        found.append((_like(trial, drift, model, coef, starts), moved))
-    return found
+        stepped.append((_like(trial, drift, model, coef, starts), moved))
+    return stepped
 
 
 def _like(trial: Trial, drift: Drift, model: Model, coef: np.ndarray, starts: np.ndarray) -> Trial:
@@ -97,16 +98,16 @@ def _like(trial: Trial, drift: Drift, model: Model, coef: np.ndarray, starts: np
 def fit_by_runs(
     design: Design, fitted: Fit, records: Sequence[Record], rng: np.random.Generator
 ) -> Fit:
-    """Return coefficients that free runs over stretches give; the same fit where they cannot.
+    """Return coefficients fitted to free runs over stretches; the same fit if these fail.
 
     Parameters
     ----------
     design : Design
         The model, limits included.
     fitted : Fit
-        Where to begin.
+        Supplies the initial coefficients.
     records : sequence of Record
-        Training records, inputs as they act.
+        Training records, with inputs as they act.
     rng : numpy.random.Generator
         Draws the stretches of the intervals.
 
@@ -126,8 +127,8 @@ def intervals_by_runs(
 ) -> np.ndarray:
     """Return the 95 % intervals of the coefficients and then of the numbers of memories.
 
-    Stretches are drawn with replacement, and what is free is fitted to them to first order; the
-    scatter about the median is put about the values.
+    Stretches are drawn with replacement, and all parameters are fitted to each draw to first order.
+    The quantiles about the median are centered on the fitted values. NaN if runs fail.
 
     Returns
     -------
@@ -141,14 +142,14 @@ def intervals_by_runs(
     if drift is None or rows is None:
         return np.full((last, 2), np.nan)
     trial = drift.trial
-    begun = [drift.begun(numbers.at(numbers.start + step)) for step in np.diag(numbers.steps)]
-    runs = runs_of([*begun, trial])[:-1]
-    moved = [
-        rows.of((one.x - trial.x) / step) for one, step in zip(runs, numbers.steps, strict=True)
+    started = [drift.begun(numbers.at(numbers.start + step)) for step in np.diag(numbers.steps)]
+    runs = runs_of([*started, trial])[:-1]
+    slopes = [
+        rows.of((run.x - trial.x) / step) for run, step in zip(runs, numbers.steps, strict=True)
     ]
     miss = rows.of(trial.miss)
-    every = rows.freed(np.concatenate([rows.response, *moved, miss], axis=2))
-    grams = np.swapaxes(every, 1, 2) @ every
+    all_columns = rows.freed(np.concatenate([rows.response, *slopes, miss], axis=2))
+    grams = np.swapaxes(all_columns, 1, 2) @ all_columns
     draws = rng.integers(len(grams), size=(N_RESAMPLES, len(grams)))
     changes = np.array([solve_gram(grams[draw].sum(axis=0)) for draw in draws])
     low, high = np.quantile(changes, [0.025, 0.975], axis=0) - np.median(changes, axis=0)
@@ -159,24 +160,24 @@ def intervals_by_runs(
 
 @dataclass(frozen=True, eq=False)
 class _Numbers:
-    """What of a model's memories is free: logarithms of their numbers, and pasts of the inputs.
+    """Free parameters of a model's memories: logarithms of numbers, and inputs before records.
 
     Attributes
     ----------
     model : Model
-        The model with numbers to begin with.
+        The model with its initial numbers.
     start : ndarray of shape (n_numbers + n_pasts,)
-        Where they begin.
+        Initial values of the parameters.
     low, high : ndarray
-        Bounds on them.
+        Bounds on the parameters.
     steps : ndarray
-        Small changes, to see what they do.
+        Finite differences.
     free : ndarray of int
-        Places of the free numbers among all.
+        Places of the free numbers among all numbers.
     given : tuple of (tuple of float)
-        Pasts to begin with, of each record.
+        Initial guess of the inputs before each record.
     columns : tuple of int
-        Inputs whose past matters.
+        Inputs that a hidden state remembers.
     """
 
     model: Model
@@ -190,7 +191,7 @@ class _Numbers:
 
     @classmethod
     def of(cls, model: Model, records: Sequence[Record]) -> _Numbers:
-        """Return what is free of a model on training records."""
+        """Return the free parameters of a model on training records."""
         flat = np.array([value for memory in model.memories for value in memory.values])
         n_known = sum(len(memory.values) for memory in model.memories[: model.n_known])
         free = n_known + np.flatnonzero(flat[n_known:])
@@ -213,13 +214,15 @@ class _Numbers:
         )
 
     def at(self, place: np.ndarray) -> Model:
-        """Return the model with other numbers and pasts."""
+        """Return the model with other values of the parameters."""
         flat = np.array([value for memory in self.model.memories for value in memory.values])
         flat[self.free] = np.exp(place[: len(self.free)])
         memories, rest = [], list(flat)
         for memory in self.model.memories:
-            own, rest = rest[: len(memory.values)], rest[len(memory.values) :]
-            memories.append(replace(memory, values=tuple(float(value) for value in own)))
+            values_of_memory, rest = rest[: len(memory.values)], rest[len(memory.values) :]
+            memories.append(
+                replace(memory, values=tuple(float(value) for value in values_of_memory))
+            )
         pasts, values = [], iter(place[len(self.free) :].tolist())
         for past in self.given:
             changed = list(past)

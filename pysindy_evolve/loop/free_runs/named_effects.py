@@ -1,9 +1,9 @@
 """Find what a model lacks where only its free runs show it.
 
-The derivative of a noisy record is blind to what is slow. What passes here keeps the runs on
-stretches that it was not fitted to, better than chance does in the twins; and it must not make the
-derivative worse. In a closed loop the input knows what disturbed the output, and runs can be
-bettered by a memory that is not there; the derivative, which sees the disturbance itself, objects.
+The derivative of a noisy record hides slow effects. An effect passes here if it brings the runs
+over held-out stretches closer to the record than chance does in twins, and does not make the
+derivative worse. In a closed loop the second condition matters: the input reacts to disturbances
+of the output, so a memory that does not exist can improve the runs, but not the derivative.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ def find_by_runs(
     rules: Rules,
     rng: np.random.Generator,
 ) -> tuple[Look, Pasts]:
-    """Return findings with what free runs show besides, one after the other until none passes.
+    """Add the effects that free runs show, one after the other until none passes.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found before.
     records : sequence of Record
-        Training records without memories.
+        Training records, before memories are applied.
     wide : sequence of Record
-        The same with a higher cutoff, for the derivative.
+        The same with a higher cutoff, to check the derivative.
     rules : Rules
         When an effect counts.
     rng : numpy.random.Generator
@@ -58,7 +58,7 @@ def find_by_runs(
     look : Look
         All findings; the numbers of the new memories are tuned again after each step.
     pasts : tuple of (tuple of float)
-        For each record, where its inputs stood before it; empty where that does not matter.
+        For each record, the inputs before it began; empty if no memory depends on them.
     """
     before = list(findings)
     stops = stops_of(model_of(declared, before), records, rules, rng)
@@ -92,7 +92,7 @@ def find_by_runs(
 
 
 def _retuned(new: list[Finding], model: Model) -> list[Finding]:
-    """Return findings with the memories of a model."""
+    """Return findings with the tuned memories of a model."""
     memories = iter(model.memories[model.n_known :])
     return [replace(f, memory=next(memories)) if isinstance(f, MemoryFinding) else f for f in new]
 
@@ -105,12 +105,12 @@ def _memory_or_term(
     *,
     must_be_clear: bool,
 ) -> tuple[Finding, Model] | None:
-    """Return the plainest memory or term of those that gain most, with its chance."""
+    """Return the plainest memory or term of those that gain most, and the model with it."""
     signs = signs_for(drift, rules, rng)
     memories = memories_beside(drift.model, segments(drift.records))
     terms = [v for v in named_terms(drift) if not must_be_clear or _is_of_motion(v, drift)]
     by_terms = gains_of_terms(drift, [v.columns for v in terms])
-    # Nothing is held against the twins where no term gains enough.
+    # Twins need not be searched for terms where no term gains enough on the record.
     sought = [v.columns for v in terms] if np.any(by_terms >= rules.notable_gain) else []
     in_twins = chance_of_terms(drift, sought, signs)
     gains = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
@@ -127,9 +127,10 @@ def _memory_or_term(
 
 
 def _is_of_motion(variant: Variant, drift: Drift) -> bool:
-    """Tell whether a term depends on what was measured, as chance in the twins does not.
+    """Tell whether all parts of an effect depend on more than time.
 
-    What lasts for longer than a stretch, such as an offset or a drift, is there by chance as well.
+    An offset or a drift may be a disturbance that outlasts a stretch. Twins do not imitate that, as
+    each of their stretches has a sign of its own.
     """
     time = drift.model.design.time
     return all(term.variables - {time} for term in variant.candidate.terms)

@@ -1,9 +1,9 @@
-"""One effect in the place of several, of which the later ones only mend the form of the first.
+"""One effect in place of several, where the later ones only correct the form of the first.
 
-Where noise hides the form of an effect, another one that is like it is found first, and what the
-two differ in is found after it, as terms that mean nothing. By itself neither can be told from what
-would be right, for the others are in the way. So the right form is held against all of them
-together: if the runs with it come as close to the record, it takes their place.
+Where noise hides the form of an effect, a similar one is found first, and later terms without
+meaning make up for the difference. None of them can be exchanged for the right effect alone, as the
+others stand beside it. So each single effect is compared with the whole group, and replaces it if
+its runs come as close to the record.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .variants import Model
 
 __all__ = ["one_for_several"]
 
-MANY = 3  # effects with a name in one equation, which one may explain as well
+MANY = 3  # named effects in one equation that a single effect may replace
 
 
 def one_for_several(
@@ -34,7 +34,7 @@ def one_for_several(
     pool: Pool,
     records: Sequence[Record],
 ) -> list[Finding]:
-    """Return findings in which an effect has taken the place of one and of what mended it.
+    """Return the findings, groups of them replaced by single effects that do as well.
 
     Parameters
     ----------
@@ -43,9 +43,9 @@ def one_for_several(
     findings : sequence of Finding
         What was found, in order.
     pool : Pool
-        What may take a place.
+        Candidates that may replace a group.
     records : sequence of Record
-        Training records, without memories.
+        Training records, before memories are applied.
 
     Returns
     -------
@@ -54,28 +54,28 @@ def one_for_several(
     for group in _groups(findings):
         rest = [finding for finding in findings if finding not in group]
         without = replace(model, design=with_columns(model.design, rest))
-        found = _single(without, group, pool, records)
-        if found is not None:
-            left = [found if f is group[0] else f for f in findings if f not in group[1:]]
-            return one_for_several(model, left, pool, records)
+        single = _single(without, group, pool, records)
+        if single is not None:
+            remaining = [single if f is group[0] else f for f in findings if f not in group[1:]]
+            return one_for_several(model, remaining, pool, records)
     return list(findings)
 
 
 def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
-    """Return each effect with all that came after it in its equation, and with each one of them.
+    """Return each effect with all later ones of its equation, and with each of them singly.
 
-    Two different names are left alone. A group counts if it holds a grown term, one name twice, as
-    powers of one variable that add up to a curve, or three names.
+    A group counts if it holds a grown term, the same name twice (powers of a variable that add up
+    to a curve), or at least three names. Pairs of different names are left alone.
     """
     groups = []
     for place, first in enumerate(findings):
         later = [f for f in findings[place + 1 :] if f.candidate.state == first.candidate.state]
         groups += [[first, *later], *([first, one] for one in later)]
     several = {tuple(map(id, group)): group for group in groups if len(group) > 1}
-    return [group for group in several.values() if _may_go(group, findings)]
+    return [group for group in several.values() if _may_be_one(group, findings)]
 
 
-def _may_go(group: Sequence[Finding], findings: Sequence[Finding]) -> bool:
+def _may_be_one(group: Sequence[Finding], findings: Sequence[Finding]) -> bool:
     rest = [finding for finding in findings if finding not in group]
     names = [finding.candidate.name for finding in group]
     are_parts = EVOLVED in names or len(set(names)) < len(names) or len(names) >= MANY
@@ -85,20 +85,20 @@ def _may_go(group: Sequence[Finding], findings: Sequence[Finding]) -> bool:
 def _single(
     without: Model, group: Sequence[Finding], pool: Pool, records: Sequence[Record]
 ) -> Finding | None:
-    """Return the one effect whose runs come as close to the record as those of a group do."""
+    """Return the effect whose runs come as close to the record as those of a group, or None."""
     first, effects = group[0], [finding.candidate for finding in group]
     drift = steady_drift(without, effects, records)
     if drift is None:
         return None
     (trial,) = converged([drift.trial])
-    own = Contender(first.candidate, begun_with(without, [first.candidate], drift))
-    most, size = np.exp(MARGIN) * trial.error, sum(effect.size for effect in effects)
-    able = [
+    first_alone = Contender(first.candidate, begun_with(without, [first.candidate], drift))
+    bound, size = np.exp(MARGIN) * trial.error, sum(effect.size for effect in effects)
+    as_good = [
         one
-        for one in pool.contenders(without, own, drift, effects)
-        if one.error * np.exp(PRICE * max(one.candidate.size - size, 0)) <= most
+        for one in pool.contenders(without, first_alone, drift, effects)
+        if one.error * np.exp(PRICE * max(one.candidate.size - size, 0)) <= bound
     ]
-    if not able:
+    if not as_good:
         return None
-    best = beside(plainest(able).candidate, without.design)
+    best = beside(plainest(as_good).candidate, without.design)
     return first.with_candidate(best, without.design)

@@ -1,8 +1,8 @@
-"""Other forms of a grown term: without a factor, as it is near zero, and beside an offset.
+"""Other forms of a grown term: without one factor, with its limit near zero, beside an offset.
 
-A search may end at T^4 / (800 + sqrt(T)), of which only the upper part is meant: the lower one is
-where a function hardly bends. And a diode passes exp(k v) - 1: without the one, no number k makes
-the exponential alone as close as a worse form is.
+A search may end at T^4 / (800 + sqrt(T)) where T^4 is right, since the denominator hardly changes.
+And a diode passes exp(k v) - 1: without the -1, the exponential fits worse than a wrong form does,
+whatever k is.
 """
 
 from __future__ import annotations
@@ -23,23 +23,24 @@ from ..given.segments import Segments
 
 __all__ = ["other_forms"]
 
-# What functions are near zero: straight lines, and the square that a cosine leaves of a constant.
+# Leading power of each function near zero: straight, and the square by which cos leaves one.
 NEAR_ZERO = {"sin": 1, "tanh": 1, "softsign": 1, "cos": 2}
 
 
 def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
-    """Return a grown term without each of its factors, as each is near zero, and beside an offset.
+    """Return the other forms of a grown term; of an end stop, the contact of curved bodies.
 
-    Of an end stop, the contact of curved bodies.
+    They lack one factor, or hold a power in place of one function. Each of them, and the term, is
+    also offered beside an offset unless the records show that it vanishes at zero.
 
     Parameters
     ----------
     candidate : Candidate
-        Grown, or of the vocabulary, which mostly knows its forms.
+        Grown. Effects of the vocabulary have no other forms here, except end stops.
     design : Design
-        The model without it; what stands there is not offered again.
+        The model without it; terms that it already holds are not offered.
     part : Segments
-        Pieces of the training records: what is zero at a place in them needs no offset to be so.
+        Pieces of the training records. They say whether variables reach zero.
 
     Returns
     -------
@@ -60,24 +61,24 @@ def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Ca
 
 def _shorter(product: Product) -> Iterator[Sum]:
     for place in range(len(product.factors)):
-        left = product.without(place)
-        if left.variables:
-            yield of_term(left)
+        rest = product.without(place)
+        if rest.variables:
+            yield of_term(rest)
 
 
 def _straight(product: Product) -> Iterator[Sum]:
-    """Go through the product with each function replaced by the power that it is near zero."""
+    """Yield the product with each function replaced by its leading power near zero."""
     for place, (atom, exponent) in enumerate(product.factors):
         if isinstance(atom, Call) and atom.operator.name in NEAR_ZERO:
-            left = product.without(place)
-            near = exponent * NEAR_ZERO[atom.operator.name]
-            straight = mul(of_term(left), power(atom.args[0], near))
+            rest = product.without(place)
+            leading = exponent * NEAR_ZERO[atom.operator.name]
+            straight = mul(of_term(rest), power(atom.args[0], leading))
             if len(straight.parts) == 1:
                 yield bare(straight)
 
 
 def _vanishes_at_rest(term: Sum, rows: np.ndarray) -> bool:
-    """Tell whether a term is zero where all variables are, and some of its variables come there."""
+    """Tell whether a term is zero at the origin, and one of its variables changes its sign."""
     signed = Ranges.of(rows).signed
     with np.errstate(all="ignore"):  # 1 / q has no value there
         at_rest = float(term.evaluate(np.zeros((1, rows.shape[1])))[0])

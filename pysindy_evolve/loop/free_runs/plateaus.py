@@ -16,7 +16,7 @@ from ..twins.paths import follow
 
 __all__ = ["plateaus", "tested"]
 
-N_TWINS = 999  # which cost next to nothing: one run, and noise
+N_TWINS = 999  # cheap: all share one run, and differ in the noise
 
 
 def tested(
@@ -26,7 +26,7 @@ def tested(
     rules: Rules,
     rng: np.random.Generator,
 ) -> list[tuple[Limit, int, float, np.ndarray]]:
-    """Return the limits at which records stay longer than twins without them, with the evidence.
+    """Return the limits at which records stay longer than twins without limits do, with evidence.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def tested(
     Returns
     -------
     list of (Limit, int, float, ndarray of shape (n_twins,))
-        With samples in a row, their chance, and the same samples in the twins.
+        Each with the longest plateau in samples, its p-value, and the plateaus of the twins.
     """
     found, n_twins = [], draws_for(rules.level_of_runs, N_TWINS)
     for limit in limits:
@@ -62,7 +62,7 @@ def plateaus(
     n_twins: int,
     rng: np.random.Generator,
 ) -> tuple[int, np.ndarray]:
-    """Return for how many samples the records, and twins without the limit, stay at an extreme.
+    """Return how long the records, and twins without the limit, stay at their extreme value.
 
     Parameters
     ----------
@@ -73,41 +73,41 @@ def plateaus(
     records : sequence of Record
         Training records, prepared from raw data.
     n_twins : int
-        Paths of the model beside the records, with the noise of the sensor.
+        Number of twins: paths of the model along the records, plus sensor noise.
     rng : numpy.random.Generator
         Draws the noise.
 
     Returns
     -------
     observed : int
-        Samples in a row.
+        Longest plateau, in samples.
     in_twins : ndarray of shape (n_twins,)
-        The same; infinite where the model cannot follow a record.
+        The same of each twin; infinite if the model cannot follow a record.
     """
     paths = [follow(equations, record) for record in records]
     made = [record.preparation for record in records if record.preparation is not None]
     column = limit.state // made[0].order
-    found = [path.y[:, column] for path in paths if path is not None]
+    clean = [path.y[:, column] for path in paths if path is not None]
     raw = [one.y[:, column] for one in made]
     observed = _plateau(raw, limit.upper)
-    if len(found) < len(raw):
+    if len(clean) < len(raw):
         return observed, np.full(n_twins, np.inf)
     step = _resolution(raw)
-    # Reading in steps is a noise too, which the twins have by themselves.
+    # The variance of rounding is subtracted, since the twins are rounded below.
     noise = [np.sqrt(max(one.noise[column] ** 2 - step**2 / 12.0, 0.0)) for one in made]
     lengths = []
     for _ in range(n_twins):
-        twins = [y + s * rng.standard_normal(len(y)) for y, s in zip(found, noise, strict=True)]
+        twins = [y + s * rng.standard_normal(len(y)) for y, s in zip(clean, noise, strict=True)]
         lengths.append(_plateau([step * np.round(y / step) for y in twins], limit.upper))
     return observed, np.array(lengths, dtype=float)
 
 
 def _resolution(columns: Sequence[np.ndarray]) -> float:
-    """Return the least step between readings: what sticks repeats one of a coarse sensor."""
+    """Return the least step between readings; a coarse sensor repeats readings by itself."""
     return float(np.diff(np.unique(np.concatenate(columns))).min())
 
 
 def _plateau(columns: Sequence[np.ndarray], upper: bool) -> int:
-    """Return for how many samples in a row columns stay at the extreme of all of them."""
+    """Return the most samples in a row for which a column stays at the extreme of all columns."""
     extreme = max(c.max() for c in columns) if upper else min(c.min() for c in columns)
     return max(longest(column == extreme) for column in columns)

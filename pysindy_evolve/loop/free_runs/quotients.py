@@ -1,10 +1,9 @@
 """The quotients and powers that a curved function stands for.
 
-A magnet pulls by 1 / (d - q)^2, and so does a charged plate; what passes by at a distance d has
-1 / (d^2 + q^2), as has a rate that falls with what there is of its product, and the drag of an
-eddy-current brake is v / (c^2 + v^2); a gene is repressed as 1 / (c^4 + p^4); what is hot radiates
-by T^4. Over the range of a record each is nearly an exponential or a hyperbolic tangent beside what
-the model has, which is easier to find.
+Examples are 1 / (d - q)^2 of a magnet or a charged plate; 1 / (d^2 + q^2) of a body that passes at
+a distance d, or of a rate that its product inhibits; v / (c^2 + v^2) of an eddy-current brake;
+1 / (c^4 + p^4) of a repressed gene; and T^4 of radiation. Over the range of a record each is nearly
+an exponential or a hyperbolic tangent plus terms of the model, and these are easier to find.
 """
 
 from __future__ import annotations
@@ -39,13 +38,14 @@ from ..given.segments import Segments
 
 __all__ = ["as_quotients"]
 
-POWERS = (1, 2)  # of the distance: Coulomb's law in a plane and in space
-EXPONENTS = (1, 2, 3, 4, 5)  # of powers that a curved function may be
-EVEN = ((0, 2), (1, 2), (0, 4))  # powers of a variable above the line, and below it beside a length
-# Logarithms of how far away: in units of what an exponential rises in, or of the largest value.
+POWERS = (1, 2)  # of the distance to a pole: Coulomb's law in a plane and in space
+EXPONENTS = (1, 2, 3, 4, 5)  # of powers that may replace a curved function
+EVEN = ((0, 2), (1, 2), (0, 4))  # (m, n) of x^m / (x^n + length^n)
+# Logarithms of the distance to a pole, in units of the argument of the exponential, or of the
+# length, in units of the largest value of the variable.
 GRID = np.linspace(-3.0, 4.0, 15)
-ENOUGH = 2000  # rows to see how close one term comes to another
-CLOSE = 0.3  # of a term beside the others, that what stands for it may miss
+ENOUGH = 2000  # rows on which terms are compared
+CLOSE = 0.3  # largest share that a replacement may miss, see `_Place.missed`
 
 Family = Callable[[float], Sum]
 
@@ -56,17 +56,17 @@ def as_quotients(candidate: Candidate, design: Design, part: Segments) -> list[C
     Parameters
     ----------
     candidate : Candidate
-        Any; of what is no grown product with a curved function in it there are none.
+        Any effect; only a grown product with a curved function in it has replacements.
     design : Design
-        The model without it; an offset that stands there is not offered again.
+        The model without it; an offset that it already holds is not offered.
     part : Segments
         Pieces of the training records: poles lie beyond them.
 
     Returns
     -------
     list of Candidate
-        Each with the number with which it comes closest, beside what the equation has; each by
-        itself and beside an offset.
+        Each with the number that fits the term best, given the rest of its equation; each also
+        beside an offset.
     """
     terms = [term for term in candidate.terms if term != OFFSET]
     if candidate.name != EVOLVED or len(terms) != 1 or len(terms[0].parts) != 1:
@@ -84,7 +84,7 @@ def as_quotients(candidate: Candidate, design: Design, part: Segments) -> list[C
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """Where a term stands: its values, and those of what the equation has besides, scaled."""
+    """Values of a term on some rows, and of the other columns of its equation."""
 
     wanted: np.ndarray
     beside: np.ndarray
@@ -92,7 +92,7 @@ class _Place:
 
     @classmethod
     def of(cls, product: Product, state: int, design: Design, rows: np.ndarray) -> _Place:
-        """Look at a term beside a design and an offset, on some of the rows."""
+        """Evaluate a term, the columns of a design and an offset on some of the rows."""
         rows = rows[:: max(1, len(rows) // ENOUGH)]
         equation = [OFFSET, *(column.parts[state] for column in design.columns)]
         columns = [side.evaluate(rows) for side in equation if side.parts]
@@ -100,19 +100,19 @@ class _Place:
 
     @property
     def is_known(self) -> bool:
-        """Whether the term, and all beside it, has a value everywhere."""
+        """Whether the term and the other columns are finite on all rows."""
         return bool(np.isfinite(self.wanted).all() and np.isfinite(self.beside).all())
 
     def closest(self, family: Family) -> Sum:
-        """Return the one of a family that comes closest to the term."""
+        """Return the member of a family that comes closest to the term."""
         missed = [self.missed(family(x)) for x in np.exp(GRID)]
-        # Far away all are alike, so a search over the whole range may end in nothing there.
+        # Far away all members look alike, so a search over the whole range may end there.
         around = GRID[np.argmin(missed)] + np.array([-1.0, 1.0]) * (GRID[1] - GRID[0])
         best = minimize_scalar(lambda x: self.missed(family(np.exp(x))), bounds=around)
         return family(float(np.exp(best.x)))
 
     def missed(self, term: Sum) -> float:
-        """Return the part of the term beside the others that another one misses, RMS."""
+        """Return the share that another term misses of what the other columns do not explain."""
         values = term.evaluate(self.rows)
         if not np.isfinite(values).all():
             return np.inf
@@ -120,7 +120,7 @@ class _Place:
 
     @cached_property
     def own(self) -> float:
-        """Size of the term beside the others."""
+        """Norm of what the other columns do not explain of the term."""
         return self._left(self.beside)
 
     def _left(self, columns: np.ndarray) -> float:
@@ -130,9 +130,9 @@ class _Place:
 
 
 def _closest(product: Product, place: _Place, rows: np.ndarray) -> Iterator[Sum]:
-    """Go through the product with each curved function replaced by close quotients, or by powers.
+    """Yield the product with each curved function replaced by its closest quotients, or by powers.
 
-    One of a single variable is replaced with and without all else that depends on that alone.
+    A function of a single variable is replaced alone, and with all other factors of that variable.
     """
     for atom in _curved(product):
         (inside,) = atom.args
@@ -141,15 +141,15 @@ def _closest(product: Product, place: _Place, rows: np.ndarray) -> Iterator[Sum]
         beside = _without(product, {atom})
         if atom.operator.name == "exp":
             highest = float(inside.evaluate(rows).max())
-            distant = (partial(_over_distance, beside, inside, highest, n) for n in POWERS)
-            yield from map(place.closest, distant)
+            families = (partial(_over_distance, beside, inside, highest, n) for n in POWERS)
+            yield from map(place.closest, families)
         if len(atom.variables) == 1:
             (index,) = atom.variables
-            alike = {one for one, _ in product.factors if one.variables == atom.variables}
-            for left in dict.fromkeys((beside, _without(product, alike))):
+            same_variable = {one for one, _ in product.factors if one.variables == atom.variables}
+            for rest in dict.fromkeys((beside, _without(product, same_variable))):
                 largest = float(np.abs(rows[:, index]).max())
-                yield from map(place.closest, _quotients(left, index, largest))
-                yield from (mul(left, power(variable(index), n)) for n in EXPONENTS)
+                yield from map(place.closest, _quotients(rest, index, largest))
+                yield from (mul(rest, power(variable(index), n)) for n in EXPONENTS)
 
 
 def _curved(product: Product) -> list[Call]:
@@ -158,23 +158,23 @@ def _curved(product: Product) -> list[Call]:
     return [one for one in calls if one.operator.name in SCALED]
 
 
-def _without(product: Product, gone: Collection[Atom]) -> Sum:
+def _without(product: Product, dropped: Collection[Atom]) -> Sum:
     """Return a product without some of its atoms."""
-    return of_term(Product(tuple(one for one in product.factors if one[0] not in gone)))
+    return of_term(Product(tuple(one for one in product.factors if one[0] not in dropped)))
 
 
-def _quotients(left: Sum, index: int, largest: float) -> Iterator[Family]:
-    """Go through quotients of a variable times what else there is."""
-    for above, n in EVEN if largest > 0.0 else ():
-        yield partial(_over_even, mul(left, power(variable(index), above)), index, largest, n)
+def _quotients(rest: Sum, index: int, largest: float) -> Iterator[Family]:
+    """Yield the families of quotients of a variable, times the rest of the product."""
+    for m, n in EVEN if largest > 0.0 else ():
+        yield partial(_over_even, mul(rest, power(variable(index), m)), index, largest, n)
 
 
-def _over_distance(left: Sum, inside: Sum, highest: float, n: int, distance: float) -> Sum:
-    """Return a term over a power of the distance to a pole beyond the highest value inside."""
-    return mul(left, power(sub(constant(highest + distance), inside), -n))
+def _over_distance(rest: Sum, inside: Sum, highest: float, n: int, distance: float) -> Sum:
+    """Divide a term by a power of the distance to a pole beyond the largest value of `inside`."""
+    return mul(rest, power(sub(constant(highest + distance), inside), -n))
 
 
-def _over_even(left: Sum, index: int, largest: float, n: int, length: float) -> Sum:
-    """Return a term over even powers of a variable and of a length, in its largest values."""
+def _over_even(rest: Sum, index: int, largest: float, n: int, length: float) -> Sum:
+    """Divide a term by x^n + (length * largest)^n, with even n."""
     below = add(power(variable(index), n), constant((length * largest) ** n))
-    return mul(left, power(below, -1))
+    return mul(rest, power(below, -1))

@@ -25,16 +25,16 @@ def clipped_sensors(
     rules: Rules,
     rng: np.random.Generator,
 ) -> list[Finding]:
-    """Return findings with the limits of readings that no state has met.
+    """Add the limits of readings that are limits of the sensor, not of the state.
 
     Parameters
     ----------
     model : Model
-        The corrected model, with the limits that states have met.
+        The corrected model, with the limits at which states stop.
     findings : sequence of Finding
         What was found before.
     records : sequence of Record
-        Training records without memories.
+        Training records, before memories are applied.
     rules : Rules
         When a limit counts.
     rng : numpy.random.Generator
@@ -43,10 +43,10 @@ def clipped_sensors(
     Returns
     -------
     list of Finding
-        All sensors share one step.
+        All limits of sensors share one step.
     """
-    met = {(limit.state, limit.upper) for limit in model.limits}
-    limits = [one for one in limits_of(records) if (one.state, one.upper) not in met]
+    of_states = {(limit.state, limit.upper) for limit in model.limits}
+    limits = [one for one in limits_of(records) if (one.state, one.upper) not in of_states]
     if not limits or all(record.seen is None for record in records):
         return list(findings)
     acted, step = model.acted(records), next_step(findings)

@@ -1,7 +1,7 @@
 """Numbers inside an effect, such as the width of a dead zone, tuned by free runs.
 
-Beside the effect stands the slope of its terms in the logarithm of each number. The coefficient
-that a Gauss-Newton step gives to it is how far to change the logarithm.
+For each number, the slope of the effect's terms in its logarithm is added as a column. The
+coefficient that a Gauss-Newton step gives to this column is the change of the logarithm.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from .variants import Model
 __all__ = ["Contender", "slopes_of", "tuned_by_runs"]
 
 N_STEPS = 2
-FAR = 100.0  # times the least error: an effect that misses by more will not catch up
-MOST = 0.7  # change of a logarithm in one step: a factor of two
-SLOPE = 1e-3  # of a logarithm, to see what it changes
+FAR = 100.0  # times the least error: contenders with more are not tuned
+MOST = 0.7  # largest change of a logarithm in one step: a factor of two
+SLOPE = 1e-3  # finite difference of a logarithm
 
 
 @dataclass(frozen=True, eq=False)
 class Contender:
     """An effect in its model, fitted to stretches of the record by its free runs.
 
-    One that is `tied` shares its numbers with effects elsewhere in the model, and keeps them.
+    If `tied`, it shares its numbers with effects of other equations, and they are not tuned.
     """
 
     candidate: Candidate
@@ -48,7 +48,7 @@ class Contender:
 
 
 def tuned_by_runs(contenders: Sequence[Contender], model: Model, drift: Drift) -> list[Contender]:
-    """Tune the numbers inside effects, as long as their runs come closer to the record.
+    """Tune the numbers inside effects, each as long as its runs come closer to the record.
 
     Parameters
     ----------
@@ -62,42 +62,42 @@ def tuned_by_runs(contenders: Sequence[Contender], model: Model, drift: Drift) -
     Returns
     -------
     list of Contender
-        The same ones where there is nothing to tune.
+        Contenders that cannot be improved stay as they are.
     """
     found = list(contenders)
     least = min(one.error for one in found)
     active = [k for k, one in enumerate(found) if one.error <= FAR * least and not one.tied]
     for _ in range(N_STEPS):
         moved = {k: _moved(found[k], model, drift) for k in active}
-        begun = {k: one for k, one in moved.items() if one is not None}
-        trials = converged([one.trial for one in begun.values()])
+        stepped = {k: one for k, one in moved.items() if one is not None}
+        trials = converged([one.trial for one in stepped.values()])
         active = []
-        for (k, one), trial in zip(begun.items(), trials, strict=True):
+        for (k, one), trial in zip(stepped.items(), trials, strict=True):
             if trial.error < found[k].error:
                 found[k] = Contender(one.candidate, trial)
                 active.append(k)
     return found
 
 
-def _moved(one: Contender, model: Model, drift: Drift) -> Contender | None:
-    """Return an effect with its numbers a step further, not run yet; None if it has none."""
-    shape, trial = _shape_of(one.candidate, model.design), one.trial
-    change = None if shape is None else _with_slopes(one, shape, model).change()
+def _moved(contender: Contender, model: Model, drift: Drift) -> Contender | None:
+    """Return an effect after a step of its numbers, not run yet; None if it has no numbers."""
+    shape, trial = _shape_of(contender.candidate, model.design), contender.trial
+    change = None if shape is None else _with_slopes(contender, shape, model).change()
     if shape is None or change is None:
         return None
-    n_own = len(trial.coef)
-    steps = np.clip(np.nan_to_num(change[0][n_own:]), -MOST, MOST)
-    candidate = _at(one.candidate, shape, steps)
-    whole = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
-    coef = trial.coef + change[0][:n_own]
-    begun = whole.trial(coef, drift.trial.scale, drift.part)
-    return Contender(candidate, replace(begun, starts=trial.starts + change[1]))
+    n_coef = len(trial.coef)
+    steps = np.clip(np.nan_to_num(change[0][n_coef:]), -MOST, MOST)
+    candidate = _at(contender.candidate, shape, steps)
+    stepped_model = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
+    coef = trial.coef + change[0][:n_coef]
+    started = stepped_model.trial(coef, drift.trial.scale, drift.part)
+    return Contender(candidate, replace(started, starts=trial.starts + change[1]))
 
 
 def _shape_of(candidate: Candidate, design: Design) -> Shape | None:
-    """Return the numbers of an effect.
+    """Return the numbers of an effect; None if there are none to tune.
 
-    A named effect of an angle in radians has no frequency to tune.
+    The frequency in a named effect of an angle in radians is not tuned.
     """
     is_named = candidate.name != EVOLVED and candidate.shape is None
     if is_named and all(waves_angles(term, design) for term in candidate.terms if term.variables):
@@ -106,14 +106,14 @@ def _shape_of(candidate: Candidate, design: Design) -> Shape | None:
 
 
 def _at(candidate: Candidate, shape: Shape, steps: np.ndarray) -> Candidate:
-    """Return an effect, and its partners, with the logarithms of their numbers changed."""
+    """Return an effect, and its partners, after steps of the logarithms of their numbers."""
     moved = replace(candidate, shape=shape).at((np.array(shape.values) * np.exp(steps)).tolist())
     return moved if candidate.shape is not None else replace(moved, shape=None)
 
 
-def _with_slopes(one: Contender, shape: Shape, model: Model) -> Trial:
-    """Return a trial with the slopes of an effect's terms in its numbers beside them."""
-    candidate, trial = one.candidate, one.trial
+def _with_slopes(contender: Contender, shape: Shape, model: Model) -> Trial:
+    """Return a trial with columns added: the slopes of an effect's terms in its numbers."""
+    candidate, trial = contender.candidate, contender.trial
     weights = trial.coef[len(trial.coef) - candidate.n_columns :]
     columns = slopes_of(candidate, shape, model.design, weights, SLOPE)
     coef = np.append(trial.coef, np.zeros(len(columns)))
@@ -123,7 +123,7 @@ def _with_slopes(one: Contender, shape: Shape, model: Model) -> Trial:
 def slopes_of(
     candidate: Candidate, shape: Shape, design: Design, weights: np.ndarray, step: float
 ) -> list[Column]:
-    """Return what the logarithm of each number inside an effect changes in the equations.
+    """Return the slopes of the equations in the logarithm of each number inside an effect.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def slopes_of(
     weights : ndarray of shape (n_columns,)
         Coefficients of its columns, and of those of its partners.
     step : float
-        Change of a logarithm by which the slope is taken.
+        Finite difference of a logarithm.
 
     Returns
     -------
@@ -146,14 +146,14 @@ def slopes_of(
     here = columns_of(candidate, design)
     rows = step * np.eye(len(shape.values))
     ahead = [columns_of(_at(candidate, shape, row), design) for row in rows]
-    return [_slope(here, there, (weights / step).tolist()) for there in ahead]
+    return [_slope(here, moved, (weights / step).tolist()) for moved in ahead]
 
 
-def _slope(here: Sequence[Column], there: Sequence[Column], weights: Sequence[float]) -> Column:
-    """Return the difference that columns make in each equation, with these weights."""
+def _slope(here: Sequence[Column], ahead: Sequence[Column], weights: Sequence[float]) -> Column:
+    """Return the weighted sum of the differences of columns, in each equation."""
     total = [Sum(())] * len(here[0].parts)
-    for one, other, weight in zip(here, there, weights, strict=True):
-        for state, (before, after) in enumerate(zip(one.parts, other.parts, strict=True)):
+    for column, column_ahead, weight in zip(here, ahead, weights, strict=True):
+        for state, (before, after) in enumerate(zip(column.parts, column_ahead.parts, strict=True)):
             if before.parts:
                 change = mul(constant(weight), sub(after, before))
                 total[state] = add(total[state], change) if total[state].parts else change

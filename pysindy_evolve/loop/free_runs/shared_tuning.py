@@ -1,7 +1,7 @@
-"""Numbers inside effects as free runs give them, those that several equations share as one.
+"""Numbers inside effects, tuned by free runs; effects of several equations share one number.
 
-An effect of one equation is held against others with its partners as they are. So what they share
-has to be right before, for alone none of them could do any better with another number.
+Later each effect is compared with others while its partners stay as they are. So a shared number
+has to be right before that: changed in one partner alone, it would make the runs worse.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["numbers_by_runs", "shared_by_runs"]
 def shared_by_runs(
     model: Model, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings in which partners have the same numbers, as free runs give them.
+    """Return findings in which partners have the same numbers, tuned by free runs.
 
     Parameters
     ----------
@@ -36,12 +36,12 @@ def shared_by_runs(
     findings : sequence of Finding
         What was found.
     records : sequence of Record
-        Training records, without memories.
+        Training records, before memories are applied.
 
     Returns
     -------
     list of Finding
-        Partners keep numbers of their own where the runs are clearly closer with them.
+        Partners keep different numbers where the runs are clearly closer with them.
     """
     places = partnerships([f.candidate for f in findings])
     return _with_numbers(places, model, findings, records)
@@ -50,10 +50,10 @@ def shared_by_runs(
 def numbers_by_runs(
     model: Model, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings with the numbers inside their effects as free runs give them.
+    """Return findings with the numbers inside their effects tuned by free runs.
 
-    A filter bends a kink, so the derivative sees it a little beside its place. What the runs miss
-    by that would be taken for one more effect.
+    A filter rounds a kink, so in the derivative it seems to lie slightly elsewhere. The misses that
+    this causes in the runs would be taken for one more effect.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def numbers_by_runs(
     Returns
     -------
     list of Finding
-        Numbers stay where the runs are clearly closer with them.
+        Numbers are kept where the runs are clearly closer with them.
     """
     candidates = [f.candidate for f in findings]
     groups = partnerships(candidates)
@@ -93,18 +93,18 @@ def _with_numbers(
 def _shared(
     group: Sequence[Candidate], model: Model, records: Sequence[Record]
 ) -> tuple[float, ...] | None:
-    """Return the numbers that partners share in a model without them; None if they do not."""
-    apart = joined(group)
-    drift = steady_drift(model, [apart], records)
+    """Return the numbers that partners share, in a model without them; None to keep their own."""
+    unshared = joined(group)
+    drift = steady_drift(model, [unshared], records)
     if drift is None:
         return None
-    begun = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
-    together = [apart.at(values) for values in begun]
-    trials = [begun_with(model, [one], drift) for one in together]
-    # The effects as they are were fitted in other units of the errors.
-    own, *fitted = converged([drift.trial, *trials])
+    initial = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
+    together = [unshared.at(values) for values in initial]
+    trials = [begun_with(model, [effect], drift) for effect in together]
+    # The effects with their own numbers were fitted in other units of the errors.
+    separate, *fitted = converged([drift.trial, *trials])
     tuned = tuned_by_runs(list(map(Contender, together, fitted)), model, drift)
-    best = min(tuned, key=lambda one: one.error)
-    if best.candidate.shape is None or not best.error <= np.exp(MARGIN) * own.error:
+    best = min(tuned, key=lambda effect: effect.error)
+    if best.candidate.shape is None or not best.error <= np.exp(MARGIN) * separate.error:
         return None
     return best.candidate.shape.values

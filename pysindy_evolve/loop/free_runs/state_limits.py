@@ -1,7 +1,8 @@
-"""Limits that a state has met, and not only its sensor: it stops there, and leaves at once.
+"""Limits of a state itself, not only of its sensor.
 
-Behind the end of a sensor a state goes on, and shows again when it has come back. The free runs
-over training records say which of the two it is; where they do not, the readings are believed.
+Such a state stops at the limit, and leaves it as soon as it is driven back. If only the sensor has
+a limit, the state goes on unseen, and shows again when it has come back. Free runs over training
+records tell which of the two it is; if they do not, the readings are taken as true.
 """
 
 from __future__ import annotations
@@ -33,8 +34,8 @@ def stops_of(
 ) -> list[LimitFinding]:
     """Return the limits at which states of the first order may stop.
 
-    Records stay there for longer than twins without the limit do. They are believed while the
-    search goes on, unless it was clear before that nobody saw where the state went.
+    Records stay there for longer than twins without the limit do. There are none if the records
+    already mark clipped readings as unseen.
     """
     if any(record.seen is not None for record in records):
         return []
@@ -54,10 +55,10 @@ def stops_of(
 def may_stop_itself(
     design: Design, records: Sequence[Record], rules: Rules, rng: np.random.Generator
 ) -> bool:
-    """Tell whether states may stop at limits that readings show, so that these are right there.
+    """Tell whether clipped readings may be true values, since the state itself stops there.
 
-    They may unless the runs of the model are notably closer if only the sensor ends. A model that
-    lacks much tells neither from the other.
+    They may, unless the runs are notably closer to the record if only the sensor has the limit. A
+    model that lacks much cannot tell the two apart.
     """
     if all(record.seen is None for record in records) or design.algebraic:
         return False
@@ -75,25 +76,25 @@ def _may_stop(limit: Limit, design: Design, records: Sequence[Record]) -> bool:
 def needed(
     model: Model, stops: Sequence[LimitFinding], records: Sequence[Record], rules: Rules
 ) -> list[LimitFinding]:
-    """Return the limits without which the runs, seen through the sensors, are notably worse."""
+    """Return the limits without which the runs, seen through the sensors, get notably worse."""
     kept = []
-    for one in stops:
-        others = tuple(f.limit for f in stops if f is not one)
+    for stop in stops:
+        others = tuple(f.limit for f in stops if f is not stop)
         without = replace(model, limits=others)
-        whole = replace(model, limits=(*others, one.limit))
-        if _gain(whole, without, records) >= rules.notable_gain:
-            kept.append(one)
+        with_all = replace(model, limits=(*others, stop.limit))
+        if _gain(with_all, without, records) >= rules.notable_gain:
+            kept.append(stop)
     return kept
 
 
 def _gain(model: Model, other: Model, records: Sequence[Record]) -> float:
-    """Return the log of the error of another model over that of a model; 0 if it cannot run."""
+    """Return log(error of `other` / error of `model`); 0 if `other` cannot be run."""
     drift = drift_from(other, records)
     return 0.0 if drift is None else float(gains_of_models(drift, [model])[0, 0])
 
 
 def drift_from(model: Model, records: Sequence[Record]) -> Drift | None:
-    """Return the drift of a model; None where there is none to explain."""
+    """Return the drift of a model; None if it has no columns, is exact, or cannot be run."""
     acted = model.acted(records)
     part = segments(acted, may_rest(model.design, acted))
     if not model.design.columns or is_exact(model.design, part):

@@ -1,10 +1,10 @@
-"""Two effects in the place of one that resembles both together.
+"""Two effects in place of one that resembles both together.
 
-Drag and friction brake a swing in much the way that a cube of the speed does. Looked for one at a
-time, the cube comes first, as it does more than either of the two; and beside it, neither of them
-is missed. So each effect is held against the best two names in its place: they take it if they
-explain more of the derivative, and if the runs with them come closer to the record. Of a grown term
-that is no shorter than both they need not be closer, for engineers know them by their names.
+Drag and friction together brake a swing much as a cube of the speed does. A search for one effect
+at a time finds the cube first, as it explains more than either of the two; beside it, neither of
+them seems to be missing. So each effect is compared with the best pairs of named effects. A pair
+replaces it if it explains as much of the derivative, and if its runs are closer to the record. To
+replace a grown term that is no shorter, the runs of the pair need only be as close.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def two_for_one(
     part: Segments,
     rules: Rules,
 ) -> list[Finding]:
-    """Return findings in which two names have taken the place of an effect.
+    """Return the findings, effects replaced by two named ones where these do better.
 
     Parameters
     ----------
@@ -50,11 +50,11 @@ def two_for_one(
     findings : sequence of Finding
         What was found.
     records : sequence of Record
-        Training records, without memories.
+        Training records, before memories are applied.
     part : Segments
-        Pieces of them as they were searched.
+        Pieces of the records that were searched.
     rules : Rules
-        Significance, and the most effects that there may be.
+        Significance, and the largest number of effects.
 
     Returns
     -------
@@ -74,17 +74,17 @@ def two_for_one(
     return kept
 
 
-def _best_pairs(design: Design, own: Candidate, part: Segments) -> list[tuple[Candidate, ...]]:
-    """Return the few pairs of names that explain most, and no less than an effect does.
+def _best_pairs(design: Design, present: Candidate, part: Segments) -> list[tuple[Candidate, ...]]:
+    """Return the best few pairs of named effects that explain no less than the present effect.
 
-    If the effect is itself in the best pair, it is kept: its partner alone was not found.
+    The list ends before a pair that holds the effect itself: then only its partner was missing.
     """
-    offered = [c for c in candidates(design, part.ranges) if c.state == own.state]
-    scores = score(design, part, list(dict.fromkeys([*offered, own])), pairs=True)
-    alone = max((s.value for s in scores if s.group == (own,)), default=0.0)
+    offered = [c for c in candidates(design, part.ranges) if c.state == present.state]
+    scores = score(design, part, list(dict.fromkeys([*offered, present])), pairs=True)
+    alone = max((s.value for s in scores if s.group == (present,)), default=0.0)
     pairs = [s for s in scores if len(s.group) == 2 and 2.0 * s.value > alone - MARGIN]
     best = sorted(pairs, key=lambda s: -s.value)[:N_PAIRS]
-    return [s.group for s in takewhile(lambda s: own not in s.group, best)]
+    return [s.group for s in takewhile(lambda s: present not in s.group, best)]
 
 
 def _closest(
@@ -94,16 +94,16 @@ def _closest(
     records: Sequence[Record],
     rules: Rules,
 ) -> tuple[Candidate, ...]:
-    """Return the pair whose runs come closest to the record, if they do better than an effect's."""
+    """Return the pair whose runs come closest to the record; () if the effect is to stay."""
     drift = steady_drift(model, [finding.candidate], records) if pairs else None
     if drift is None:
         return ()
-    begun = [begun_with(model, pair, drift) for pair in pairs]
-    one, *twos = converged([drift.trial, *begun])
-    best = min(range(len(pairs)), key=lambda k: twos[k].error)
-    own, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
-    if own.name == EVOLVED and size <= own.size:
-        stands = twos[best].error <= np.exp(MARGIN) * one.error
+    started = [begun_with(model, pair, drift) for pair in pairs]
+    present, *of_pairs = converged([drift.trial, *started])
+    best = min(range(len(pairs)), key=lambda k: of_pairs[k].error)
+    effect, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
+    if effect.name == EVOLVED and size <= effect.size:
+        is_better = of_pairs[best].error <= np.exp(MARGIN) * present.error
     else:
-        stands = is_closer(twos[best], one, rules.notable_gain, rules.significance)
-    return pairs[best] if stands else ()
+        is_better = is_closer(of_pairs[best], present, rules.notable_gain, rules.significance)
+    return pairs[best] if is_better else ()

@@ -1,7 +1,7 @@
 """Find terms without a name that only free runs show.
 
-This is the last look: what the derivative shows is grown from it, exactly, before the runs are
-asked which of some small terms comes closest to what is missing.
+This look comes last. What the derivative shows has been grown from it before; here the runs only
+decide which of some small terms comes closest to what is missing.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ def find_unnamed(
     rules: Rules,
     rng: np.random.Generator,
 ) -> Look:
-    """Return findings with small terms that free runs show besides, until none passes.
+    """Add the small terms that free runs show, one after the other until none passes.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found before.
     records : sequence of Record
-        Training records without memories.
+        Training records, before memories are applied.
     wide : sequence of Record
-        The same with a higher cutoff, for the derivative.
+        The same with a higher cutoff, to check the derivative.
     small : sequence of Candidate
         Terms to try.
     rules : Rules
@@ -80,7 +80,7 @@ def _leading(
     rules: Rules,
     rng: np.random.Generator,
 ) -> Finding | None:
-    """Return the plainest of the small terms that gain notably more than all that have a name."""
+    """Return the plainest of the small terms that gain notably more than every named effect."""
     named = gains_of_terms(drift, [v.columns for v in named_terms(drift)])
     least = rules.notable_gain + max(0.0, named.max(initial=0.0))
     terms = variants_of(drift, leading_terms(drift, small, least))

@@ -1,8 +1,8 @@
-"""What may be missing that only free runs show: each variant is a model that could be simulated.
+"""A model for free runs, and variants of it that hold what may be missing.
 
-Derivatives of a noisy record do not see what is slow: a vessel between the pump and the level, an
-overflow, a lag of minutes. A free run does, where it drifts away from the record. A variant puts
-another memory behind an input, lets a state end at a limit, or adds a term.
+Derivatives of a noisy record do not show slow effects: a vessel between the pump and the level, an
+overflow, a lag of minutes. A free run shows them by drifting away from the record. A variant puts
+another memory behind an input, or adds a term.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from ..memories.probes import grid_of, users_of
 
 __all__ = ["Model", "Pasts", "Variant", "memories_beside"]
 
-Pasts = tuple[tuple[float, ...], ...]  # for each record, where its inputs stood before it
+Pasts = tuple[tuple[float, ...], ...]  # for each record, its inputs before it began
 
-BRIMS = (0.55, 0.7, 0.85)  # of a vessel, shares of what it would be filled to at most
-SHARES = (0.0, 1.0)  # of what runs over: all is lost, or all arrives
+BRIMS = (0.55, 0.7, 0.85)  # heights, relative to the highest level of a vessel without a brim
+SHARES = (0.0, 1.0)  # of the overflow that arrives: none, or all of it
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A design with what its free runs have besides.
+    """A design, with the memories and limits of its free runs.
 
     Attributes
     ----------
     design : Design
         Equations of the measured states.
     memories : tuple of Memory
-        What the inputs go through.
+        What the inputs go through before they act.
     limits : tuple of Limit
-        Where states end.
+        Values at which states stop.
     n_known : int
-        So many of the memories, the first ones, keep their numbers: the derivative gave them.
+        Number of memories, the first ones, whose numbers are fixed: the derivative gave them.
     pasts : tuple of (tuple of float)
-        For each training record, where its inputs stood before; by default at their first values.
+        For each training record, its inputs before it began; by default their first values.
     """
 
     design: Design
@@ -62,13 +62,13 @@ class Model:
         return limited(self.design, self.limits)
 
     def acted(self, records: Sequence[Record]) -> list[Record]:
-        """Return training records whose inputs are what acts."""
+        """Return training records with their inputs as they act, after all memories."""
         if self.pasts:
             records = [preceded(r, past) for r, past in zip(records, self.pasts, strict=True)]
         return [remembered(record, self.memories) for record in records]
 
     def trial(self, coef: np.ndarray, scale: np.ndarray, part: Segments) -> Trial:
-        """Return a trial that begins with coefficients, on pieces of records without memories."""
+        """Return a trial with initial coefficients, on pieces of records before memories."""
         acted = part.of([straightened(driven(record)) for record in self.acted(part.records)])
         starts = acted.z[:, 0, : part.n_states]
         return Trial(self.whole, acted, scale, coef, starts, acted.z[:, :, : part.n_states])
@@ -76,7 +76,7 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class Variant:
-    """A model with one thing more: a memory or the columns of a term.
+    """A model with one more memory, or with the columns of one more term.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Variant:
     columns : tuple of Column
         What it adds to the design.
     memory : Memory, optional
-        What it puts behind an input, after all other memories.
+        The memory that it puts behind an input, after all other memories.
     """
 
     candidate: Candidate
@@ -97,14 +97,14 @@ class Variant:
 
     @property
     def family(self) -> tuple[object, ...]:
-        """What differs from it in numbers only."""
+        """Key of all variants that differ from it only in numbers."""
         if self.memory is not None:
             return self.memory.kind, self.memory.column, len(self.memory.values)
         return self.candidate.name, self.candidate.state, self.candidate.terms
 
     @property
     def plainness(self) -> tuple[int, int, int]:
-        """How many numbers it adds, how long its terms are, its place in the vocabulary or last."""
+        """Number of added parameters, size of its terms, place in the vocabulary (or last)."""
         n_numbers = len(self.columns) if self.memory is None else len(self.memory.values)
         return n_numbers, self.candidate.size, order_of(self.candidate.name)
 
@@ -122,12 +122,12 @@ def memories_beside(model: Model, part: Segments) -> list[Variant]:
     model : Model
         The model so far.
     part : Segments
-        Pieces of the training records without memories.
+        Pieces of the training records, before memories are applied.
 
     Returns
     -------
     list of Variant
-        Memories on a grid from very short to very long ones, vessels with and without a brim.
+        Memories on a grid from very short to very long ones; vessels with and without a brim.
     """
     found = []
     for memory in grid_of(model.design, part, model.memories):
@@ -142,7 +142,7 @@ def memories_beside(model: Model, part: Segments) -> list[Variant]:
 
 
 def _with_brims(memory: Memory, records: Sequence[Record]) -> list[Memory]:
-    """Return a vessel with brims, each so high that the vessel runs over at times."""
+    """Return a vessel with brims that it overflows at times; nothing for other memories."""
     if memory.kind != VESSEL:
         return []
     highest = max(float(memory.state(record).max()) for record in records)

@@ -1,8 +1,8 @@
-"""Take out of the misses of free runs what the misses before them say.
+"""Remove from the misses of free runs what earlier misses predict.
 
-In a closed loop the input answers what disturbed the output, so that the misses of a free run are a
-function of the input even where nothing is missing. What is new in each sample is not: nothing
-that came before knows it (prediction errors, Ljung 1999, System Identification, section 13.4).
+In a closed loop the input reacts to disturbances of the output, so the misses of a free run depend
+on the input even where nothing is missing. The innovations do not: nothing before them predicts
+them (prediction errors, Ljung 1999, System Identification, section 13.4).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ...checks import TINY
 
 __all__ = ["Whitener"]
 
-ORDER = 2  # looks back
+ORDER = 2  # number of lags
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,11 +25,11 @@ class Whitener:
     Attributes
     ----------
     coef : ndarray of shape (ORDER * n_states, n_states)
-        What the misses before, the last ones first, say of the next ones.
+        Coefficients of the lagged misses, the latest lag first.
     scale : ndarray of shape (n_states,)
-        Standard deviation of what is new.
+        Standard deviation of the innovations.
     stride : int
-        Rows from one look back to the next: a low-pass leaves nothing new in less.
+        Rows between lags; within fewer, low-passed misses hold nothing new.
     """
 
     coef: np.ndarray
@@ -40,7 +40,7 @@ class Whitener:
     def of(cls, misses: np.ndarray, stride: int) -> Whitener | None:
         """Fit it to misses of shape (n_stretches, n_rows, n_states); None if they are too short.
 
-        In short stretches it looks less far back, and what is new is noise above the cutoff.
+        In short stretches the stride is shorter, and the innovations are noise above the cutoff.
         """
         stride = min(stride, misses.shape[1] // (2 * ORDER + 1))
         if stride < 1:
@@ -52,18 +52,18 @@ class Whitener:
         return cls(coef, np.maximum((now - past @ coef).std(axis=0), TINY), stride)
 
     def __call__(self, rows: np.ndarray) -> np.ndarray:
-        """Return what is new in columns of shape (n_stretches, n_rows * n_states, n_columns)."""
+        """Return the innovations of columns (n_stretches, n_rows * n_states, n_columns)."""
         n, _, n_columns = rows.shape
         n_states = len(self.scale)
-        apart = np.moveaxis(rows.reshape(n, -1, n_states, n_columns), -1, 1)
-        columns = apart.reshape(n * n_columns, -1, n_states)
+        by_state = np.moveaxis(rows.reshape(n, -1, n_states, n_columns), -1, 1)
+        columns = by_state.reshape(n * n_columns, -1, n_states)
         now = columns[:, ORDER * self.stride :]
-        new = (now - _past(columns, self.stride) @ self.coef) / self.scale
-        return np.moveaxis(new.reshape(n, n_columns, -1), 1, -1)
+        innovations = (now - _past(columns, self.stride) @ self.coef) / self.scale
+        return np.moveaxis(innovations.reshape(n, n_columns, -1), 1, -1)
 
 
 def _past(columns: np.ndarray, stride: int) -> np.ndarray:
-    """Return the rows before each one that has enough of them, side by side."""
+    """Return the lagged rows of each row that has them all, side by side."""
     n_rows = columns.shape[1]
     lags = [stride * k for k in range(1, ORDER + 1)]
     return np.concatenate([columns[:, lags[-1] - lag : n_rows - lag] for lag in lags], axis=2)

@@ -7,15 +7,15 @@ the model
 declared       the declared model, from text, sympy or a SINDy model
 sindy_models   a SINDy model as the declared one
 design         a model with free coefficients: known parts and linear columns
-inertia        inertias that go up and down with a position, which divide all forces
+inertia        inertias that vary periodically with a position, which divide all forces
 kinematics     which states are positions, and which are velocities
-algebraic      models of a force itself, with no derivative
+algebraic      models of a quantity itself, such as a force, with no derivative
 checks
 checked        model and records, checked and brought to one form
 record_checks  what records must fulfill
 rules          the settings of the loop
 the records
-records        split of the records: to fit on, to judge on
+records        split of the records into training and held-out ones
 resampled      records prepared again at another sampling time or cutoff
 common_step    a sampling time that suits all records
 smoothing      records whose derivatives were smoothed more than their states
@@ -24,8 +24,8 @@ rows           all variables of records side by side, and expressions evaluated 
 ranges         the range of each variable
 the inputs
 held           which inputs are held constant between samples
-through        functions through which inputs that jump act, such as a square
-input_errors   what records miss of inputs: sensor noise, changes between samples
+through        functions through which held inputs act, such as a square
+input_errors   errors of recorded inputs: sensor noise, changes between samples
 the sensors
 band           the low-pass of a record, applied to runs of a model too
 limits         limits that a reading shows, of the state or of its sensor

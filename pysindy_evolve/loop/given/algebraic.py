@@ -1,7 +1,7 @@
-"""Algebraic targets: a force that is what it is now, with nothing differentiated.
+"""Algebraic targets: the model gives a quantity itself, such as a force, and not its rate.
 
-The effects of the vocabulary are functions of inputs here: of a position and its velocity where two
-inputs are that to each other, of any other input by itself.
+The effects of the vocabulary are functions of inputs here: of a position and its velocity if two
+inputs are such a pair, of any other input by itself.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from ...signals import Record
 
 __all__ = ["as_algebraic", "motions_of"]
 
-ALIKE = 0.98  # correlation from which on one input is the slope of another
+ALIKE = 0.98  # correlation from which on an input counts as the slope of another one
 
 
 def as_algebraic(record: Record) -> Record:
-    """Return a record whose target, its columns of x, stands in the place of the rates."""
+    """Return a record whose targets, its columns of x, take the place of the rates."""
     return replace(record, x_dot=record.x, preparation=None)
 
 
@@ -50,7 +50,7 @@ def motions_of(records: Sequence[Record], n_states: int) -> tuple[tuple[int, int
             ]
             slope, given = (np.concatenate(side) for side in zip(*pairs, strict=True))
             if slope.std() > 0.0 and given.std() > 0.0:
-                alike = np.corrcoef(slope, given)[0, 1] > ALIKE
-                if alike and np.isclose(slope.std(), given.std(), rtol=0.2):
+                is_slope = np.corrcoef(slope, given)[0, 1] > ALIKE
+                if is_slope and np.isclose(slope.std(), given.std(), rtol=0.2):
                     found.append((n_states + position, n_states + velocity))
     return tuple(found)

@@ -1,9 +1,9 @@
 """Runs and records seen through the same low-pass.
 
-The motion of a machine has harmonics that a low-pass has taken off its record, and that the run of
-a model still has. What the two differ by is a function of the state, and looks like physics. So a
-record is held against what the same low-pass leaves of a run, and the run is driven by inputs that
-passed a wider one, or what it answers to them would be low-passed twice.
+The low-pass of a record removes harmonics of the motion that the run of a model still has. The
+difference is a function of the state, and looks like physics. So a run passes the same low-pass
+before it is compared with the record. Its inputs pass a wider one; otherwise the response to them
+would be low-passed twice.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ["Band", "driven", "straightened"]
 
 WIDER = 2.0  # cutoff of the inputs of runs, in cutoffs of the states ...
 OVER = 1.5  # ... and at most half the sampling rate over this
-SHORTEST = 4  # samples; no parabola continues what is shorter
+SHORTEST = 4  # samples; no parabola continues the ends of a shorter piece
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +42,19 @@ class Band:
     length: int
 
     def shown(self, x: np.ndarray) -> np.ndarray:
-        """Return what the low-passes leave of runs over the pieces, (n_pieces, n, n_states).
+        """Return runs over the pieces, (n_pieces, n, n_states), after the low-passes.
 
-        What comes before and after a piece, the record knows and a run does not. So the record is
-        low-passed as a whole, and of a run no more than its difference from the record.
+        The record is known before and after a piece, a run is not. So the record is low-passed as a
+        whole, and of a run only its difference from the record.
         """
         found = np.array(x)
         for k, record in enumerate(self.records):
-            own = np.flatnonzero([place[0] == k for place in self.places])
-            if len(own) and self.length >= SHORTEST and record.cutoff is not None:
+            in_record = np.flatnonzero([place[0] == k for place in self.places])
+            if len(in_record) and self.length >= SHORTEST and record.cutoff is not None:
                 before, after = self._cut(k, record.x), self._cut(k, self._passed[k])
-                columns = np.moveaxis(x[own] - before, 0, 1)  # (n, n_pieces, n_states)
-                left = _low_passed(record, columns.reshape(self.length, -1))
-                found[own] = after + np.moveaxis(left.reshape(columns.shape), 1, 0)
+                columns = np.moveaxis(x[in_record] - before, 0, 1)  # (n, n_pieces, n_states)
+                passed = _low_passed(record, columns.reshape(self.length, -1))
+                found[in_record] = after + np.moveaxis(passed.reshape(columns.shape), 1, 0)
         return found
 
     def _cut(self, k: int, x: np.ndarray) -> np.ndarray:
@@ -81,7 +81,7 @@ def _low_pass(n: int, dt: float, cutoff: float) -> SpectralFilter:
 
 
 def driven(record: Record) -> Record:
-    """Return a record with the inputs of runs that are low-passed afterwards."""
+    """Return a record with inputs for runs that are low-passed afterwards."""
     made = record.preparation
     if made is None or made.cutoff is None or made.u is None:
         return record
@@ -92,9 +92,9 @@ def driven(record: Record) -> Record:
 
 
 def straightened(record: Record) -> Record:
-    """Return a record whose inputs, straight between samples, act as the smooth ones do.
+    """Return a record whose inputs, interpolated linearly, act as the smooth ones do.
 
-    Straight lines fall short of a sine by (omega dt)^2 / 12.
+    Linear interpolation makes a sine smaller by the share (omega dt)^2 / 12.
     """
     if record.preparation is None or record.u is None or len(record) < SHORTEST:
         return record

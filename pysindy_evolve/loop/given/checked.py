@@ -1,4 +1,4 @@
-"""What the loop is given, checked and brought to one form: a model, and records that fit it."""
+"""The given model and records, checked and brought to one form."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class Given:
     design : Design
         The declared model.
     train, test : list of Record
-        To fit on, and to judge on.
+        Training records and held-out ones.
     wide : list of Record
-        To fit on, with the higher cutoff of the search; x is zero there for an algebraic target,
-        which must not explain itself.
+        Training records with the higher cutoff of the search. Of an algebraic target x is zero
+        there, since it must not explain itself.
     shows_motion : bool
         False if the derivatives that the user gave are smoothed so strongly that no effect can be
         seen.
@@ -82,19 +82,19 @@ def checked(
     """
     fit_on, judge_on = split_records(train, test)
     design = design_of(declared, fit_on)
-    is_cut = not test and (isinstance(train, Record) or len(train) == 1)
-    whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_cut else 0
-    check_records(design, [*fit_on, *judge_on], whole)
+    is_split = not test and (isinstance(train, Record) or len(train) == 1)
+    n_whole = sum(record.n_samples for record in (*fit_on, *judge_on)) if is_split else 0
+    check_records(design, [*fit_on, *judge_on], n_whole)
     doubt_held_out(fit_on, judge_on)
     if design.algebraic:
-        # A force that nothing integrates follows a held input at once.
-        held, like = held_inputs(fit_on), undecimated(*at_one_step(fit_on, judge_on))
-        fit_on, judge_on = ([as_algebraic(hold(r, held)) for r in records] for records in like)
+        # An algebraic target is not integrated, so it follows a held input at once.
+        held, resampled = held_inputs(fit_on), undecimated(*at_one_step(fit_on, judge_on))
+        fit_on, judge_on = ([as_algebraic(hold(r, held)) for r in records] for records in resampled)
         wide = [replace(r, x=np.zeros_like(r.x)) for r in widened(fit_on)]
         return Given(design, fit_on, judge_on, wide)
     fit_on, judge_on, shows_motion = with_own_slopes(design, fit_on, judge_on)
-    held, like = held_inputs(fit_on), at_one_step(fit_on, judge_on)
-    fit_on, judge_on = ([hold(r, held) for r in records] for records in like)
+    held, resampled = held_inputs(fit_on), at_one_step(fit_on, judge_on)
+    fit_on, judge_on = ([hold(r, held) for r in records] for records in resampled)
     acting = [as_held(record) for record in with_functions(design, fit_on, judge_on)]
     fit_on, judge_on = acting[: len(fit_on)], acting[len(fit_on) :]
     return Given(doubted(design, fit_on), fit_on, judge_on, widened(fit_on), shows_motion)

@@ -8,13 +8,13 @@ from ...signals.prepare import LEAST_OVERSAMPLING
 
 __all__ = ["TOLERANCE", "common_step"]
 
-TOLERANCE = 0.01  # share by which a multiple may miss the step, as clocks are not exact
-COARSER = 2.0  # steps wanted that a common one may be long; a coarser one is for the user to choose
-MULTIPLES = 4  # of the longest raw sampling time among which advice looks for a common step
+TOLERANCE = 0.01  # relative error of a multiple, as clocks are not exact
+COARSER = 2.0  # largest common step over the one wanted; a coarser one is the user's choice
+MULTIPLES = 4  # multiples of the longest raw sampling time that are searched at least
 
 
 def common_step(raw: Sequence[float], wanted: float, cutoff: float | None) -> float:
-    """Return a step that every raw sampling time goes into, near the one wanted.
+    """Return a step near the one wanted that is a multiple of every raw sampling time.
 
     It is the longest one up to the step wanted or, if there is none, the shortest one beyond.
 
@@ -60,7 +60,7 @@ def _goes_into(raw: float, step: float) -> bool:
 
 
 def _keeps(raw: float, step: float, cutoff: float | None) -> bool:
-    """Tell whether `prepare` can pass this cutoff and keep so few samples that nothing aliases."""
+    """Tell whether `prepare` can decimate to a step, with this cutoff, without aliasing."""
     factor = round(step / raw)
     if cutoff is None:
         return factor == 1
@@ -69,7 +69,7 @@ def _keeps(raw: float, step: float, cutoff: float | None) -> bool:
 
 
 def _advice(steps: Sequence[float]) -> str:
-    """Return what makes the shortest of some common steps possible, or what else is left."""
+    """Return how to make the shortest of some common steps possible, or what to do without one."""
     if not steps:
         return "Bring all records to one step with signals.resample."
     band = 1.0 / (LEAST_OVERSAMPLING * steps[0])

@@ -1,4 +1,4 @@
-"""The model that somebody already has: text, sympy or a SINDy model, linear in what is free."""
+"""The declared model: text, sympy or a SINDy model, linear in its free parameters."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .sindy_models import design_of_sindy
 __all__ = ["DeclaredModel", "design_of", "doubted"]
 
 OWNER = "close_loop(declared=...)"
-CONTRADICTED = 0.1  # of the rate's spread: more than the gains of two sensors differ by
+CONTRADICTED = 0.1  # disagreement over the rate's spread; gains of two sensors differ by less
 
 
 class DeclaredModel:
@@ -157,7 +157,7 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
     Parameters
     ----------
     declared : DeclaredModel or pysindy.SINDy
-        Of a SINDy model the terms with a coefficient stay, and their coefficients are free.
+        The terms of a SINDy model with a coefficient stay, and their coefficients are free.
     records : sequence of Record
         Training records.
 
@@ -187,7 +187,7 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
 
 
 def doubted(design: Design, records: Sequence[Record]) -> Design:
-    """Return a design whose equations such as q' = v may lack something where records say so.
+    """Return a design that marks equations such as q' = v which the records contradict.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ def _check_algebraic(design: Design) -> None:
 
 
 def _check_kinds(inputs: Any, known: Any, operators: Any) -> None:
-    """Raise unless the optional arguments are what they are named for."""
+    """Raise unless the optional arguments have the right types."""
     if not isinstance(inputs, Sequence):
         raise TypeError(
             f"DeclaredModel(inputs=...) must be a sequence of names; got {type(inputs).__name__}. "
@@ -241,7 +241,7 @@ def _check_kinds(inputs: Any, known: Any, operators: Any) -> None:
 
 
 def _check_used(known: Iterable[str], sides: Sequence[RightHandSide]) -> None:
-    """Raise where a constant is given that no equation has: its name there is another one."""
+    """Raise if a constant stands in no equation; it may have another name there."""
     used = frozenset().union(*(side.names for side in sides))
     if unused := [name for name in known if name not in used]:
         raise ValueError(

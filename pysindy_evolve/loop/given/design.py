@@ -3,7 +3,7 @@
 ======  ============================  ========================================================
 symbol  shape                         meaning
 ======  ============================  ========================================================
-fixed   (n_states,) of Sum            what is known of each right-hand side
+fixed   (n_states,) of Sum            known part of each right-hand side
 column  (n_states,) of Sum            what one free coefficient multiplies in each of them
 coef    (n_columns,)                  the free coefficients
 ======  ============================  ========================================================
@@ -39,8 +39,8 @@ class Column:
     parts : tuple of Sum, one for each state
         Expressions of the variables: states, inputs, time. Empty where it does not enter.
     inertia : InertiaWave, optional
-        Of which its coefficient is the amplitude. Then its part is what that lacks of the model
-        that was fitted last, and the equations hold the wave itself.
+        Wave whose amplitude is the coefficient. The part is then linearized: what the last fitted
+        model lacks of the wave. `Design.equations` holds the exact form.
     """
 
     name: str
@@ -82,7 +82,7 @@ class Design:
     states, inputs : tuple of str
         Names, in the order of the columns of x and u.
     fixed : tuple of Sum, one for each state
-        What is known of each right-hand side, units of x_dot.
+        Known part of each right-hand side, units of x_dot.
     columns : tuple of Column
         What the free coefficients multiply, one for each of them.
     algebraic : bool
@@ -90,10 +90,10 @@ class Design:
     motions : tuple of (int, int)
         Variables that are position and velocity to each other, in an algebraic design only.
     n_hidden : int
-        Number of last states that nobody measured.
+        Number of hidden states, which come last.
     doubted : tuple of int
-        States whose equation is one such as q' = v, but is contradicted by the records: like
-        others it may lack something.
+        States with an equation such as q' = v that the records contradict: like any other, it
+        may lack something.
     """
 
     states: tuple[str, ...]
@@ -141,7 +141,7 @@ class Design:
         return Column("known", self.fixed).evaluate(variables)
 
     def sides_of(self, state: int) -> tuple[Sum, ...]:
-        """Return what is known of an equation, and what each coefficient multiplies in it."""
+        """Return the known part of an equation, and the part that each coefficient multiplies."""
         return (self.fixed[state], *(column.parts[state] for column in self.columns))
 
     def terms_of(self, state: int) -> tuple[Product, ...]:
@@ -167,7 +167,7 @@ class Design:
 
     @property
     def paths(self) -> tuple[Call, ...]:
-        """What remembers states in any of the terms, whatever its coefficient will be."""
+        """Operators with memory (paths) in any of the terms, whatever their coefficients are."""
         return paths_in(self.equations(np.ones(len(self.columns))))
 
     @property

@@ -17,7 +17,7 @@ def held_inputs(records: Sequence[Record]) -> dict[int, float]:
 
 
 def held_where_it_may_be(record: Record, late: Mapping[int, float]) -> Record:
-    """Return a record with those inputs held that may be: others were driven smoothly.
+    """Return a record with inputs held, except those that were clearly driven smoothly.
 
     A record made by a user has no raw inputs, so any of its inputs may be held.
     """
@@ -27,7 +27,7 @@ def held_where_it_may_be(record: Record, late: Mapping[int, float]) -> Record:
 
 
 def held_like(record: Record, others: Sequence[Record]) -> Record:
-    """Return a record whose inputs are held as in others; where it jumps, if not in all of them."""
+    """Return a record with inputs held as in others; those that only some hold, if they may be."""
     late = held_inputs(others)
     always = {k: share for k, share in late.items() if all(k in other.held for other in others)}
     if not record.through:

@@ -1,6 +1,6 @@
-"""Inertia that goes up and down with a position: of a crank, of an arm that is not balanced.
+"""Inertia that varies periodically with a position, as of a crank or an unbalanced arm.
 
-By Lagrange's equations, M(q) v' + M'(q) v^2 / 2 is the sum of all forces. In the unit of its mean,
+By Lagrange's equations, M(q) v' + M'(q) v^2 / 2 is the sum of all forces. In units of its mean,
 M = 1 + a cos(n q) + b sin(n q).
 """
 
@@ -41,14 +41,14 @@ class InertiaWave:
 
     @property
     def centrifugal(self) -> Sum:
-        """What it adds to the forces: half of its falling slope, times the squared velocity."""
+        """What it adds to the forces: minus half of its slope, times the squared velocity."""
         slope = mul(constant(0.5 * self.number), power(variable(self.velocity), 2))
         if self.function == "cos":
             return mul(slope, self._wave("sin"))
         return mul(slope, mul(constant(-1.0), self._wave("cos")))
 
     def lacking(self, rate: Sum) -> Sum:
-        """Return what a model of constant inertia lacks that says so of the acceleration."""
+        """Return what a model of constant inertia, with the acceleration `rate`, lacks."""
         return sub(self.centrifugal, mul(self.wave, rate))
 
     def _wave(self, function: str) -> Sum:
@@ -57,7 +57,7 @@ class InertiaWave:
 
 
 def over_inertia(forces: Sum, waves: Sequence[tuple[float, InertiaWave]]) -> Sum:
-    """Return the acceleration by forces, over an inertia of one and some waves.
+    """Return the acceleration that forces give to an inertia of one plus some waves.
 
     Parameters
     ----------

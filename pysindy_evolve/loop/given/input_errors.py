@@ -1,11 +1,11 @@
-"""What a record does not know of its inputs: the noise of their sensors, and the time in between.
+"""Errors of recorded inputs: the noise of their sensors, and changes between samples.
 
-An input that jumps between levels is held from one sample to the next. It is recorded at best as
-the mean of the values before and after each sample. What follows from it is a little larger, by the
-share (omega dt)^2 / 12 at the frequency omega; a state that it drives directly seems so by twice as
-much, as its samples do not tell straight pieces from a curve. That can be made up for. Where the
-value itself is recorded that begins at a sample, the motion is late by half a sample besides, see
-signals/zero_order_hold.py. An input that runs smoothly is known between its samples as well.
+An input that jumps between levels is held from one sample to the next. At best it is recorded as
+the mean of the values before and after each sample. The true response is larger, by the share
+(omega dt)^2 / 12 at the frequency omega. A state that is driven directly seems larger by twice as
+much, since its samples do not distinguish straight pieces from a curve. Both can be corrected. If
+the value that begins at a sample is recorded, the motion is also late by half a sample, see
+signals/zero_order_hold.py. A smooth input is known between its samples as well.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ __all__ = [
     "untimely",
 ]
 
-STILL = 0.2  # share of the steps from sample to sample that are small, if an input is held ...
-SMALL = 0.1  # ... in sizes of all its steps: of a sine that runs on a fifth are below 0.4
-LARGE = 0.25  # of the largest step: these are its jumps
-QUICKER = 1.0 / 6.0  # of the second difference, for a state that is driven directly
-TYPICAL = 1.0 / np.sqrt(12.0)  # samples by which a jump at any time between two is off, rms
-FORETOLD = 0.25  # correlation of a step with the next; that of a mean of steps is a half
-DOUBT = 0.05  # of a held input: more of it is not known at the frequencies that are looked at
+STILL = 0.2  # an input is held if this share of its steps from sample to sample is small ...
+SMALL = 0.1  # ... relative to their RMS; of a steady sine, a fifth is below 0.4
+LARGE = 0.25  # a jump is a step above this share of the largest one
+QUICKER = 1.0 / 6.0  # factor of the second difference that corrects a directly driven state
+TYPICAL = 1.0 / np.sqrt(12.0)  # RMS error, in samples, of a jump at any time between two
+FORETOLD = 0.25  # correlation of successive steps below which they are random; means have 0.5
+DOUBT = 0.05  # largest unknown share of a held input at the frequencies of the search
 
 
 def as_held(record: Record) -> Record:
-    """Return a record whose held inputs, recorded as means about the samples, act as they did."""
+    """Return a record with corrected inputs, where they were held but recorded as means."""
     if not record.has_raw_inputs:
         return record
     means = _samples_of_jumps(record.raw_u) == 2
-    means[list(record.held)] = False  # which are given as what acts
+    means[list(record.held)] = False  # already given as they act
     if not means.any():
         return record
     direct = record.preparation is not None and record.preparation.order == 1
@@ -53,8 +53,8 @@ def as_held(record: Record) -> Record:
 
 def is_held(record: Record, column: int) -> bool:
     """Tell whether an input was held between the jumps that its raw samples show."""
-    known = column in record.held
-    return record.has_raw_inputs and (known or _samples_of_jump(record.raw_u[:, column]) > 0)
+    is_known = column in record.held
+    return record.has_raw_inputs and (is_known or _samples_of_jump(record.raw_u[:, column]) > 0)
 
 
 def jumps_at_once(record: Record, column: int) -> bool:
@@ -63,16 +63,16 @@ def jumps_at_once(record: Record, column: int) -> bool:
 
 
 def may_be_held(record: Record, column: int) -> bool:
-    """Tell whether an input may be held from each sample to the next, by the looks of its steps.
+    """Tell whether an input may be held from each sample to the next, judging by its steps.
 
-    It jumps at once, or moves with every sample as if at random, as the output of a controller does
-    that answers the noise of its sensor.
+    It jumps at once, or moves at random with every sample, as the output of a controller does that
+    reacts to sensor noise.
     """
     return record.has_raw_inputs and may_be_steps(record.raw_u[:, column])
 
 
 def may_be_steps(u: np.ndarray) -> bool:
-    """Tell the same of the raw samples of an input, (n_raw,)."""
+    """Tell the same from the raw samples of an input, (n_raw,)."""
     steps = np.diff(u)
     is_random = steps[1:] @ steps[:-1] < FORETOLD * (steps @ steps)
     return _samples_of_jump(u) == 1 or bool(is_random)
@@ -88,12 +88,12 @@ def known_up_to(record: Record) -> float:
 def input_error(
     record: Record, rng: np.random.Generator, columns: frozenset[int] | None = None
 ) -> np.ndarray | None:
-    """Draw by what the inputs of a record may differ from those that drove the machine.
+    """Draw the error of recorded inputs: noise, and what they did between samples.
 
     Parameters
     ----------
     record : Record
-        Made from raw data, or nothing is known of its inputs.
+        Made from raw data; otherwise nothing is known about its inputs.
     rng : numpy.random.Generator
         Draws the noise.
     columns : frozenset of int, optional
@@ -109,23 +109,23 @@ def input_error(
     u = record.raw_u
     noise = input_noise(u, record.raw_dt, record.cutoff) * rng.standard_normal(u.shape)
     asked = range(u.shape[1]) if columns is None else columns
-    at_work = np.isin(np.arange(u.shape[1]), list(asked))
-    return record.lowpass((noise + _between(u)) * at_work)
+    is_asked = np.isin(np.arange(u.shape[1]), list(asked))
+    return record.lowpass((noise + _between(u)) * is_asked)
 
 
 def untimely(
     record: Record, columns: Sequence[int], rng: np.random.Generator | None = None
 ) -> np.ndarray | None:
-    """Return by what inputs differ from their record that jump at any time between two samples.
+    """Return the error of recorded inputs that jump at any time between two samples.
 
     Parameters
     ----------
     record : Record
-        Made from raw data, or nothing is known of its inputs.
+        Made from raw data; otherwise nothing is known about its inputs.
     columns : sequence of int
         The inputs in question; the others are as recorded.
     rng : numpy.random.Generator, optional
-        Draws the time of each jump; by default each is as far off as the draws are on average.
+        Draws the time of each jump; by default each is off by the RMS of such draws.
 
     Returns
     -------
@@ -140,10 +140,10 @@ def untimely(
     steps = np.diff(record.raw_u[:, jumping], axis=0)
     shares = np.full(len(steps), TYPICAL) if rng is None else rng.uniform(-0.5, 0.5, len(steps))
     moved = shares[:, None] * steps  # samples times height: an area
-    nothing = np.zeros((1, len(jumping)))
-    about = 0.5 * (np.vstack([moved, nothing]) + np.vstack([nothing, moved]))
+    zero = np.zeros((1, len(jumping)))
+    spread = 0.5 * (np.vstack([moved, zero]) + np.vstack([zero, moved]))
     error = np.zeros((record.n_samples, record.n_inputs))
-    error[:, jumping] = record.lowpass(about)
+    error[:, jumping] = record.lowpass(spread)
     return error
 
 
@@ -170,6 +170,6 @@ def _samples_of_jump(u: np.ndarray) -> int:
     if np.quantile(sizes, STILL) >= SMALL * np.sqrt(np.mean(steps**2)):
         return 0
     least = LARGE * sizes.max()
-    lengths = [np.bincount(label(way > least)[0])[1:] for way in (steps, -steps)]
+    lengths = [np.bincount(label(signed > least)[0])[1:] for signed in (steps, -steps)]
     median = int(np.median(np.concatenate(lengths)))
     return median if median <= 2 else 0

@@ -61,10 +61,9 @@ def positions(equations: Equations) -> dict[int, int]:
 
 
 def disagreement(records: Sequence[Record], position: int, velocity: int) -> float:
-    """Return by how much the rate of a position differs from what is said to be its velocity.
+    """Return by how much the rate of a position differs from its declared velocity.
 
-    Both are averaged over windows, as noise of a sensor makes any two columns differ from row to
-    row.
+    Both are averaged over windows, since sensor noise makes them differ from row to row.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Limits that a reading shows, of a state that ends there or of its sensor."""
+"""Limits that readings show: of a state that stops there, or of its sensor."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from .sensor import ends_of
 
 __all__ = ["LIMITED", "Limit", "limited", "limits_of", "off_limits"]
 
-LIMITED = "saturation"  # its name
-NEAR = 0.01  # standard deviations from a limit at which a state counts as being there
+LIMITED = "saturation"  # name of the effect
+NEAR = 0.01  # distance, in standard deviations, at which a state counts as being at a limit
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ class Limit:
     state : int
         Which state.
     value : float
-        Where it ends, units of the state.
+        The value, units of the state.
     rate : float
-        How fast it comes back from beyond, 1 per unit of t.
+        How fast the state comes back from beyond it, 1 per unit of t.
     upper : bool
         Whether it is the highest value, or the lowest.
     """
@@ -56,8 +56,8 @@ class Limit:
     def _excess(self) -> Sum:
         beyond = sub(variable(self.state), constant(self.value))
         size = call(BUILTIN["abs"], beyond)
-        both = add(beyond, size) if self.upper else sub(beyond, size)
-        return mul(constant(0.5), both)
+        doubled = add(beyond, size) if self.upper else sub(beyond, size)
+        return mul(constant(0.5), doubled)
 
 
 def limited(design: Design, limits: Sequence[Limit]) -> Design:
@@ -69,12 +69,12 @@ def limited(design: Design, limits: Sequence[Limit]) -> Design:
 
 
 def limits_of(records: Sequence[Record]) -> list[Limit]:
-    """Return the limits of readings that raw records show, whatever they are limits of.
+    """Return the limits of readings that raw records show, of states and of sensors alike.
 
     Parameters
     ----------
     records : sequence of Record
-        Training records; without raw data nothing is seen.
+        Training records; without raw data there are none.
 
     Returns
     -------
@@ -97,8 +97,8 @@ def off_limits(part: Segments, limits: Sequence[Limit]) -> Segments:
     weight = part.weight.copy()
     for limit in limits:
         x, near = part.z[:, :, limit.state], NEAR * part.state_scale[limit.state]
-        there = x >= limit.value - near if limit.upper else x <= limit.value + near
-        # The preparation carries what happens there as far as its windows reach.
-        wide = maximum_filter1d(there.astype(int), 2 * part.windows.width + 1, axis=1)
-        weight[:, :, limit.state] *= wide == 0
+        at_limit = x >= limit.value - near if limit.upper else x <= limit.value + near
+        # The windows spread what happens at a limit as far as they reach.
+        affected = maximum_filter1d(at_limit.astype(int), 2 * part.windows.width + 1, axis=1)
+        weight[:, :, limit.state] *= affected == 0
     return replace(part, weight=weight)

@@ -1,4 +1,4 @@
-"""How far variables go, which says what an effect of them can be."""
+"""Ranges of variables, which decide what effects they can have."""
 
 from __future__ import annotations
 
@@ -40,6 +40,6 @@ class Ranges:
 
     @classmethod
     def about_zero(cls, largest: np.ndarray) -> Ranges:
-        """Return the ranges of variables that go as far to both sides, (n_variables,)."""
+        """Return ranges symmetric about zero, for the largest magnitudes (n_variables,)."""
         both = np.ones(largest.shape, dtype=bool)
         return cls(largest, both, np.add.outer(largest, largest), np.zeros_like(largest))

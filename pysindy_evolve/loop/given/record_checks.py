@@ -1,4 +1,4 @@
-"""What records must be so that the loop can work on them; an error says what to do."""
+"""Checks of the records that the loop is given; each error says what to do."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from .through import with_functions
 __all__ = ["check_records", "doubt_held_out"]
 
 MIN_SAMPLES = 32
-LATE = 100.0  # times as long as all records, after which nobody counts from zero
-ROUNDING = 1e-13  # of its size, that a filter makes a constant column vary by
+LATE = 100.0  # largest start time without a warning, in lengths of all records
+ROUNDING = 1e-13  # relative variation that a filter leaves in a constant column
 
 
 def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> None:
@@ -58,7 +58,7 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
                 f"got steps from {steps.min():g} to {steps.max():g}. "
                 "Interpolate the record to one sampling time first."
             )
-    for record in with_functions(design, records):  # a low-pass of steps swings past their ends
+    for record in with_functions(design, records):  # low-passed steps overshoot
         _check_finite(design, record)
     _doubt_clock(records)
     _check_names(design, records)
@@ -68,7 +68,7 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
 
 
 def _doubt_clock(records: Sequence[Record]) -> None:
-    """Warn where times begin so late that what depends on them is lost in an offset."""
+    """Warn if times begin so late that functions of them look like an offset."""
     start, end = records[0].t[0], max(record.t[-1] for record in records)
     if abs(start) > LATE * (end - start):
         warn(
@@ -87,10 +87,10 @@ def doubt_held_out(train: Sequence[Record], test: Sequence[Record]) -> None:
         To fit on, and to judge on.
     """
     for one, other in product(train, test):
-        _, here, there = np.intersect1d(one.t, other.t, return_indices=True)
-        if len(here) > 1 and np.array_equal(one.x[here], other.x[there]):
+        _, shared, in_other = np.intersect1d(one.t, other.t, return_indices=True)
+        if len(shared) > 1 and np.array_equal(one.x[shared], other.x[in_other]):
             warn(
-                f"close_loop(train=..., test=...): {len(here)} samples of a test record are in a "
+                f"close_loop(train=..., test=...): {len(shared)} samples of a test record are in a "
                 "training record too, so errors on it are no held-out errors. Pass another record, "
                 "or leave `test` out: the end of the training record is held out then.",
             )
@@ -119,8 +119,8 @@ def _check_names(design: Design, records: Sequence[Record]) -> None:
     for record in records:
         for kind, wanted in (("states", design.states), ("inputs", design.inputs)):
             names = getattr(record, kind) or ()
-            for name, own in zip(names, wanted, strict=False):
-                if name != own and name in wanted:
+            for name, declared_name in zip(names, wanted, strict=False):
+                if name != declared_name and name in wanted:
                     raise ValueError(
                         f"close_loop(train=..., test=...) must have {kind} in the order of the "
                         f"model, {', '.join(wanted)}; got {', '.join(names)}. Reorder the columns "
@@ -129,9 +129,9 @@ def _check_names(design: Design, records: Sequence[Record]) -> None:
 
 
 def _check_velocities(design: Design, records: Sequence[Record]) -> None:
-    """Raise where a state is the velocity of another, and stands under another name in the model.
+    """Raise if the equation of a position uses another name than that of its velocity.
 
-    A name that is no state is a free parameter, so nothing else would say so.
+    A name that is no state would pass as a free parameter.
     """
     for position, velocity in permutations(range(len(design.states)), 2):
         swapped = design.derivative_of(velocity) == position
@@ -154,7 +154,7 @@ def _check_velocities(design: Design, records: Sequence[Record]) -> None:
 
 
 def _check_columns(design: Design, records: Sequence[Record]) -> None:
-    """Raise where a column says nothing, or is out of the range of the arithmetic."""
+    """Raise if a column is constant, or out of the range of the arithmetic."""
     rates = tuple(f"{state}'" for state in design.states)
     for name, called in (("x", design.states), ("u", design.inputs), ("x_dot", rates)):
         columns = [

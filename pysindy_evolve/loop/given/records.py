@@ -1,4 +1,4 @@
-"""The records that the loop is given: those to fit on and those to judge on."""
+"""Split of the given records: those to fit on and those to judge on."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ...signals import Record
 
 __all__ = ["HELD_OUT", "split_records"]
 
-HELD_OUT = 0.3  # share of a single record
+HELD_OUT = 0.3  # share of a single record that is held out
 
 
 def split_records(

@@ -13,7 +13,7 @@ __all__ = ["at_one_step", "undecimated", "widened"]
 
 WIDER = 2.0  # cutoff of the search, in cutoffs of the record ...
 HIGHEST = 0.4  # ... and at most, in sampling rates of the raw record
-MOST_RAW = 100_000  # rows of all records that may be looked at undecimated
+MOST_RAW = 100_000  # rows of all records up to which they are used undecimated
 
 
 def at_one_step(train: list[Record], test: list[Record]) -> tuple[list[Record], list[Record]]:
@@ -44,10 +44,10 @@ def at_one_step(train: list[Record], test: list[Record]) -> tuple[list[Record], 
 
 
 def undecimated(train: list[Record], test: list[Record]) -> tuple[list[Record], list[Record]]:
-    """Return records of a target at the sampling time of their raw data, if that is one for all.
+    """Return records of a target at the sampling time of their raw data, if all share it.
 
-    A target is measured with all that its sensor saw between two rows; a sign that changes there is
-    known no better than the rows are apart, and would look like one that is rounded off.
+    A decimated target holds what its sensor saw between two rows. A sign that changes there is only
+    known to within a row, and would look rounded off.
     """
     records = [*train, *test]
     made = [one for one in map(_made, records) if one is not None]
@@ -74,12 +74,12 @@ def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
         return record
     settings = made.settings | {"cutoff": cutoff, "decimate": round(step / made.dt)}
     again = prepare(made.t, made.y, made.u, **settings)
-    again = _as_known(again, record, made) if record.motion is None else as_target(again)
+    again = _with_known_inputs(again, record, made) if record.motion is None else as_target(again)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
     return again[int(inside[0]) : int(inside[-1]) + 1]
 
 
-def _as_known(again: Record, record: Record, made: Preparation) -> Record:
+def _with_known_inputs(again: Record, record: Record, made: Preparation) -> Record:
     """Return a record prepared again with what was known of its inputs."""
     plan = again.preparation
     kept = None if plan is None else replace(plan, steps=made.steps)

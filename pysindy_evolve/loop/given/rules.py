@@ -40,7 +40,7 @@ class Rules:
     by_trajectory : bool
         Whether candidates are scored by the trajectories of the records, see witness.py.
     n_looks : float
-        Looks that share the significance between them: each has this part of it.
+        Number of looks that share the significance equally; it may be fractional.
 
     Raises
     ------
@@ -84,35 +84,35 @@ class Rules:
         return "trajectory" if self.by_trajectory and self.refine == "auto" else self.refine
 
     def at(self, n_found: int) -> Rules:
-        """Return the rules for the next look at names, after so many effects.
+        """Return the rules for the next search for names, after `n_found` effects.
 
-        A trajectory is looked at for names and for small terms alone. The first name gets four
-        fifths of the significance; each further one a third of all of it.
+        Trajectories are searched for names and small terms only. The first name gets four fifths of
+        the significance; each further one a third of it.
         """
         return replace(self, n_looks=1.25) if self.by_trajectory and n_found == 0 else self
 
     @property
     def for_small_terms(self) -> Rules:
-        """The rules for the look at small terms along trajectories, which has the last fifth.
+        """The rules for small terms along trajectories, which get the last fifth.
 
-        With few twins it asks that none of them comes near.
+        With few twins, an effect counts only if no twin does as well.
         """
         n_looks = min(5.0, self.significance * (self.n_twins + 1))
         return replace(self, by_trajectory=False, n_looks=n_looks)
 
     @property
     def notable_gain(self) -> float:
-        """Gain of what removes the least share that matters, in the log of an error."""
+        """Gain in log error of an effect that removes just `min_share` of the error variance."""
         return float(-np.log1p(-self.min_share))
 
     @property
     def level(self) -> float:
-        """Largest p-value that counts; the fourth look, for any structure, names nothing."""
+        """Largest p-value that counts in a look; the fourth one names nothing and has no share."""
         return self.significance / self.n_looks
 
     @property
     def level_of_runs(self) -> float:
-        """The same for what free runs show: a third of a look for limits, names and other terms."""
+        """The same for free runs, whose look is shared by limits, names and other terms."""
         return self.level / 3.0
 
 
@@ -140,8 +140,8 @@ def generator(random_state: Any) -> np.random.Generator:
         If it is none of these, or a seed below zero.
     """
     seed = random_state
-    whole = isinstance(seed, Integral) and not isinstance(seed, bool) and int(seed) >= 0
-    if not (seed is None or whole or isinstance(seed, np.random.Generator)):
+    is_seed = isinstance(seed, Integral) and not isinstance(seed, bool) and int(seed) >= 0
+    if not (seed is None or is_seed or isinstance(seed, np.random.Generator)):
         raise ValueError(
             "close_loop(random_state=...) must be a whole number of at least 0, a numpy Generator "
             f"or None; got {seed!r}. Give a seed such as 0."

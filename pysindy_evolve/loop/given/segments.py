@@ -1,4 +1,4 @@
-"""Pieces of equal length of the training records, and the band that is looked at."""
+"""Pieces of equal length of the training records, and the frequency band of the search."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ __all__ = ["Segments", "places_of", "segments"]
 
 N_SEGMENTS = 16
 N_FOLDS = 8
-TO_TRANSFER = 3  # records, from which on each fold is made of whole ones
-MAX_ROWS = 24_000  # the search looks at no more rows; coefficients are fitted on all of them
-LOST = 0.01  # share of the rows that a length may cost which transforms fast
-LOOK = 0.6  # share of the cutoff below which the low-pass of the states is hardly felt
-BAND = 0.999  # share of the power of a derivative that is looked at, if no cutoff is known
-FEWEST_FREQUENCIES = 8  # of a segment
+TO_TRANSFER = 3  # number of records from which on folds are made of whole records
+MAX_ROWS = 24_000  # of the search; coefficients are fitted on all rows
+LOST = 0.01  # share of the rows to give up for a length whose Fourier transform is fast
+LOOK = 0.6  # share of the cutoff that is searched; below, the low-pass hardly changes the states
+BAND = 0.999  # share of the power of a derivative that is searched, if no cutoff is known
+FEWEST_FREQUENCIES = 8  # of a segment, below the cutoff of the search
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +40,9 @@ class Segments:
     x_dot : ndarray of shape (n_segments, n, n_states)
         Derivatives of the states, units of x per unit of t.
     weight : ndarray of shape (n_segments, n, n_states)
-        What a row counts in the equation of each state, from 0 to 1 (dimensionless).
+        Weight of a row in the equation of each state, from 0 to 1 (dimensionless).
     resting : tuple of int
-        States whose equations are looked at only where the body moves.
+        States whose equations are used only where the body moves.
     dt : float
         Sampling time, units of t.
     windows : Windows
@@ -51,7 +51,7 @@ class Segments:
         Standard deviation of each state, units of x, and of its derivative, units of x per unit of
         t; over the training records.
     cutoff : float
-        Highest frequency that is looked at, cycles per unit of t; may be infinite.
+        Highest frequency of the search, cycles per unit of t; may be infinite.
     places : tuple of (int, int)
         Record and first row of each piece.
     records : tuple of Record
@@ -59,13 +59,13 @@ class Segments:
     by_trajectory : bool
         Whether candidates are scored by the trajectories of the records, not their derivatives.
     limits : ndarray of shape (2, n_states), optional
-        Where the sensors of the states end, units of x; None where all states were seen.
+        Ends of the ranges of the sensors, units of x; None if all states were seen.
     seen : ndarray of bool of shape (n_segments, n, n_states), optional
         Where the states are measurements; None if they all are.
     band : Band, optional
-        The low-passes of the records; handed on with the pieces, as it keeps what it computed.
+        The low-passes of the records; passed on with the pieces, since it caches its results.
     settling : tuple of int
-        Rows at the beginning of each record in which little counts; empty if there are none.
+        Number of rows at the beginning of each record with little weight; empty if none.
     """
 
     z: np.ndarray
@@ -97,14 +97,14 @@ class Segments:
 
     @property
     def ranges(self) -> Ranges:
-        """How far the variables go in these pieces."""
+        """Ranges of the variables in these pieces."""
         return Ranges.of(self.rows)
 
     @property
     def folds(self) -> np.ndarray:
-        """Fold of each piece, from 0: neighbors share one, or, of several records, a record does.
+        """Fold of each piece, from 0: of neighbors or, from three records on, of whole records.
 
-        What only shows in one of several records is not confirmed by any other. Two records are
+        So an effect that shows in a single record is not confirmed by the others. Two records are
         too few: each would be predicted from a single one.
         """
         record = np.unique([i for i, _ in self.places], return_inverse=True)[1]
@@ -119,17 +119,17 @@ class Segments:
     def after(self, rows: Sequence[int]) -> Segments:
         """Return the pieces with little weight on the first rows of each record.
 
-        What remembers a state does not know yet where it began.
+        There the hidden states still depend on their unknown start.
         """
         if self.settling:
             return self
         return replace(self, weight=self._late(self.weight, rows), settling=tuple(rows))
 
     def _late(self, weight: np.ndarray, rows: Sequence[int]) -> np.ndarray:
-        """Return weights, (n_segments, n, n_states), that rise in the second half of some rows."""
+        """Return weights that are zero on half of the first rows of a record, and then rise."""
         place = np.add.outer([row for _, row in self.places], np.arange(weight.shape[1]))
-        wait = np.array([max(rows[record], 1) for record, _ in self.places])[:, None]
-        return np.asarray(weight * np.clip(2.0 * place / wait - 1.0, 0.0, 1.0)[..., None])
+        n_settling = np.array([max(rows[record], 1) for record, _ in self.places])[:, None]
+        return np.asarray(weight * np.clip(2.0 * place / n_settling - 1.0, 0.0, 1.0)[..., None])
 
     @property
     def has_gaps(self) -> bool:
@@ -163,15 +163,17 @@ class Segments:
         length = self.z.shape[1]
         z, x_dot, weight = _cut(records, self.resting, self.places, length)
         weight = self._late(weight, self.settling) if self.settling else weight
-        seen, own = _seen(records, self.places, length), tuple(records)
-        band = Band(own, self.places, length)
-        return replace(self, z=z, x_dot=x_dot, weight=weight, records=own, seen=seen, band=band)
+        seen, new_records = _seen(records, self.places, length), tuple(records)
+        band = Band(new_records, self.places, length)
+        return replace(
+            self, z=z, x_dot=x_dot, weight=weight, records=new_records, seen=seen, band=band
+        )
 
     def begun(self, records: Sequence[Record]) -> Segments:
-        """Return the same rows of records that differ in nothing but what came before them."""
-        own = tuple(records)
-        band = None if self.band is None else replace(self.band, records=own)
-        return replace(self, records=own, band=band)
+        """Return the same pieces of records that differ only in what came before them."""
+        new_records = tuple(records)
+        band = None if self.band is None else replace(self.band, records=new_records)
+        return replace(self, records=new_records, band=band)
 
     def missed(self, x: np.ndarray) -> np.ndarray:
         """Return by how much runs (n_segments, n, n_states) miss what the sensors show."""
@@ -195,17 +197,17 @@ def segments(
     records : sequence of Record
         Training records of equal sampling time.
     resting : sequence of int
-        States whose equations are looked at only where the body moves.
+        States whose equations are used only where the body moves.
     n_segments : int
         About how many pieces; no piece crosses from one record into the next.
     max_rows : int or None
-        Pieces are shortened to hold no more rows in all.
+        Largest number of rows in all pieces, which are shortened to meet it.
 
     Returns
     -------
     Segments
     """
-    own = tuple(records)
+    all_records = tuple(records)
     places, length = places_of(records, n_segments, max_rows)
     z, x_dot, weight = _cut(records, resting, places, length)
     state_scale = scale_of([record.x for record in records])
@@ -214,8 +216,8 @@ def segments(
     if windows.width > length // 2:
         windows = Windows(width=max(1, length // 2), stride=max(1, length // 8))
     slowest = FEWEST_FREQUENCIES / (length * records[0].dt)
-    known = max(slowest, min(known_up_to(record) for record in records))
-    cutoff = min(known, *(_band(record, slowest) for record in records))
+    input_cutoff = max(slowest, min(known_up_to(record) for record in records))
+    cutoff = min(input_cutoff, *(_band(record, slowest) for record in records))
     return Segments(
         z,
         x_dot,
@@ -227,10 +229,10 @@ def segments(
         rate_scale,
         cutoff,
         places,
-        own,
+        all_records,
         limits=limits_of_states(records),
         seen=_seen(records, places, length),
-        band=Band(own, places, length),
+        band=Band(all_records, places, length),
     )
 
 
@@ -239,8 +241,8 @@ def places_of(
 ) -> tuple[tuple[tuple[int, int], ...], int]:
     """Return record and first row of each piece, and the length of all of them.
 
-    Pieces that are cut for a search are transformed over and over: their length has small factors,
-    where that costs hardly any rows.
+    With `max_rows`, the length has small factors where that costs hardly any rows, since the search
+    Fourier transforms such pieces many times.
     """
     sizes = [record.n_samples for record in records]
     step = max(8, min(sum(sizes) // n_segments, min(sizes)))
@@ -282,21 +284,21 @@ def _seen(
 
 
 def _band(record: Record, slowest: float) -> float:
-    """Return the highest frequency to look at, in cycles per unit of t.
+    """Return the highest frequency of the search, in cycles per unit of t.
 
-    It is the cutoff of the preparation, or of that of the motion that explains a target. Nobody
-    knows how a record of the user was smoothed, but what is gone from its derivatives still is in
-    sgn and its like, whose harmonics would speak against them; so the band ends where the power of
-    the derivatives does, but not below the slowest that a segment can hold.
+    It follows from the cutoff of the preparation, or of the motion that explains a target. How a
+    user smoothed a record is unknown. Terms such as sgn keep the harmonics that smoothing removed
+    from the derivatives, and would be rejected for them. So the band of such a record ends where
+    the power of its derivatives does, but not below `slowest`.
     """
     made = record.motion if record.preparation is None else record.preparation
     if made is not None:
         return LOOK * (made.cutoff or np.inf)
-    moving = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0.0]
-    if moving.shape[1] == 0:
+    rates = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0.0]
+    if rates.shape[1] == 0:
         return np.inf
     # Cosine transform: no taper, so what happens at the ends counts as well.
-    power = dct(moving / np.ptp(moving, axis=0), axis=0)[1:] ** 2
+    power = dct(rates / np.ptp(rates, axis=0), axis=0)[1:] ** 2
     share = np.cumsum(power, axis=0) / power.sum(axis=0)
     reached = 1 + int(np.max(np.argmax(share >= BAND, axis=0)))
     return max(reached / (2.0 * record.n_samples * record.dt), slowest)

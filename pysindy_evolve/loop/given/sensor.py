@@ -1,7 +1,7 @@
-"""What a sensor shows of a run: nothing beyond the ends of its range.
+"""Runs seen through a sensor of limited range.
 
-Where the sensor shows its limit, a run is right wherever it is beyond, and the derivatives of the
-reading say nothing. So runs and records are compared through the same sensor.
+Where a sensor shows its limit, every run beyond the limit agrees with it, and the derivatives of
+the reading mean nothing. So runs and records are compared through the same sensor.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ __all__ = ["as_observed", "ends_of", "is_observed", "limits_of_states", "missed"
 
 
 def limits_of_states(records: Sequence[Record]) -> np.ndarray | None:
-    """Return the limits of the sensors behind which states went on unseen, as `ends_of`."""
+    """Return the limits of sensors beyond which states went on unseen, as `ends_of` does."""
     return ends_of([record for record in records if record.seen is not None])
 
 
 def ends_of(records: Sequence[Record]) -> np.ndarray | None:
-    """Return where the readings of each state end, shape (2, n_states).
+    """Return the lower and upper limit of the readings of each state, shape (2, n_states).
 
-    Those of all records together; infinite for what is no reading. None if there are none at all.
+    Common to all records; infinite where there is no reading or limit. None if there is no limit.
     """
     made = [record.preparation for record in records if record.preparation is not None]
     if (
@@ -46,30 +46,30 @@ def shown(x: np.ndarray, limits: np.ndarray | None) -> np.ndarray:
 
 
 def is_observed(x: np.ndarray, limits: np.ndarray | None, seen: np.ndarray | None) -> np.ndarray:
-    """Tell which states (..., n_states) of a run show: bool of the same shape.
+    """Tell which states (..., n_states) of a run a sensor shows: bool of the same shape.
 
     Parameters
     ----------
     x : ndarray of shape (..., n_states)
         The run.
     limits : ndarray of shape (2, n_states) or None
-        Of the sensors.
+        Limits of the sensors.
     seen : ndarray of bool of shape (..., n_states) or None
         Where the record is a measurement.
     """
-    there = np.ones(x.shape, dtype=bool)
+    visible = np.ones(x.shape, dtype=bool)
     if limits is None:
-        return there
+        return visible
     read = np.isfinite(limits).any(axis=0)  # a reading tells something even at a limit
     if seen is not None:
-        there &= seen | read
-    return np.asarray(there & ~(x < limits[0]) & ~(x > limits[1]))
+        visible &= seen | read
+    return np.asarray(visible & ~(x < limits[0]) & ~(x > limits[1]))
 
 
 def missed(
     x: np.ndarray, run: np.ndarray, limits: np.ndarray | None, seen: np.ndarray | None
 ) -> np.ndarray:
-    """Return measured minus simulated states, (..., n_states), as far as sensors tell."""
+    """Return measured minus simulated states, (..., n_states), both as sensors show them."""
     if limits is None:
         return np.asarray(x - run)
     read = np.isfinite(limits).any(axis=0)
@@ -81,5 +81,5 @@ def as_observed(record: Record, columns: np.ndarray) -> np.ndarray:
     """Return columns (n_samples, ...) of a record, zero where a sensor does not see its state."""
     if record.seen is None:
         return columns
-    whole = np.all(record.seen, axis=1)
-    return np.asarray(np.where(whole[:, None], columns, 0.0))
+    all_seen = np.all(record.seen, axis=1)
+    return np.asarray(np.where(all_seen[:, None], columns, 0.0))

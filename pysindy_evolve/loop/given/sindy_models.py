@@ -18,7 +18,7 @@ from .rows import variables_of
 
 __all__ = ["design_of_sindy"]
 
-ROUNDED = 1e-3  # what SINDy may make of the one in q' = v
+ROUNDED = 1e-3  # relative error that a fit may make in q' = v
 
 
 def design_of_sindy(model: ps.SINDy, records: Sequence[Record], owner: str) -> Design:
@@ -68,10 +68,10 @@ def _fitted(model: ps.SINDy, records: Sequence[Record], owner: str) -> ps.SINDy:
 def _design_of_equations(equations: Equations, records: Sequence[Record]) -> Design:
     """Make each coefficient free; a right-hand side that is just another state stays known.
 
-    It is one on the records: a fit without a threshold leaves traces of all other terms.
+    The records decide whether it is: a fit without a threshold leaves traces of all other terms.
     """
     n_states, variables = len(equations.states), variables_of(records[0])
-    fits = variables.shape[1] == len(equations.names)  # which is checked later
+    fits = variables.shape[1] == len(equations.names)  # a mismatch is reported later
     fixed, columns = [], []
     for state, expression in enumerate(equations.sums):
         other = _just_a_state(expression, state, variables, n_states) if fits else None

@@ -1,10 +1,10 @@
 """Records made by a user whose derivatives were smoothed more than their states.
 
-A derivative from a local polynomial (Savitzky and Golay) falls short of the slope of the state that
-it is the derivative of, the more the faster the motion: its gain is 1 - b f^2 at a frequency f, and
-what is missing looks like a force. So the derivatives of such a record are taken anew from its
-states, up to the frequency at which the states themselves begin to be smoothed. A linear equation
-holds for what is slower by itself; of the others nothing can be told where the motion is faster.
+A derivative from a local polynomial (Savitzky-Golay) is smaller than the slope of its state: its
+gain at a frequency f is 1 - b f^2. What is missing looks like a force. So the derivatives of such
+records are taken anew from the states, up to the frequency at which the states begin to be smoothed
+too. A linear equation holds for the slower part of the motion by itself. Any other equation cannot
+be judged if the motion is faster than that.
 
 References
 ----------
@@ -24,13 +24,13 @@ from .design import Design
 
 __all__ = ["with_own_slopes"]
 
-MISSED = 0.001  # of a slope: what is regular and no noise shows in the loop from there
-LAW = 0.5  # of what is missed, that may be left by 1 - b f^2: more is no smoothing
-LOST = 0.15  # of a slope, at the frequency up to which the states are whole within a few percent
-MOTION = 0.99  # of the power of a derivative lies below the frequencies that are looked at
+MISSED = 0.001  # share of a slope; a larger systematic miss shows in the loop
+LAW = 0.5  # share of the miss that 1 - b f^2 may leave; more is not due to smoothing
+LOST = 0.15  # share of a slope missed at the new cutoff; there states are right to a few percent
+MOTION = 0.99  # share of the power of a derivative in the band of the motion
 FEWEST = 200  # samples; fewer tell no spectra apart
-FAST = 0.1  # of the slopes, that may lie above that frequency
-EVEN = 1e-3  # sampling times by which samples may be off
+FAST = 0.1  # share of the slopes that may lie above the new cutoff
+EVEN = 1e-3  # largest spread of the time steps, relative to their mean
 
 
 def with_own_slopes(
@@ -43,23 +43,23 @@ def with_own_slopes(
     design : Design
         The declared model, which says what is the velocity of what.
     train, test : list of Record
-        Made by `prepare`, or by the user.
+        Records made by `prepare`, or by the user.
 
     Returns
     -------
     train, test : list of Record
-        All as they are, unless all are made by the user and a derivative of a training record at
-        least is too smooth.
+        Unchanged, unless the user made them all and a derivative of a training record is too
+        smooth.
     shown : bool
-        Whether the motion is slow enough for what is left of it to obey the equations.
+        Whether the motion is slow enough for its remaining part to obey the equations.
 
     Warns
     -----
     UserWarning
         If derivatives are taken anew.
     """
-    order = _states_each(design)
-    if not order or not all(map(_is_own, [*train, *test])):
+    order = _states_per_column(design)
+    if not order or not all(map(_is_made_by_user, [*train, *test])):
         return train, test, True
     cutoff = min(map(_whole_up_to, train))
     if not np.isfinite(cutoff):
@@ -72,12 +72,12 @@ def with_own_slopes(
         + ("" if shown else "The motion is faster than that, so no effect is looked for. ")
         + "Give the measurement as it is to prepare(t, y, u).",
     )
-    train, test = ([_anew(r, order, cutoff) for r in records] for records in (train, test))
+    train, test = ([_prepared_anew(r, order, cutoff) for r in records] for records in (train, test))
     return train, test, shown
 
 
-def _states_each(design: Design) -> int:
-    """Return how many states each measured one makes, as `prepare` orders them; 0 if it would not.
+def _states_per_column(design: Design) -> int:
+    """Return how many states `prepare` makes of a measured column; 0 if it orders them otherwise.
 
     One if no state is the derivative of another, two if each position is followed by its velocity.
     """
@@ -94,7 +94,7 @@ def _is_linear(design: Design) -> bool:
     return all(term.size <= 1 for side in sides for _, term in side.parts)
 
 
-def _is_own(record: Record) -> bool:
+def _is_made_by_user(record: Record) -> bool:
     """Tell whether a record was made by the user, is long and even, and all of it moves."""
     steps = np.diff(record.t)
     is_even = bool(np.ptp(steps) <= EVEN * steps.mean())
@@ -103,7 +103,7 @@ def _is_own(record: Record) -> bool:
 
 
 def _whole_up_to(record: Record) -> float:
-    """Return the frequency up to which the states are whole; infinite if no derivative is short."""
+    """Return the frequency up to which states are whole; infinite if no derivative is short."""
     frequency = fft.rfftfreq(record.n_samples, record.dt)
     ends = [
         _short_from(frequency, _spectrum(slope), _spectrum(given))
@@ -113,24 +113,24 @@ def _whole_up_to(record: Record) -> float:
 
 
 def _short_from(frequency: np.ndarray, slope: np.ndarray, given: np.ndarray) -> float:
-    """Return where a derivative falls short; infinite if it does not, or not by 1 - b f^2."""
-    moves = _moves(given)
-    short, bent = (slope - given)[moves], (frequency**2 * slope)[moves]
+    """Return the frequency where `LOST` of a slope is missed; infinite if not by 1 - b f^2."""
+    band = _band_of_motion(given)
+    missing, bent = (slope - given)[band], (frequency**2 * slope)[band]
     size = float(np.sum(np.abs(bent) ** 2))
-    b = float(np.sum((short * bent.conj()).real)) / size if size > 0.0 else 0.0
-    missed, left = (np.sum(np.abs(part) ** 2) for part in (short, short - b * bent))
-    whole = np.sum(np.abs(slope[moves]) ** 2)
-    if b <= 0.0 or missed <= MISSED**2 * whole or left > LAW**2 * missed:
+    b = float(np.sum((missing * bent.conj()).real)) / size if size > 0.0 else 0.0
+    missing_power, rest = (np.sum(np.abs(part) ** 2) for part in (missing, missing - b * bent))
+    slope_power = np.sum(np.abs(slope[band]) ** 2)
+    if b <= 0.0 or missing_power <= MISSED**2 * slope_power or rest > LAW**2 * missing_power:
         return np.inf
     return float(np.sqrt(LOST / b))
 
 
 def _fast_share(record: Record, cutoff: float) -> float:
-    """Return how much of the slopes lies above a frequency, at most, of the motion seen at all."""
+    """Return the largest share of a slope above a frequency, within the band of the motion."""
     frequency = fft.rfftfreq(record.n_samples, record.dt)
     shares = []
     for slope, given in zip(_slopes(record).T, record.x_dot.T, strict=True):
-        power = np.abs(_spectrum(slope))[_moves(_spectrum(given))] ** 2
+        power = np.abs(_spectrum(slope))[_band_of_motion(_spectrum(given))] ** 2
         fast = frequency[: len(power)] > cutoff
         shares.append(float(np.sqrt(np.sum(power[fast]) / np.sum(power))))
     return max(shares)
@@ -140,7 +140,7 @@ def _slopes(record: Record) -> np.ndarray:
     return np.asarray(np.gradient(record.x, record.t, axis=0, edge_order=2))
 
 
-def _moves(spectrum: np.ndarray) -> np.ndarray:
+def _band_of_motion(spectrum: np.ndarray) -> np.ndarray:
     """Return the frequencies of the motion, from the spectrum of a smooth derivative."""
     power = np.cumsum(np.abs(spectrum) ** 2)
     return np.flatnonzero(power <= MOTION * power[-1])
@@ -150,7 +150,7 @@ def _spectrum(column: np.ndarray) -> np.ndarray:
     return np.asarray(fft.rfft((column - column.mean()) * np.hanning(len(column))))
 
 
-def _anew(record: Record, order: int, cutoff: float) -> Record:
+def _prepared_anew(record: Record, order: int, cutoff: float) -> Record:
     """Return a record prepared from the states of another one."""
     y = record.x[:, ::order]
     made = prepare(record.t, y, record.u, order=order, cutoff=cutoff, limits=None)

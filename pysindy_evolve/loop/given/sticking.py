@@ -1,7 +1,7 @@
 """Where a body moves: rows on which its velocity is more than noise.
 
-At rest the friction is whatever balances the other forces, and the sign of a noisy velocity is a
-coin toss. Such rows say nothing about an equation with sgn(v) in it, so they carry no weight; the
+At rest the friction is whatever balances the other forces, and the sign of a noisy velocity is
+random. Such rows say nothing about an equation with sgn(v) in it, so they carry no weight. The
 weights multiply target and terms alike, before anything else.
 """
 
@@ -22,12 +22,12 @@ __all__ = ["may_rest", "moving", "noise_of"]
 
 AT_REST = 4.0  # standard deviations of the velocity noise below which a row has no weight ...
 IN_MOTION = 8.0  # ... and above which it has all
-LEAST = 1e-3  # share of the RMS velocity that is rest, however little noise there is
-STUCK = 1.0  # periods of the cutoff that a rest lasts at least
-CREEP = 0.3  # of the speed that counts as slow, below which half of the rows of a rest lie
-OFTEN = 3  # rests of a record between motions, from which on it sticks again and again
-MIXED, FORGOTTEN = 0.75, 1.5  # periods of it next to a rest, in which the low-pass mixes it in
-ENOUGH = 0.2  # share of the weight that must be left; a body that hardly moves is looked at whole
+LEAST = 1e-3  # share of the RMS velocity that counts as rest, however little noise there is
+STUCK = 1.0  # least length of a rest, in periods of the cutoff
+CREEP = 0.3  # largest median speed of a rest, relative to the speed that counts as slow
+OFTEN = 3  # rests between motions of a record from which on a body sticks repeatedly
+MIXED, FORGOTTEN = 0.75, 1.5  # distance from a rest, in periods, of weight 0 and of weight 1
+ENOUGH = 0.2  # least mean weight; a body that moves less has weight one everywhere
 
 
 def may_rest(design: Design, records: Sequence[Record]) -> tuple[int, ...]:
@@ -39,7 +39,7 @@ def may_rest(design: Design, records: Sequence[Record]) -> tuple[int, ...]:
         Says which states are velocities, and which have a friction in their equation: a speed may
         be a state of the first order.
     records : sequence of Record
-        Say which states rest again and again, whatever it is that holds them.
+        Show which states rest again and again, whatever holds them.
 
     Returns
     -------
@@ -84,8 +84,8 @@ def moving(record: Record, resting: Sequence[int]) -> np.ndarray:
     for state in resting:
         speed = _speed(record, state)
         share = np.clip((speed - 1.0) / (IN_MOTION / AT_REST - 1.0), 0.0, 1.0)
-        apart = share * _away_from_rest(record, speed)
-        share = apart if apart.mean() >= ENOUGH else share
+        without_rests = share * _away_from_rest(record, speed)
+        share = without_rests if without_rests.mean() >= ENOUGH else share
         if share.mean() >= ENOUGH:
             weights[:, state] = share * share * (3.0 - 2.0 * share)
     if record.seen is not None:  # each equation may hold every state
@@ -101,27 +101,27 @@ def _speed(record: Record, state: int) -> np.ndarray:
 
 
 def _away_from_rest(record: Record, speed: np.ndarray) -> np.ndarray:
-    """Return 0 next to where a body sticks, rising to 1 where the low-pass has forgotten that.
+    """Return 0 next to rows where a body sticks, rising to 1 beyond the reach of the low-pass.
 
-    The low-pass mixes what is at rest with the motion next to it. That matters to a body that
-    sticks again and again, not to one that comes to rest once, at the end of its record. The speed
-    is relative to what counts as slow.
+    The low-pass mixes rows at rest with the motion next to them. That matters if a body sticks
+    again and again, not if it comes to rest once, at the end of its record. The speed is relative
+    to the speed that counts as slow.
     """
     if record.cutoff is None:
         return np.ones(len(speed))
     period = 1.0 / (record.cutoff * record.dt)
-    stuck = _stuck(speed, max(round(STUCK * period), 2))
-    if not stuck.any():
+    at_rest = _stuck(speed, max(round(STUCK * period), 2))
+    if not at_rest.any():
         return np.ones(len(speed))
-    distance = ndimage.distance_transform_edt(~stuck) / period
+    distance = ndimage.distance_transform_edt(~at_rest) / period
     return np.asarray(np.clip((distance - MIXED) / (FORGOTTEN - MIXED), 0.0, 1.0))
 
 
 def _stuck(speed: np.ndarray, n_rows: int) -> np.ndarray:
-    """Tell on which rows a body rests between motions, if it does often.
+    """Tell on which rows a body rests between motions, if it does so often.
 
-    At a turning point, and in a swing that dies out, it is slow too, but goes evenly through all
-    speeds up to what counts as slow.
+    It is slow at turning points and in a decaying swing too, but there it passes evenly through all
+    slow speeds.
     """
     spans, n_spans = ndimage.label(ndimage.binary_opening(speed < 1.0, np.ones(n_rows, dtype=bool)))
     typical = ndimage.median(speed, spans, np.arange(1, n_spans + 1))
@@ -132,7 +132,7 @@ def _stuck(speed: np.ndarray, n_rows: int) -> np.ndarray:
 def noise_of(record: Record, state: int, further: int = 0) -> float:
     """Return the standard deviation of the noise in a state, or in its further derivatives.
 
-    White noise of density 2 dt s^2 that is derived k times has (2 pi f)^(2 k) times that density,
+    White noise of density 2 dt s^2, differentiated k times, has (2 pi f)^(2 k) times that density,
     up to the cutoff.
     """
     made = record.preparation

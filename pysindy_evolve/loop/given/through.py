@@ -1,4 +1,4 @@
-"""Through which function the declared model takes an input that jumps."""
+"""Functions through which the declared model takes inputs that jump."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["with_functions"]
 def with_functions(
     design: Design, train: Sequence[Record], others: Sequence[Record] = ()
 ) -> list[Record]:
-    """Return records whose inputs have the functions that act, after the low-pass.
+    """Return records whose low-pass acts on functions of the inputs, not on the inputs.
 
     Parameters
     ----------
@@ -33,27 +33,27 @@ def with_functions(
     Returns
     -------
     list of Record
-        All of them. Changed are inputs that jump, and stand in the model in one and the same
-        function, or in several with the same other factors: then their sum acts.
+        All of them. Changed are inputs that jump and enter the model through one function, or
+        through several with the same other factors, whose sum then acts.
     """
     records, found = [*train, *others], {}
     for column in range(len(design.inputs)):
         if all(is_held(record, column) for record in records):
             function = _function_of(design, column, train)
-            one = None if function is None else _over_range(function, design, records, column)
-            if one is not None and one.is_invertible:
-                found[column] = one
+            acting = None if function is None else _over_range(function, design, records, column)
+            if acting is not None and acting.is_invertible:
+                found[column] = acting
     return [acting_through(record, found) for record in records]
 
 
 def _function_of(design: Design, column: int, train: Sequence[Record]) -> Sum | None:
     """Return the function of an input that the model has; None if it is the input itself."""
     place = len(design.states) + column
-    parts = {_part(term, place) for _, term in _terms(design) if place in term.variables}
+    parts = {_factors_of(term, place) for _, term in _terms(design) if place in term.variables}
     if not parts or None in parts or all(part is not None and part.size == 1 for part in parts):
         return None
     if len(parts) > 1:
-        return _sum_of(design, place, train)
+        return _fitted_sum(design, place, train)
     return Sum(tuple((1.0, part) for part in parts if part is not None))
 
 
@@ -63,39 +63,39 @@ def _terms(design: Design) -> Iterator[tuple[int, Product]]:
             yield state, term
 
 
-def _part(term: Product, place: int) -> Product | None:
-    """Return the factors of a term that are functions of one variable; None if one is of more."""
-    own = [(atom, power) for atom, power in term.factors if place in atom.variables]
-    alone = all(atom.variables == {place} for atom, _ in own)
-    return Product(tuple(own)) if alone else None
+def _factors_of(term: Product, place: int) -> Product | None:
+    """Return the factors of a term that depend on one variable; None if one depends on more."""
+    of_variable = [(atom, power) for atom, power in term.factors if place in atom.variables]
+    is_single = all(atom.variables == {place} for atom, _ in of_variable)
+    return Product(tuple(of_variable)) if is_single else None
 
 
-def _sum_of(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
-    """Return what all functions of an input give, fitted.
+def _fitted_sum(design: Design, place: int, train: Sequence[Record]) -> Sum | None:
+    """Return the fitted sum of all functions of an input.
 
-    None unless they stand in one equation, all of them beside the same factors.
+    None unless they stand in one equation, and all have the same other factors.
     """
     acting = [(state, term) for state, term in _terms(design) if place in term.variables]
     states = {state for state, _ in acting}
-    if len(states) > 1 or len({_beside(term, place) for _, term in acting}) > 1:
+    if len(states) > 1 or len({_other_factors(term, place) for _, term in acting}) > 1:
         return None
     (state,) = states
     rows = np.concatenate([variables_of(record) for record in train])
     rates = np.concatenate([record.x_dot[:, state] for record in train])
     sides = [column.parts[state] for column in design.columns if column.parts[state].parts]
     theta = np.array([side.evaluate(rows) for side in sides]).reshape(len(sides), len(rows)).T
-    known = design.known(rows)[:, state]
-    has_value = np.isfinite(theta).all(axis=1) & np.isfinite(known)
-    coef = np.linalg.lstsq(theta[has_value], (rates - known)[has_value], rcond=None)[0]
+    known_rates = design.known(rows)[:, state]
+    has_value = np.isfinite(theta).all(axis=1) & np.isfinite(known_rates)
+    coef = np.linalg.lstsq(theta[has_value], (rates - known_rates)[has_value], rcond=None)[0]
     total = design.fixed[state]
     for value, side in zip(coef.tolist(), sides, strict=True):
         total = add(total, mul(constant(value), side))
-    parts = ((c, _part(term, place)) for c, term in total.parts)
+    parts = ((c, _factors_of(term, place)) for c, term in total.parts)
     return Sum(tuple((c, part) for c, part in parts if part is not None and part.factors))
 
 
-def _beside(term: Product, place: int) -> Product:
-    """Return the factors of a term that are no functions of a variable."""
+def _other_factors(term: Product, place: int) -> Product:
+    """Return the factors of a term that do not depend on a variable."""
     return Product(tuple(factor for factor in term.factors if place not in factor[0].variables))
 
 
@@ -109,7 +109,7 @@ def _over_range(
 
 @dataclass(frozen=True)
 class _Acts:
-    """What acts of an input, which is the variable of an expression; it can be pickled."""
+    """An expression of a single input as a function of its values; it can be pickled."""
 
     expression: Sum
     place: int

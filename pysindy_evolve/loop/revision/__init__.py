@@ -12,8 +12,8 @@ beginnings        the inputs before a record began, for memories of inputs
 dropped
 marginality       effects that only had to precede another one, such as an offset
 thinning          effects that a term replaces once its numbers are tuned
-superseded        memories, and results of free runs, that later effects explain
+superseded        memories, and findings of free runs, that later effects explain
 errors_in_inputs  effects that explain no more than errors of the inputs
-noise_in_runs     effects that take no more off free runs than noise of the inputs
+noise_in_runs     effects that remove no more from free runs than input noise adds
 ================  =================================================================
 """

@@ -1,7 +1,8 @@
-"""What the inputs were before records began, and what the memories of them are then.
+"""Inputs before the records began, and memories of inputs tuned with them.
 
-A memory is found with the inputs at their first values for long. A heater that is switched on with
-the first sample tells another story: the first rows say so, and the time constant changes.
+Memories are found as if the inputs had long stood at their first values. For a heater that is
+switched on with the first sample, that is wrong. The first rows show it, and with the right input
+before the record the time constant changes.
 """
 
 from __future__ import annotations
@@ -24,19 +25,19 @@ from ..memories.find import resettled
 
 __all__ = ["Beginning", "settled_beginning"]
 
-N_ROUNDS = 6  # of beginnings and memories in turn
+N_ROUNDS = 6  # of estimating past inputs and tuning memories in turn
 
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """Findings whose memories are tuned on records that began as their first rows say.
+    """Findings with memories tuned on records whose past inputs fit their first rows.
 
     Attributes
     ----------
     findings : tuple of Finding
         What was found.
     plain, wide : tuple of Record
-        The same records in two filters, with other inputs before they began.
+        The same records in two filters, with these past inputs.
     """
 
     findings: tuple[Finding, ...]
@@ -50,18 +51,18 @@ def settled_beginning(
     plain: Sequence[Record],
     part: Segments,
 ) -> Beginning:
-    """Return findings with memories tuned again, from where the records began.
+    """Return findings with memories tuned again, given the inputs before the records began.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
-        What was found, memories among it.
+        What was found, memories included.
     plain : sequence of Record
-        Training records without memories.
+        Training records, before memories are applied.
     part : Segments
-        Pieces of the same in a wider filter.
+        Pieces of the same records in a wider filter.
 
     Returns
     -------
@@ -74,8 +75,8 @@ def settled_beginning(
         equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
         model = with_memories(equations, memories)
         elsewhere = [not _begins_alike(*both) for both in zip(part.records, wide, strict=True)]
-        before, wide = wide, _begun(model, wide, elsewhere)
-        if all(_begins_alike(*both) for both in zip(before, wide, strict=True)):
+        previous, wide = wide, _begun(model, wide, elsewhere)
+        if all(_begins_alike(*both) for both in zip(previous, wide, strict=True)):
             break
         plain = _begun(model, plain, elsewhere)
         found = resettled(found, design, part.begun(wide))
@@ -85,9 +86,9 @@ def settled_beginning(
 def _begun(
     model: Equations, records: Sequence[Record], elsewhere: Sequence[bool]
 ) -> tuple[Record, ...]:
-    """Return records begun anew; noise does not count in those known to have begun elsewhere."""
+    """Estimate past inputs again; where they are known to differ, errors need not exceed noise."""
     pairs = zip(records, elsewhere, strict=True)
-    return tuple(begun(model, record, doubted=known) for record, known in pairs)
+    return tuple(begun(model, record, doubted=is_known) for record, is_known in pairs)
 
 
 def _begins_alike(record: Record, other: Record) -> bool:

@@ -1,10 +1,10 @@
 """Drop effects of inputs alone that explain no more than the errors of these inputs.
 
-The noise of a sensor, and whatever an input did between two samples, are left by any model. Where
-an input rests at levels, a function of it that is flat there takes a good part of this noise off:
-a record that lacks nothing seems to lack a saturation. (Carroll et al., Measurement Error in
-Nonlinear Models, 2006, call the reason regression calibration: the best guess of a true value is no
-linear function of the measured one.)
+No model explains the noise of an input's sensor, or what the input did between two samples. Where
+an input rests at levels, a function that is flat there removes much of this noise, so that a
+complete model seems to lack a saturation. (Carroll et al., Measurement Error in Nonlinear Models,
+2006, call the reason regression calibration: the best guess of a true value is no linear function
+of the measured one.)
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ..given.segments import Segments
 __all__ = ["EXCESS", "N_DRAWS", "is_of_inputs", "without_errors_in_inputs"]
 
 N_DRAWS = 4  # of the noise
-EXCESS = 1.25  # times the power of these errors; less may be a matter of chance
+EXCESS = 1.25  # power that an effect explains over that of these errors; less may be chance
 
 
 def without_errors_in_inputs(
@@ -41,21 +41,20 @@ def without_errors_in_inputs(
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     raw : sequence of Record
-        Training records.
+        Training records before memories, which would smooth the noise of the inputs.
     part : Segments
-        Pieces of the same with the memories among the findings, which would take noise off the
-        inputs.
+        Pieces of the same records after the memories among the findings.
     rng : numpy.random.Generator
         Draws the noise.
 
     Returns
     -------
     list of Finding
-        The least useful one falls first, and the others are looked at again.
+        The least useful one is dropped first, and the others are judged again.
     """
     kept = list(findings)
     suspects = [f for f in kept if is_of_inputs(f, declared)]
@@ -74,23 +73,23 @@ def without_errors_in_inputs(
 
 
 def is_of_inputs(finding: Finding, declared: Design) -> bool:
-    """Tell whether a finding is a function of inputs alone that bends: a gain hides no noise."""
+    """Tell whether a finding is a nonlinear function of inputs alone; a gain hides no noise."""
     first = len(declared.states)
     inputs = set(range(first, first + len(declared.inputs)))
-    bent, variables = not finding.candidate.is_straight, finding.candidate.variables
-    return bool(finding.columns) and bent and bool(variables) and variables <= inputs
+    nonlinear, variables = not finding.candidate.is_straight, finding.candidate.variables
+    return bool(finding.columns) and nonlinear and bool(variables) and variables <= inputs
 
 
 def _worth(finding: Finding, declared: Design, found: Sequence[Finding], part: Segments) -> float:
-    """Return the power that a finding takes off what is left of its equation."""
+    """Return the residual power of its equation that a finding removes."""
     fewer = with_findings(declared, excluding(found, finding))
     sides = fewer, with_findings(declared, found)
-    without, beside = (_left(quick_fit(design, part), part) for design in sides)
-    return float((without - beside)[finding.candidate.state])
+    without, with_it = (_residual_power(quick_fit(design, part), part) for design in sides)
+    return float((without - with_it)[finding.candidate.state])
 
 
-def _left(equations: Equations, part: Segments) -> np.ndarray:
-    """Return the power of what equations leave, (n_states,)."""
+def _residual_power(equations: Equations, part: Segments) -> np.ndarray:
+    """Return the residual power of equations, (n_states,)."""
     z, n = part.rows, part.n_states
     rates = equations.evaluate(z[:, :n], z[:, n:-1], z[:, -1])
     return _power(part.x_dot - rates.reshape(part.x_dot.shape), part)
@@ -103,16 +102,16 @@ def _power_of_errors(
     part: Segments,
     drawn: Sequence[np.random.Generator],
 ) -> float:
-    """Return the power that errors of its inputs leave in the equation of a finding."""
+    """Return the power that errors of its inputs add to the residual of a finding's equation."""
     inputs = frozenset(v - part.n_states for v in finding.candidate.variables)
     pairs, powers = list(zip(raw, part.records, strict=True)), []
     for rng in drawn:
-        left = [_of_record(equations, *pair, inputs, rng) for pair in pairs]
-        powers.append(_power(part.cut(left), part))
+        moved = [_moved_by_errors(equations, *pair, inputs, rng) for pair in pairs]
+        powers.append(_power(part.cut(moved), part))
     return float(np.mean(powers, axis=0)[finding.candidate.state])
 
 
-def _of_record(
+def _moved_by_errors(
     equations: Equations,
     raw: Record,
     record: Record,
@@ -127,5 +126,5 @@ def _of_record(
 
 
 def _power(columns: np.ndarray, part: Segments) -> np.ndarray:
-    """Return the power of columns (n_segments, n, n_states) at the frequencies looked at."""
+    """Return the power of columns (n_segments, n, n_states) at the frequencies of the search."""
     return np.mean(np.abs(spectral_rows(part, columns * part.weight)) ** 2, axis=(0, 1))

@@ -1,10 +1,10 @@
-"""The numbers of what remembers a state, a hysteresis or a relaxation, tuned again.
+"""The numbers of hidden states, such as a hysteresis or a relaxation, tuned again.
 
-What is found beside it changes its numbers, so they are tuned again in each step.
+Effects found later change these numbers, so they are tuned again in each step.
 
-A filter rounds off the turns of a motion, and what a friction remembers of them. A model that runs
-by itself has no filter in it. Its runs begin with the hidden state where the measured ones put it,
-and where each of them begins is fitted as well (multiple shooting).
+A filter rounds off the reversals of a motion, and so distorts what a friction remembers. Free runs
+contain no filter. The hidden state of a run starts where the measured states put it, and all starts
+are fitted as well (multiple shooting).
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from .revise import exchange
 __all__ = ["needed_by_runs", "smooth_in", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
-# Without the jumps of a friction: a filter may look like them.
+# Hidden states without the jumps of a friction; a filter of the record may look like them.
 SMOOTH = (RELAXING, WEN_SPRING, FLEXIBLE_MODE)
 
 
 def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Return findings whose hidden states are tuned beside all the others, and these beside them.
+    """Return findings with hidden states tuned and the other effects exchanged, in turn.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     part : Segments
@@ -51,7 +51,7 @@ def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) 
     Returns
     -------
     list of Finding
-        The same ones of an algebraic target.
+        Unchanged for an algebraic target, or without hidden states.
     """
     kept = list(findings)
     if not paths_of(with_findings(declared, kept)):
@@ -69,41 +69,41 @@ def with_numbers(declared: Design, findings: Sequence[Finding], part: Segments) 
 def with_numbers_of_runs(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings whose hidden states have the numbers that free runs give them.
+    """Return findings with the numbers of their hidden states tuned by free runs.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     records : sequence of Record
-        Training records, with what acts.
+        Training records, with inputs as they act.
 
     Returns
     -------
     list of Finding
-        The same ones where the runs cannot follow the records, or better nothing.
+        Unchanged if the runs cannot follow the records, or do not improve.
     """
     design = with_findings(declared, findings)
     paths = paths_of(design)
-    known = [kind_of(path).weights(path) for path in paths]
-    begun = np.concatenate([refit(design, records, "derivative"), *known])
-    ends = len(design.columns) + np.cumsum([0, *(len(own) for own in known)])[:-1]
+    weights = [kind_of(path).weights(path) for path in paths]
+    initial = np.concatenate([refit(design, records, "derivative"), *weights])
+    ends = len(design.columns) + np.cumsum([0, *(len(of_path) for of_path in weights)])[:-1]
 
     def at(coef: np.ndarray) -> list[Finding]:
         return _retuned(findings, paths, np.split(coef, ends)[1:], declared)
 
     def loss(coef: np.ndarray) -> float:
-        there = with_findings(declared, at(coef))
-        return square_left(there, records, coef[: len(design.columns)])
+        tuned_design = with_findings(declared, at(coef))
+        return square_left(tuned_design, records, coef[: len(design.columns)])
 
-    coef = fit_to_runs(unfolded(design, free=True), begun, with_paths(design, records), loss)
+    coef = fit_to_runs(unfolded(design, free=True), initial, with_paths(design, records), loss)
     return list(findings) if coef is None else at(coef)
 
 
 def smooth_in(design: Design) -> tuple[Call, ...]:
-    """Return what remembers in a design and may be no more than a filter."""
+    """Return the hidden states of a design that may only imitate a filter."""
     return tuple(path for path in design.paths if path.operator in SMOOTH)
 
 
@@ -112,17 +112,17 @@ def needed_by_runs(
 ) -> list[Finding]:
     """Return findings without relaxations and springs where free runs do as well without them.
 
-    A derivative that somebody smoothed, or noise that is not white, looks remembered as well. Of
-    that nothing is left in runs, which need no derivative; or what betters them worsens it.
+    A smoothed derivative, or colored noise, looks like a memory too. Free runs use no derivative,
+    so such a memory does not improve them, or makes the derivative worse.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     records : sequence of Record
-        Training records, with what acts.
+        Training records, with inputs as they act.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def needed_by_runs(
     kept, longest = list(findings), max(records, key=len)
     for finding in findings:
         rest = excluding(kept, finding)
-        few, many = (with_findings(declared, those) for those in (rest, kept))
+        few, many = (with_findings(declared, effects) for effects in (rest, kept))
         new = set(smooth_in(many)) - set(smooth_in(few))
         sound = all(is_sound(path, longest) for path in new)
         if new and not (
@@ -142,13 +142,13 @@ def needed_by_runs(
 
 
 def _opposes(finding: Finding, design: Design, records: Sequence[Record]) -> bool:
-    """Tell whether an effect of an equation of motion takes energy: its coefficient is negative."""
+    """Tell whether an effect takes energy (its coefficient is negative); true if algebraic."""
     coef = refit(design, records, "derivative")[design.columns.index(finding.columns[0])]
     return design.algebraic or bool(coef < 0.0)
 
 
 def _better_runs(few: Design, many: Design, records: Sequence[Record]) -> bool:
-    if few.algebraic:  # nothing runs
+    if few.algebraic:  # there are no free runs
         return True
     runs, derivative = gains_of_runs(few, many, records)
     return runs >= LEAD and derivative > 0.0
@@ -160,10 +160,10 @@ def _retuned(
     weights: Sequence[np.ndarray],
     design: Design,
 ) -> list[Finding]:
-    """Return findings with other weights in what remembers."""
+    """Return findings with new weights of their hidden states."""
     kept = list(findings)
-    for path, own in zip(paths, weights, strict=True):
-        changed = [retuned(finding.candidate, path, own) for finding in kept]
+    for path, new in zip(paths, weights, strict=True):
+        changed = [retuned(finding.candidate, path, new) for finding in kept]
         kept = [
             f if c is f.candidate else f.with_candidate(c, design)
             for f, c in zip(kept, changed, strict=True)

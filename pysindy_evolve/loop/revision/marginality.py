@@ -1,9 +1,10 @@
-"""Drop what an effect had to enter beside, where that gains nothing.
+"""Drop the parents beside which an effect had to enter, where they gain nothing.
 
 An absolute value has a mean, so it is first seen as an offset, and may enter only beside one. Once
-it stands there, an offset that was never there shows. All parents of an effect go, or none, for
-friction that differs with the direction is a straight line on either side, whose parts belong
-together; or all but an offset, for a load may pull on a damper that is stiffer one way.
+it is in the model, an offset that does not exist proves superfluous. All parents of an effect are
+dropped, or none: friction that differs with the direction is a straight line on either side, whose
+parts belong together. Or all but an offset are dropped: a load may pull on a damper that is stiffer
+one way.
 """
 
 from __future__ import annotations
@@ -22,16 +23,16 @@ from ..given.segments import Segments
 
 __all__ = ["without_parents"]
 
-ALONE = {ASYMMETRIC_FRICTION: NONLINEAR_DAMPING}  # names where no parent stands
+ALONE = {ASYMMETRIC_FRICTION: NONLINEAR_DAMPING}  # new name without a friction beside it
 
 
 def without_parents(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Return findings without the parents that their effects do as well without.
+    """Return findings without the parents that gain nothing beside their effects.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     part : Segments
@@ -44,29 +45,29 @@ def without_parents(declared: Design, findings: Sequence[Finding], part: Segment
     for child in findings:
         parents = _parents_of(child, findings, declared)
         rest = excluding(findings, child, *parents)
-        for gone in (parents, [f for f in parents if f.candidate.terms != (OFFSET,)]):
-            staying = [f for f in parents if f not in gone]
-            if not gone or any(is_needed(f, rest) for f in gone):
+        for dropped in (parents, [f for f in parents if f.candidate.terms != (OFFSET,)]):
+            staying = [f for f in parents if f not in dropped]
+            if not dropped or any(is_needed(f, rest) for f in dropped):
                 continue
             design = with_columns(declared, (*rest, *staying, child))
-            if _gain(gone, design, part) < MARGIN * len(gone):
-                alone = replace(child, candidate=_beside(child.candidate, staying))
-                kept = [alone if f is child else f for f in findings if f not in gone]
+            if _gain(dropped, design, part) < MARGIN * len(dropped):
+                orphan = replace(child, candidate=_with_parents(child.candidate, staying))
+                kept = [orphan if f is child else f for f in findings if f not in dropped]
                 return without_parents(declared, kept, part)
     return [_renamed(finding, findings, declared) for finding in findings]
 
 
-def _beside(candidate: Candidate, parents: Sequence[Finding]) -> Candidate:
+def _with_parents(candidate: Candidate, parents: Sequence[Finding]) -> Candidate:
     kept = tuple(term for parent in parents for term in parent.candidate.terms)
     return replace(candidate, parents=kept)
 
 
 def _renamed(finding: Finding, findings: Sequence[Finding], declared: Design) -> Finding:
-    """Return a finding under the name that it has where no friction stands beside it."""
+    """Return a finding, renamed if no friction stands beside it."""
     candidate = finding.candidate
-    there = standing(with_columns(declared, findings))
+    present = standing(with_columns(declared, findings))
     if candidate.name not in ALONE or any(
-        _is_sign(term) for s, term in there if s == candidate.state
+        _is_sign(term) for state, term in present if state == candidate.state
     ):
         return finding
     return replace(finding, candidate=replace(candidate, name=ALONE[candidate.name]))
@@ -78,18 +79,18 @@ def _is_sign(expression: Sum) -> bool:
 
 
 def _parents_of(child: Finding, findings: Sequence[Finding], declared: Design) -> list[Finding]:
-    """Return the parents that are not declared, if all were found in the derivative."""
-    there = {of_term(term) for term in declared.terms_of(child.candidate.state)}
-    wanted = set(child.candidate.parents) - there
-    found = [
+    """Return the parents that were found, if the derivative showed all that are not declared."""
+    declared_terms = {of_term(term) for term in declared.terms_of(child.candidate.state)}
+    wanted = set(child.candidate.parents) - declared_terms
+    parents = [
         f
         for f in findings
         if f.candidate.state == child.candidate.state
         and wanted & set(f.candidate.terms)
         and not (isinstance(f, MemoryFinding) or f.by_runs)
     ]
-    brought = {term for f in found for term in f.candidate.terms}
-    return found if brought == wanted else []
+    brought = {term for f in parents for term in f.candidate.terms}
+    return parents if brought == wanted else []
 
 
 def _gain(parents: Sequence[Finding], design: Design, part: Segments) -> float:

@@ -1,8 +1,8 @@
-"""Drop effects of inputs alone that take no more off free runs than the noise of these inputs.
+"""Drop effects of inputs alone that remove no more from free runs than input noise adds.
 
-What only free runs show is small beside the noise of a derivative, where errors_in_inputs.py weighs
-it. A hammer's force, say, is noise alone between its blows: a function that is flat at zero takes
-that off, and runs come closer to the record though nothing is missing.
+This repeats the test of errors_in_inputs.py for free runs, which show effects that the noise of a
+derivative hides. A hammer's force, for example, is only noise between blows. A function that is
+flat at zero removes this noise, and runs come closer to the record though nothing is missing.
 """
 
 from __future__ import annotations
@@ -31,23 +31,23 @@ def without_noise_in_runs(
     records: Sequence[Record],
     rng: np.random.Generator,
 ) -> list[Finding]:
-    """Return findings without those of inputs alone that only take their noise off free runs.
+    """Return findings without those of inputs alone that only remove input noise from free runs.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     records : sequence of Record
-        Training records without memories.
+        Training records, before memories are applied.
     rng : numpy.random.Generator
         Draws the noise.
 
     Returns
     -------
     list of Finding
-        All of them where no model can run freely.
+        All of them if the model cannot be run.
     """
     kept = list(findings)
     for finding in findings:
@@ -63,16 +63,16 @@ def _is_noise(
     records: Sequence[Record],
     rng: np.random.Generator,
 ) -> bool:
-    others = excluding(found, finding)
-    drift = drift_from(model_of(declared, others), records)
+    rest = excluding(found, finding)
+    drift = drift_from(model_of(declared, rest), records)
     rows = None if drift is None else drift.trial.rows()
     if drift is None or rows is None:
         return False
-    (beside,) = converged([drift.begun(model_of(declared, [*others, finding]))])
+    (with_it,) = converged([drift.begun(model_of(declared, [*rest, finding]))])
     inputs = frozenset(v - len(declared.states) for v in finding.candidate.variables)
     drawn = [_moved_by_noise(drift, inputs, child) for child in rng.spawn(N_DRAWS)]
-    worth = _power(rows, drift.trial.miss) - _power(rows, beside.miss)
-    return worth <= EXCESS * float(np.mean([_power(rows, moved) for moved in drawn]))
+    removed = _power(rows, drift.trial.miss) - _power(rows, with_it.miss)
+    return removed <= EXCESS * float(np.mean([_power(rows, moved) for moved in drawn]))
 
 
 def _moved_by_noise(drift: Drift, inputs: frozenset[int], rng: np.random.Generator) -> np.ndarray:
@@ -91,5 +91,5 @@ def _error(record: Record, rng: np.random.Generator, inputs: frozenset[int]) -> 
 
 
 def _power(rows: Rows, missed: np.ndarray) -> float:
-    """Return the power of misses, (n_stretches, n, n_states), that no other starts explain."""
+    """Return the power of misses, (n_stretches, n, n_states), that changed starts leave."""
     return float(np.mean(rows.freed(rows.of(missed)) ** 2))

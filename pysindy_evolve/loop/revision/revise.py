@@ -23,10 +23,10 @@ __all__ = ["exchange", "merged", "prune"]
 def exchange(
     declared: Design, findings: Sequence[Finding], part: Segments, *, latest: bool = False
 ) -> list[Finding]:
-    """Replace an earlier effect, or the latest too, where another one does better by now.
+    """Replace each earlier effect, or the latest too, where another one does better by now.
 
-    Effects that only work together may enter one after the other, and the first of them under a
-    wrong name: cubic damping for drag, as long as the friction is not there yet.
+    Of effects that only work together, the first may enter under a wrong name: cubic damping
+    instead of drag, as long as the friction is missing.
     """
     findings = list(findings)
     for place, finding in enumerate(findings if latest else findings[:-1]):
@@ -36,27 +36,28 @@ def exchange(
         if is_needed(finding, rest):
             continue
         design = with_columns(declared, rest)
-        others = candidates(design, part.ranges)
-        allowed = [c for c in others if finding.candidate.name not in c.must_beat]
+        offered = candidates(design, part.ranges)
+        allowed = [c for c in offered if finding.candidate.name not in c.must_beat]
         options = dict.fromkeys([*allowed, finding.candidate])
         scores = score(design, part, list(options), pairs=False)
-        own = next((s for s in scores if s.group == (finding.candidate,)), None)
-        if own is None:
+        present = next((s for s in scores if s.group == (finding.candidate,)), None)
+        if present is None:
             continue
-        better, n_own = scores[0].group[0], finding.candidate.n_columns
-        least = PRICE if finding.candidate.is_straight else MARGIN  # what bends must do much better
-        least += LEAD * max(better.n_columns - n_own, 0)  # and what has more coefficients
-        if scores[0].value > own.value + least:
-            there = finding.with_candidate(better, design)
-            findings[place] = replace(there, score=scores[0].value)
+        better, n_present = scores[0].group[0], finding.candidate.n_columns
+        # To replace a straight line, or to add coefficients, an effect must do much better.
+        least = PRICE if finding.candidate.is_straight else MARGIN
+        least += LEAD * max(better.n_columns - n_present, 0)
+        if scores[0].value > present.value + least:
+            exchanged = finding.with_candidate(better, design)
+            findings[place] = replace(exchanged, score=scores[0].value)
     return findings
 
 
 def merged(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Put one effect in the place of two that do no better together.
+    """Replace two effects by one that does as well as both together.
 
-    Gravity on an arm about the horizontal is first seen as an offset, for most of its cosine is
-    one, and then as a quadratic stiffness, which is the rest.
+    Gravity on an arm near the horizontal is first seen as an offset, since its cosine is nearly
+    one, and then as a quadratic stiffness, which is the rest of the cosine.
     """
     for first, second in combinations(findings, 2):
         one = _in_place_of(first, second, declared, findings, part)
@@ -69,6 +70,7 @@ def merged(declared: Design, findings: Sequence[Finding], part: Segments) -> lis
 def _in_place_of(
     first: Finding, second: Finding, declared: Design, findings: Sequence[Finding], part: Segments
 ) -> Finding | None:
+    """Return the effect that does as well as two together; None if there is none."""
     pair = (first.candidate, second.candidate)
     rest = excluding(findings, first, second)
     if (
@@ -80,37 +82,38 @@ def _in_place_of(
     ):
         return None
     design = with_columns(declared, rest)
-    own = [c for c in pair if not c.contains_parents]
-    # What refines an effect has to pass a test of its own, and a stop has a place besides.
+    excluded = [c for c in pair if not c.contains_parents]
+    # Refinements have to pass a test of their own, and a stop brings its position as a number.
     offered = candidates(design, part.ranges)
-    others = [
+    allowed = [
         c for c in offered if not (c.must_beat or (c.contains_parents and c.shape is not None))
     ]
-    mirrors = [tuned(there, design, part) for c in pair for there in begun_at_same(c)]
-    options = [*mirrors, *(c for c in others if c not in own)]
+    # Dead zones with one end that begin at the kink of one of the two.
+    mirrors = [tuned(mirror, design, part) for c in pair for mirror in begun_at_same(c)]
+    options = [*mirrors, *(c for c in allowed if c not in excluded)]
     free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
-    # In one call, for the errors are weighed by what all columns together leave.
+    # Scored in one call, since the noise weights depend on all columns together.
     scores = score(design, part, list(free))
     names = {replace(c, parents=()) for c in pair}
-    both = max((2.0 * s.value for s in scores if set(s.group) == names), default=np.inf)
-    alone = [s for s in scores if len(s.group) == 1 and _is_single(s.group[0], pair, own)]
-    best = max(alone, key=lambda s: s.value, default=None)
+    pair_score = max((2.0 * s.value for s in scores if set(s.group) == names), default=np.inf)
+    singles = [s for s in scores if len(s.group) == 1 and _is_single(s.group[0], pair, excluded)]
+    best = max(singles, key=lambda s: s.value, default=None)
     if best is None:
         return None
     (candidate,) = best.group
-    # A filter bends a kink, of which an offset makes a little.
-    least = PRICE if any(candidate.terms == there.terms for there in mirrors) else MARGIN
-    if best.value < both - least:
+    # A filter rounds a kink, and an offset makes up for a part of that.
+    least = PRICE if any(candidate.terms == mirror.terms for mirror in mirrors) else MARGIN
+    if best.value < pair_score - least:
         return None
     weaker = max(first, second, key=lambda f: f.p_value)
-    one = weaker.with_candidate(candidate, design)
-    return replace(one, score=best.value, step=min(first.step, second.step))
+    merged_finding = weaker.with_candidate(candidate, design)
+    return replace(merged_finding, score=best.value, step=min(first.step, second.step))
 
 
 def _is_single(
     candidate: Candidate, pair: Sequence[Candidate], excluded: Sequence[Candidate]
 ) -> bool:
-    """Tell whether a candidate is one column of the pair's equation, and not one of the pair."""
+    """Tell whether a candidate is a single column of the pair's equation, and not excluded."""
     taken = {(c.name, c.terms) for c in excluded}
     return (
         candidate.state == pair[0].state
@@ -120,10 +123,10 @@ def _is_single(
 
 
 def prune(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Drop effects that later ones made superfluous, unless one of those needs them."""
+    """Drop effects that later ones made superfluous, unless another one needs them."""
     for finding in list(findings):
         rest = excluding(findings, finding)
-        if isinstance(finding, MemoryFinding) or finding.by_runs:  # the derivative is blind to it
+        if isinstance(finding, MemoryFinding) or finding.by_runs:  # the derivative does not show it
             continue
         if is_needed(finding, rest):
             continue

@@ -1,4 +1,4 @@
-"""One number in place of two, in effects that are one expression in the equations of two states."""
+"""One number instead of two, where effects of two equations are the same expression."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..given.segments import Segments
 
 __all__ = ["with_shared_numbers"]
 
-N_ROUNDS = 2  # numbers tuned apart may lie as far from their place on the grid as is looked at
+N_ROUNDS = 2  # of tuning: the shared number may lie beyond the reach of a single one
 
 
 def with_shared_numbers(
@@ -22,13 +22,13 @@ def with_shared_numbers(
 ) -> list[Finding]:
     """Return findings in which partners have the same numbers, tuned together.
 
-    Unless numbers of their own do clearly better: two valves behind one signal may saturate at two
-    places.
+    Partners keep different numbers where these do clearly better: two valves behind one signal may
+    saturate at two places.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     part : Segments
@@ -37,7 +37,7 @@ def with_shared_numbers(
     Returns
     -------
     list of Finding
-        Those that share their numbers already stay as they are.
+        Partners that share their numbers already stay as they are.
     """
     kept = list(findings)
     for places in partnerships([f.candidate for f in kept]):
@@ -51,16 +51,16 @@ def with_shared_numbers(
 
 
 def _shared(group: Sequence[Candidate], design: Design, part: Segments) -> tuple[float, ...] | None:
-    """Return the numbers that partners share; None if they do so already, or had better not."""
-    apart = joined(group)
-    begun = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
-    if len(begun) == 1:
+    """Return the numbers that partners share; None if they do already, or do worse with them."""
+    unshared = joined(group)
+    initial = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
+    if len(initial) == 1:
         return None
-    together = [apart.at(values) for values in begun]
+    together = [unshared.at(values) for values in initial]
     for _ in range(N_ROUNDS):
-        together = [tuned(one, design, part) for one in together]
-    # In one call, for the errors are weighed by what all columns together leave.
-    gains = {s.group[0]: s.value for s in score(design, part, [apart, *together], pairs=False)}
-    best = max(together, key=lambda one: gains.get(one, -math.inf))
-    least = gains.get(apart, -math.inf) - MARGIN
+        together = [tuned(effect, design, part) for effect in together]
+    # Scored in one call, since the noise weights depend on all columns together.
+    gains = {s.group[0]: s.value for s in score(design, part, [unshared, *together], pairs=False)}
+    best = max(together, key=lambda effect: gains.get(effect, -math.inf))
+    least = gains.get(unshared, -math.inf) - MARGIN
     return best.shape.values if best.shape and gains.get(best, -math.inf) > least else None

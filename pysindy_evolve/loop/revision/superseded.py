@@ -1,6 +1,6 @@
-"""Drop what an input goes through, and what only free runs showed, once later effects explain it.
+"""Drop memories, and findings of free runs, once later effects explain them.
 
-A run that lacks a cosine of the input leaves the record as one does whose input comes late.
+A missing cosine of the input makes runs leave the record much as a delay of the input does.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ __all__ = ["without_outlived"]
 def without_outlived(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record], wide: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings without those that neither derivative nor free runs miss any longer.
+    """Return findings without those that neither the derivative nor free runs need any longer.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     records : sequence of Record
-        Training records without memories.
+        Training records, before memories are applied.
     wide : sequence of Record
         The same with a higher cutoff, for the derivative.
 
@@ -44,15 +44,15 @@ def without_outlived(
     """
     for finding in findings:
         rest = excluding(findings, finding)
-        if _may_go(finding, rest):
+        if _may_be_superseded(finding, rest):
             sides = model_of(declared, findings), model_of(declared, rest)
             if _derivative_loss(*sides, wide) < MARGIN and _loss_of_runs(*sides, records) < MARGIN:
                 return without_outlived(declared, rest, records, wide)
     return list(findings)
 
 
-def _may_go(finding: Finding, rest: Sequence[Finding]) -> bool:
-    """Tell whether later effects may explain what one was needed for, and no other builds on it."""
+def _may_be_superseded(finding: Finding, rest: Sequence[Finding]) -> bool:
+    """Tell whether later effects may explain what a finding did, and none of the rest needs it."""
     hidden = isinstance(finding, MemoryFinding) or finding.by_runs
     followed = any(other.step > finding.step for other in rest)
     is_free = not (is_needed(finding, rest) or isinstance(finding, LimitFinding))
@@ -70,7 +70,7 @@ def _derivative_loss(many: Model, few: Model, wide: Sequence[Record]) -> float:
 
 
 def _loss_of_runs(many: Model, few: Model, records: Sequence[Record]) -> float:
-    """Return log(error of free runs with few effects / with many); infinity if none can be run."""
+    """Return log(error of free runs with few effects / with many); infinity if `many` fails."""
     coef = [refit(model.design, model.acted(records), "derivative") for model in (many, few)]
     drift = drift_of(many, coef[0], records)
     if drift is None:

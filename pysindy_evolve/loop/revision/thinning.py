@@ -1,9 +1,9 @@
-"""Drop what a term with numbers in it makes superfluous once these are tuned without the rest.
+"""Drop effects that a grown term or a hysteresis replaces once its numbers are tuned without them.
 
-Where no name fits, names that come close may enter before the term is grown: a square and a cube of
-the input for the exponential of a voltage. Beside them its numbers settle where they fill the gaps,
-and so each of them still seems needed. So it is with a Coulomb friction that came in before the
-hysteresis it is a part of.
+Where no named effect fits, similar ones may enter before the right term is grown: a square and a
+cube of the input instead of the exponential of a voltage. Beside them the numbers of the grown term
+settle where it fills the gaps, so each of them still seems needed. The same happens to a Coulomb
+friction that entered before the hysteresis of which it is a part.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ FILLS_GAPS = (EVOLVED, HYSTERESIS)
 
 
 def thinned(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
-    """Return findings without those that a grown term or a hysteresis, tuned anew, can do without.
+    """Return findings without those that a grown term or a hysteresis, tuned again, replaces.
 
-    All that were named before the term are dropped together if the rest predicts as well, else one
-    by one.
+    All effects that came before the term are dropped together if the rest predicts as well,
+    otherwise one by one.
 
     Parameters
     ----------
     declared : Design
-        The model at the start.
+        The declared model.
     findings : sequence of Finding
         What was found.
     part : Segments
@@ -55,12 +55,12 @@ def thinned(declared: Design, findings: Sequence[Finding], part: Segments) -> li
     return list(findings)
 
 
-def _came_before(one: Finding, grown: Finding) -> bool:
-    """Tell whether a term may have been grown into the gaps that one effect has left."""
-    earlier = one.step < grown.step and one.candidate.state == grown.candidate.state
-    # The derivative is blind to what only runs show, and what remembers adds no term.
-    shows = not (isinstance(one, MemoryFinding) or one.by_runs)
-    return grown.candidate.name in FILLS_GAPS and earlier and shows
+def _came_before(effect: Finding, grown: Finding) -> bool:
+    """Tell whether a grown term may fill the gaps that an earlier effect has left."""
+    earlier = effect.step < grown.step and effect.candidate.state == grown.candidate.state
+    # Findings of free runs do not show in the derivative, and memories add no term.
+    in_derivative = not (isinstance(effect, MemoryFinding) or effect.by_runs)
+    return grown.candidate.name in FILLS_GAPS and earlier and in_derivative
 
 
 def _without(
@@ -70,19 +70,19 @@ def _without(
     grown: Finding,
     part: Segments,
 ) -> list[Finding]:
-    """Return findings without some, a grown term tuned for it; none if these are needed."""
+    """Return findings without some, and a grown term tuned again; none if that loses too much."""
     rest = excluding(findings, grown, *dropped)
     shape = shape_of(grown.candidate)
     if shape is None or any(is_needed(f, (*rest, grown)) for f in dropped):
         return []
     design = with_columns(declared, rest)
-    alone = replace(grown.candidate, parents=(), shape=shape)
-    there = replace(grown.candidate, terms=tuned(alone, design, part).terms)
-    other = grown.with_candidate(there, design)
-    loss = _loss(design, [*dropped, grown], [other], part)
+    free = replace(grown.candidate, parents=(), shape=shape)
+    candidate = replace(grown.candidate, terms=tuned(free, design, part).terms)
+    refitted = grown.with_candidate(candidate, design)
+    loss = _loss(design, [*dropped, grown], [refitted], part)
     if loss >= MARGIN * len(dropped):
         return []
-    return [other if f is grown else f for f in findings if f not in dropped]
+    return [refitted if f is grown else f for f in findings if f not in dropped]
 
 
 def _loss(design: Design, many: Sequence[Finding], few: Sequence[Finding], part: Segments) -> float:
