@@ -87,8 +87,8 @@ class Candidate:
         Effects of other equations that are tuned and added with it. They have coefficients of
         their own, see partners.py.
     acts_at : tuple, optional
-        Of an effect that enters as a declared force or rate does: the place, and the terms that
-        act there. The same terms at the same place may be in several equations, see entries.py.
+        Of an effect that enters as a declared force or rate does: its places, and the terms that
+        act there. The same terms at the same places may be in several equations, see entries.py.
     free_nodes : int
         Nodes without a price: a declared term inside a grown one is known, and counts as one node.
     """
@@ -103,7 +103,7 @@ class Candidate:
     never_paired: bool = field(default=False, compare=False)
     passive: bool = field(default=False, compare=False)
     partners: tuple[Candidate, ...] = ()
-    acts_at: tuple[int, tuple[Sum, ...]] | None = field(default=None, compare=False)
+    acts_at: tuple[tuple[int, ...], tuple[Sum, ...]] | None = field(default=None, compare=False)
     free_nodes: int = field(default=0, compare=False)
 
     @property

@@ -85,7 +85,7 @@ def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iter
         if 1 < len(weights) == len(slip.parts) and not is_difference:
             reach = sum(abs(c) * float(scales[v]) for c, v in weights)
             grips = gripping(effect, COUPLING, slip, reach)
-            yield from (replace(one, acts_at=(min(slip.variables), one.terms)) for one in grips)
+            yield from (replace(one, acts_at=((min(slip.variables),), one.terms)) for one in grips)
 
 
 def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:

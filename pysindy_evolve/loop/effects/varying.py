@@ -91,7 +91,7 @@ def _sated(
     for share in HALVES:
         half = Shape((share * size,), (build,), meanings=("half-saturation",))
         candidate = effect(SATURATING, shape=half, never_paired=True)
-        yield replace(candidate, acts_at=(level, candidate.terms))
+        yield replace(candidate, acts_at=((level,), candidate.terms))
 
 
 def throttled(

@@ -7,7 +7,7 @@ Nelder 1977, DOI 10.2307/2344517).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
@@ -35,8 +35,9 @@ from .differences import (
     losses,
     radiated,
 )
-from .entries import entries_of
+from .entries import Entry, entries_of
 from .hysteresis import remembering, rounded, yields
+from .links import link_weights
 from .names import (
     ASYMMETRIC_FRICTION,
     CONSTANT_OFFSET,
@@ -155,7 +156,9 @@ def _of_rate(
     yield from _relative(effect, design, state, apart)
     yield from leveling(effect, design, scales)
     yield from radial(effect, design, turning)
-    yield from _at_joints(effect, design, scales, turning)
+    entries = entries_of(design, state)
+    yield from _at_joints(effect, design, entries, scales, turning)
+    yield from link_weights(effect, design, entries, scales, middle, turning)
     yield from varying(effect, design)
     yield from saturating(effect, design, scales, middle)
     yield from throttled(effect, design, scales, middle)
@@ -252,10 +255,14 @@ def _with_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate
 
 
 def _at_joints(
-    effect: CandidateMaker, design: Design, scales: np.ndarray, turning: frozenset[int]
+    effect: CandidateMaker,
+    design: Design,
+    entries: Sequence[Entry],
+    scales: np.ndarray,
+    turning: frozenset[int],
 ) -> Iterator[Candidate]:
     """Yield forces that enter where a declared force does, with a factor that is not constant."""
-    for entry in entries_of(design, effect.state):
+    for entry in entries:
         forces = [effect(CONSTANT_OFFSET, OFFSET), *centripetal(effect, design, turning)]
         for v in entry.velocities:
             forces += _frictions(effect, variable(v), float(scales[v]))
@@ -268,7 +275,7 @@ def _at_joints(
         factor = bare(entry.factor) if is_free else entry.factor
         for force in forces:
             entering = rewritten(force, partial(mul, factor))
-            yield replace(entering, never_paired=True, acts_at=(entry.beside, force.terms))
+            yield replace(entering, never_paired=True, acts_at=((entry.beside,), force.terms))
 
 
 def _couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:

@@ -76,7 +76,7 @@ def _of_one_force(candidates: Sequence[Candidate], able: Sequence[int]) -> list[
 
     Each alone explains one equation only, which may not be clear on few segments.
     """
-    places: dict[tuple[int, tuple[Sum, ...]], list[int]] = {}
+    places: dict[tuple[tuple[int, ...], tuple[Sum, ...]], list[int]] = {}
     for i in able:
         force = candidates[i].acts_at
         if force is not None:

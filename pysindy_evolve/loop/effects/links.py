@@ -1,0 +1,88 @@
+"""The weight of a link of an arm, or of what it carries: a torque at every joint that lifts it.
+
+A link points where the angles of the joints before it add up to. Its weight has the potential
+m g l sin(q1 + q2), so it pulls with m g l cos(q1 + q2) at both joints, and through the inverse mass
+matrix each of these torques acts in all equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import reduce
+from itertools import combinations
+
+import numpy as np
+
+from ...terms import Sum, add, call, constant, mul, variable
+from ..given.design import Design
+from .angles import RADIAN, WAVES, bends, swing_of
+from .candidate import Candidate, CandidateMaker
+from .entries import Entry
+from .names import GRAVITY
+
+__all__ = ["link_weights"]
+
+
+def link_weights(
+    effect: CandidateMaker,
+    design: Design,
+    entries: Sequence[Entry],
+    scales: np.ndarray,
+    middle: np.ndarray,
+    turning: frozenset[int],
+) -> Iterator[Candidate]:
+    """Yield the weights of the links of an arm, in the equation of one joint.
+
+    Parameters
+    ----------
+    effect : CandidateMaker
+        Makes the candidates of the equation.
+    design : Design
+        The model so far.
+    entries : sequence of Entry
+        Where forces enter the equation.
+    scales, middle : ndarray of shape (n_variables,)
+        Largest magnitude and middle of the range of each variable.
+    turning : frozenset of int
+        Variables that are angles, in radians.
+
+    Yields
+    ------
+    Candidate
+        Only of links that swing so far that their weight is no offset with a spring.
+    """
+    for angles, places in _chains(design, entries, turning):
+        swing = sum(swing_of(angle, scales, middle) for angle in angles)
+        if bends(swing, RADIAN):
+            direction = reduce(add, map(variable, angles))
+            factor = reduce(add, (_torque_factor(entry, design) for entry in places))
+            force = tuple(entry.beside for entry in places)
+            for wave in WAVES:
+                weight = call(wave, direction)
+                candidate = effect(GRAVITY, mul(factor, weight), never_paired=True)
+                yield replace(candidate, acts_at=(force, (weight,)))
+
+
+def _chains(
+    design: Design, entries: Sequence[Entry], turning: frozenset[int]
+) -> Iterator[tuple[tuple[int, ...], tuple[Entry, ...]]]:
+    """Yield runs of joints, as a link is lifted by all joints before it, and their torques.
+
+    Without a declared damping, nobody knows at which joint an input acts, so all are tried.
+    """
+    rates = {q: v for v in design.velocities if (q := design.position_of(v)) in turning}
+    joints = sorted(rates)
+    for first, last in combinations(range(len(joints) + 1), 2):
+        angles = tuple(joints[first:last])
+        needed = {rates[angle] for angle in angles}
+        for places in combinations(entries, len(angles)):
+            able = [needed.intersection(entry.velocities) for entry in places]
+            if all(able) and needed == set().union(*able):
+                yield angles, places
+
+
+def _torque_factor(entry: Entry, design: Design) -> Sum:
+    """Return the factor of a torque; that of a damping has the opposite sign."""
+    is_input = entry.beside >= len(design.states)
+    return entry.factor if is_input else mul(constant(-1.0), entry.factor)
