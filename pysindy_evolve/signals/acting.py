@@ -31,7 +31,7 @@ class InputFunction:
     Parameters
     ----------
     function : callable
-        From values of the input, (n,), to what acts, (n,).
+        From values of the input, (n,), to the values that act, (n,).
     low, high : float
         Range of the input.
     """

@@ -22,7 +22,10 @@ def value_within(value: float, low: float, high: float) -> str:
 
 
 def ends(low: float, high: float) -> str:
-    """Return the ends of an interval with equally many decimals; zeros that both end in are cut."""
+    """Return the ends of an interval with as many digits as tell them apart.
+
+    Zeros at the end are cut only if both have them.
+    """
     digits = _digits(low, high)
     texts = [f"{end:#.{digits}g}" if end else "0" for end in (low, high)]
     if any("e" in end for end in texts):

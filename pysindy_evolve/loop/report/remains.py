@@ -21,7 +21,7 @@ LIKELY = 0.5  # p-value from which on the best candidate is no better than chanc
 
 
 def remains(report: LoopReport) -> list[str]:
-    """Return sentences on the best candidate that did not pass and on what is left; cautions."""
+    """Return sentences: the best candidate that did not pass, remaining structure, cautions."""
     sentences = [_best_rejected(report)] if report.finished or report.rejected is not None else []
     if report.verdict == "untraced" and report.chance_left < 1.0:
         sentences.append(

@@ -30,9 +30,10 @@ def percent_left(equations: Equations, records: Sequence[Record]) -> np.ndarray:
 
 
 def in_percent(columns: np.ndarray, records: Sequence[Record]) -> np.ndarray:
-    """Return the RMS of columns (n_samples, n_states), percent of the derivatives' std. deviation.
+    """Return the RMS of columns (n_samples, n_states) in percent.
 
-    NaN where a derivative hardly varies, as that of a ramp: a share of rounding means nothing.
+    Percent of the standard deviation of the measured derivatives. NaN where a derivative hardly
+    varies, as that of a ramp: a share of rounding means nothing.
     """
     rates = np.concatenate([record.x_dot for record in records])
     spread, size = rates.std(axis=0), np.sqrt(np.mean(rates**2, axis=0))
