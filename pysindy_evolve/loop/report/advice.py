@@ -68,8 +68,8 @@ def _in_time(effect: Effect, units: Mapping[str, str] | None) -> tuple[str, str]
     delay = with_unit(float(effect.coefficients[0]), "t", units)
     return (
         f"{effect.name} or {rivals}, in the equation of {effect.state}?",
-        "They differ in how they follow a sudden change of the input. Record steps of it, sampled "
-        f"in much less than the {delay} by which it is late.",
+        "They differ in how they follow a sudden change of the input. Record steps of the input, "
+        f"with a sampling time much shorter than the {delay} by which it acts late.",
     )
 
 
@@ -95,9 +95,10 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
     if _is_known(first):
         return [
             f"Against noise alone this record would tell them apart, by {_now(alike)} standard "
-            "errors where five are enough. But either of them leaves more than that noise, or "
-            "something else in each piece: a load that nobody measured, or what else is missing. "
-            "Where the report names nothing else, record for longer."
+            "errors; five are enough. But with either of them the model leaves more than this "
+            "noise, or something that differs between the parts of the record, as an unmeasured "
+            "load or another missing effect does. If the report names nothing else, record for "
+            "longer."
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
     if _is_hopeless(first):

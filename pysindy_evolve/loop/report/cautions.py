@@ -154,13 +154,13 @@ def _changed_parameters(report: LoopReport) -> list[str]:
     if turned:
         said.append(
             f"Adding the effects reverses the sign of a parameter: {', '.join(turned)}. If the "
-            "machine cannot have the new sign, an effect stands for another one, or holds a part "
-            "of that term."
+            "machine cannot have the new sign, an effect stands in for another one, or has "
+            "absorbed a part of that term."
         )
     if gone:
         said.append(
             f"With the effects, little is left of a declared term: {', '.join(gone)}. They explain "
-            "what it explained, and more; the model may not need that term."
+            "all that it explained; the model may not need that term."
         )
     return said
 
@@ -181,7 +181,7 @@ def _lines(report: LoopReport) -> list[str]:
     return [
         f"In each training record the residual of d{line.state}/dt has a line at "
         f"{line.frequency:.4g} cycles per unit of t that no input has: perhaps a forcing whose "
-        "phase differs between records, which no fixed term can be."
+        "phase differs between records, which no fixed term can describe."
         for line in shared_lines(report)
     ]
 
@@ -190,8 +190,9 @@ def _offsets(report: LoopReport) -> list[str]:
     """Say which residuals have a mean that differs between the training records."""
     return [
         f"The residual of d{state}/dt has a different mean in each training record "
-        f"({', '.join(map(format_number, means))}): something that stays within a record differs "
-        "between them, such as a load or the zero of a sensor, which no fixed term can be."
+        f"({', '.join(map(format_number, means))}): something is constant within a record but "
+        "differs between records, such as a load or the zero of a sensor. No fixed term can "
+        "describe it."
         for state, means in offsets_by_record(report).items()
     ]
 
@@ -215,9 +216,9 @@ def _leaves_structure(report: LoopReport) -> list[str]:
     if not report.leaves_structure:
         return []
     return [
-        "What the corrected model leaves still depends on what was measured, by more than chance "
-        f"explains (p = {report.chance_left:.2g}). Something else is missing, or an effect stands "
-        "for another one that was not tried."
+        "The residual of the corrected model still depends on the measured variables, by more than "
+        f"chance explains (p = {report.chance_left:.2g}). Something else is missing, or an effect "
+        "stands in for another one that was not tried."
     ]
 
 

@@ -91,9 +91,11 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
         times = "" if expression == OFFSET else f" times {_in_parentheses(term)}"
         lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
         if low < 0.0 < high and not _only_sets_phase(effect):
-            lines.append("the interval contains zero: its sign is not known apart from other terms")
+            lines.append("the interval contains zero: the record does not determine its sign")
         elif 0.0 in (low, high):  # cut off at zero by settling/shape_intervals.py
-            lines.append("hardly told apart from the numbers inside it; zero itself was ruled out")
+            lines.append(
+                "hardly determined beside the numbers inside it; zero itself was ruled out"
+            )
     return lines
 
 
@@ -117,7 +119,7 @@ def _only_sets_phase(effect: Effect) -> bool:
 
 def named_together(effect: Effect) -> list[str]:
     """Name the single effect that this one forms with another effect of its equation."""
-    return [f"with the other part of it also called {name}" for name in effect.together]
+    return [f"together with another effect here it is also called {n}" for n in effect.together]
 
 
 def _wrapped(sayings: Sequence[str], wide: bool) -> list[str]:

@@ -35,9 +35,9 @@ def exchangeable_poles(report: LoopReport) -> list[str]:
     users = [(lag, _only_user(model, len(model.inner.states) + lag.column)) for lag in lags]
     return [
         f"The time constant of the lag, {format_number(lag.values[0])}, and that of "
-        f"{model.states[place]} itself, {format_number(-1.0 / rate)}, can change places: the "
-        f"inputs move {model.states[place]} as before then, and only what is known of the machine "
-        "tells which is which."
+        f"{model.states[place]} itself, {format_number(-1.0 / rate)}, can change places: "
+        f"{model.states[place]} then responds to the inputs as before, and only knowledge of the "
+        "machine tells which is which."
         for lag, place in users
         if place is not None and (rate := _rate_of(model.inner.sums[place], place)) < 0.0
     ]

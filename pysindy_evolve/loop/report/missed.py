@@ -22,12 +22,13 @@ RUNAWAY = 100.0  # the run has lost the record
 BY_START = 0.5  # share of the error: if noise in the first state causes more, the run says little
 
 RANDOM = (
-    "What remains looks like a random force to every effect that was tried. If no such force acts, "
-    "something is missing that is not among these effects, or not clear in this record."
+    "None of the effects that were tried explains what remains; it may be a random force. If no "
+    "such force acts, something is missing that is not among these effects, or that this record "
+    "does not show clearly."
 )
 UNSOUGHT = "The search stopped early: an effect that was not tried yet may explain this."
 SHORT = (
-    "The training data is too short to search for terms: beside effects with names only small ones "
+    "The training data is too short to search for terms: only effects with names and small terms "
     "were tried. Measure longer, or more often."
 )
 
@@ -70,14 +71,14 @@ def _of_run(report: LoopReport, error: float) -> list[str]:
     if np.isfinite(error) and moved > BY_START * error:
         does = f"moves it by {percent(moved)}" if np.isfinite(moved) else "lets it diverge"
         sentence = (
-            f"The free run misses the record by {percent(error)}, but it begins where noisy "
-            f"sensors say, and this noise alone {does}: judge by the derivative."
+            f"The free run misses the record by {percent(error)}, but it starts from noisy "
+            f"readings, and their noise alone {does}: judge by the derivative."
         )
         return [sentence, *_of_rates(report)]
     if error < RUNAWAY:
         return [f"The free run still misses the record by {percent(error)}. {_why(report)}"]
     lost = (
-        "The free run leaves the record by more than the record varies. Either it amplifies the "
-        "smallest difference, or something is still missing: judge by the derivative."
+        "The free run leaves the record by more than the record varies. Either the model amplifies "
+        "the smallest difference, or something is still missing: judge by the derivative."
     )
     return [lost, *_of_rates(report)]

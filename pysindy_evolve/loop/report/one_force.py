@@ -28,7 +28,7 @@ def one_force(report: LoopReport) -> list[str]:
     return [
         f"{first.name[0].upper()}{first.name[1:]} in the equations of {first.state} and "
         f"{second.state} acts {first.entry} in both, with coefficients that the record cannot tell "
-        "apart: it is one force, and moves both."
+        "apart: it is one force that acts in both equations."
         for first, second in combinations(report.effects, 2)
         if _is_same_force(first, second)
     ]

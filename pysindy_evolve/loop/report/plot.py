@@ -100,7 +100,7 @@ def draw_residuals(
     _label(panels, shown, names, units, rate)
     span = with_unit(windows.width * record.dt, "t", units)
     figure.suptitle(
-        f"Where the held-out residual lives, averaged over windows of {span} as in the fit",
+        f"Held-out residual, averaged over windows of {span} as in the fit",
         fontsize=10,
     )
     _draw_planes(figure, panels, report, index, stages, variables, units)

@@ -26,8 +26,8 @@ def remains(report: LoopReport) -> list[str]:
     if report.verdict == "untraced" and report.chance_left < 1.0:
         sentences.append(
             "A general model, polynomials of all variables and the recent past of the inputs, "
-            "predicts the residual better than it does in twins: something is there that depends "
-            "on what was measured. Possible causes: a delay, a memory, an unmeasured variable, "
+            "predicts the residual better than it does in twins: the residual depends on the "
+            "measured variables. Possible causes: a delay, a memory, an unmeasured variable, "
             "columns that were filtered differently, or, in a closed loop, noise of a sensor that "
             f"the controller passed on to an input.{slow_rest(report)}"
         )
@@ -83,7 +83,7 @@ def _p_value(best: Rejected, report: LoopReport) -> str:
     """Return the p-value; with the level of the look if only that, not significance, rejects it."""
     text = f"p = {best.p_value:.2g}"
     if best.level < best.p_value <= report.rules.significance:
-        text += f"; as there are several looks, each asks for {best.level:.2g}"
+        text += f"; several looks share the significance, and this one asks for {best.level:.2g}"
     return text
 
 

@@ -20,7 +20,7 @@ __all__ = ["slow_drifts", "slow_rest"]
 
 N_SLOW = 8  # lowest terms of a cosine transform: those slower than an eighth of the record
 MAIN_SHARE = 0.5  # share of the mean square of a residual
-FASTER_ONLY = "the loop looks for faster ones only. A longer record would show it."
+FASTER_ONLY = "the loop looks only for faster ones. A longer record would show it."
 
 
 def slow_drifts(report: LoopReport) -> list[str]:
@@ -32,8 +32,8 @@ def slow_drifts(report: LoopReport) -> list[str]:
     )
     states = dict.fromkeys(drift.state for drift in drifts)
     return [
-        f"The drift of {state} may also be a state that nobody measured and that follows slowly, "
-        f"over more than {_longest(report)}, an eighth of the record: {FASTER_ONLY}"
+        f"The drift of {state} may also be a state that nobody measured and that responds slowly, "
+        f"in more than {_longest(report)} (an eighth of the record): {FASTER_ONLY}"
         for state in states
     ]
 
@@ -47,7 +47,7 @@ def slow_rest(report: LoopReport) -> str:
         return ""
     return (
         f" Most of what is left of {' and '.join(names)} changes over more than "
-        f"{_longest(report)}, an eighth of the record, like a wandering sensor or force, or a "
+        f"{_longest(report)} (an eighth of the record), like a wandering sensor or force, or a "
         f"state that nobody measured: {FASTER_ONLY}"
     )
 

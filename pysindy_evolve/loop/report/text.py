@@ -105,7 +105,7 @@ def added_up(report: LoopReport) -> list[str]:
         for _, product in as_hinges(expression).parts
     }
     shown = {(state, product) for state, side in sides.items() for _, product in side.parts}
-    said = "Where an effect below holds one of the same terms, the equations show the sum."
+    said = "Where an effect below has a term in common with the rest, the equations show the sum."
     return [said] if report.after.parameters and (declared & added or added - shown) else []
 
 

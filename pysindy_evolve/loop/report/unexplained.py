@@ -50,7 +50,7 @@ def unexplained(report: LoopReport) -> list[str]:
     left, by = f"{percent(errors[worst])} of d{model.states[worst]}/dt", percent(by_noise[worst])
     return [
         f"In the training data the model leaves {left}, where the noise of the sensors leaves "
-        f"{by}. A cutoff so low that it takes off a part of the motion leaves more, too."
+        f"{by}. A cutoff so low that it removes a part of the motion also leaves more."
     ]
 
 

@@ -68,12 +68,12 @@ def unidentified_sentences(design: Design, records: Sequence[Record]) -> list[st
     for *others, last in unidentified(design, records):
         if others:
             sentences.append(
-                f"The records do not tell {', '.join(others)} from {last}: their terms are alike "
-                "there, so that other values fit as well."
+                f"The records do not tell {', '.join(others)} from {last}: their terms are "
+                "linearly dependent there, so that other values fit as well."
             )
         else:
             sentences.append(
-                f"The records say nothing of {last}: its term is zero on all of them. "
+                f"The records say nothing about {last}: its term is zero on all of them. "
                 "Excite it, or give its value as known."
             )
     return sentences
