@@ -20,7 +20,8 @@ Bins = NDArray[np.intp]
 
 __all__ = ["AGREE", "Bins", "averaged", "geometric_edges", "lowest_quarter", "widening_edges"]
 
-AGREE = 10.0  # times their noise: largest power of the difference of two measurements of one signal
+# Two measurements of one signal: largest power of their difference, over that of their noise.
+AGREE = 10.0
 LEAST_BINS, LEAST_WIDTH = 20, 0.07  # of a band: number of bins, and width over frequency
 MAX_BANDS = 150  # where each is wider than the last by one factor
 PASSED = 0.03  # share of the median power; a band below it was filtered away and shows no floor

@@ -32,9 +32,7 @@ LEAST_STAY = 3  # consecutive readings that count as a stay: at a limit, or wher
 LEAST_EXTRA = 2
 CREST_RATIO = 5
 NEXT_LEVELS = 3
-OTHER_STAY = (
-    0.25  # of the longest stay at the extreme; a machine that stops stays as long elsewhere
-)
+OTHER_STAY = 0.25  # of the longest stay at the extreme; a longer stay elsewhere is a machine's stop
 MOST_AT_LIMIT = 0.5  # share of the readings; an extreme that holds more of them is no limit
 # Before a stay, two equal spans are compared, of up to a quarter of its length. In the second one
 # the crest of a sine covers 0.7 of the way of the first, and what comes to rest a third. Less than

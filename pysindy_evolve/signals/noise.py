@@ -67,7 +67,7 @@ def level(power: Array) -> Array:
     """Return the white-noise variance under each row, averaged over all bands of noise alone.
 
     Of eight medians of the same noise the lowest is too low, by 10 % of the variance where a band
-    holds 300 frequencies. So the bands within chance of the lowest are averaged.
+    holds 300 frequencies. So all bands that exceed it by no more than chance are averaged.
     """
     medians = np.array(_medians(power))
     scatter = ALIKE / (MEDIAN_OVER_MEAN * np.sqrt(power.shape[1] / len(medians)))

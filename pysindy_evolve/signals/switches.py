@@ -11,9 +11,7 @@ from .record import Record
 
 __all__ = ["is_decided"]
 
-FEWEST = (
-    0.5  # share of the rows; if fewer are left, because a body turns all the time, all are kept
-)
+FEWEST = 0.5  # share of the rows; if fewer are decided, as for a body that keeps turning, all count
 
 
 def is_decided(record: Record) -> NDArray[np.bool_]:

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Experiment", "Plan", "plan"]
 
-MAX_ROWS = 8000  # rows of the record that are used, which bounds the time it takes
+MAX_ROWS = 8000  # rows of the records that are used
 SMOOTHING = 4.0  # standard deviation of the Gaussian over the noise spectrum, in its bins
 
 

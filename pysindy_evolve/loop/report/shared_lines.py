@@ -25,7 +25,7 @@ __all__ = ["Line", "shared_lines"]
 MAIN_SHARE = 0.5  # above it the model lacks something; a weaker line may be a rig that hums
 LEAST_SHARE = 0.01  # below it a line is not reported: harmonics of a motion leave weak lines too
 NEAR_CUTOFF = 0.9  # of the cutoff; a line above it may be the rest of a motion that the filter cut
-LINE_WIDTH = 3.0  # distance in 1/duration within which two frequencies are one line
+LINE_WIDTH = 3.0  # distance in 1/duration within which two lines of a residual count as one
 
 
 @dataclass(frozen=True)
