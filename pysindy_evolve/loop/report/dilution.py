@@ -110,7 +110,7 @@ def _sentence(state: str, names: Sequence[str], share: float) -> str:
         listed = f"{', '.join(names[:-1])} and {names[-1]}"
         what = f"The terms of {listed} in d{state}/dt nearly cancel out along these records"
     return (
-        f"{what}: {100 * min(share, 1.0):.0f} % of their variation is noise of the sensors, which "
-        "makes their values wrong, mostly too small, by more than the intervals say. Move the "
-        "machine further, or vary its set point."
+        f"{what}: {100 * min(share, 1.0):.0f} % of the remaining variation is noise of the "
+        "sensors, which makes the fitted values wrong, mostly too small, by more than the "
+        "intervals say. Move the machine further, or vary its set point."
     )
