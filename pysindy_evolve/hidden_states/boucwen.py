@@ -1,21 +1,22 @@
-r"""Bouc and Wen's hysteresis: a friction that remembers which way a motion went.
+r"""Bouc and Wen's hysteresis: a friction that depends on the path of the motion.
 
 A hidden state w follows the velocity v of a position x,
 
     w' = (v - beta |v| w - gamma v |w|) / L,    beta + gamma = 1,
 
 and runs to 1 where x goes up, to -1 where it goes down, over about the length L. Its slope there is
-1 - |w|; where the motion has turned and w still points the other way, it is 1 + k |w|, with
-k = beta - gamma, the rate of unloading: 1 for Dahl's friction, near 0 for a straight line.
+(1 - |w|) / L. Where the motion has turned and w still has the old sign, the slope is
+(1 + k |w|) / L, with the rate of unloading k = beta - gamma: 1 for Dahl's friction, near 0 for a
+straight line.
 
-As w depends on the path of x and not on how fast it was run through, it is an operator on the rows
-of a record in time order, and enters a model as any other term does. Between two samples the path
-is taken to be straight, for which the result is exact.
+As w depends on the path of x but not on its speed, it is an operator on the rows of a record in
+time order, and enters a model like any other term. It is exact for a path that is straight between
+samples.
 
 References
 ----------
 Wen, J. Eng. Mech. Div. ASCE 102 (1976), 249-263. Ismail, Ikhouane, Rodellar, Arch. Comput. Methods
-Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8, on what its numbers mean.
+Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8: the meaning of its parameters.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ from .turning import turning_along
 
 __all__ = ["BOUC_WEN", "Hysteresis", "yielding", "yielding_along"]
 
-SUFFIX = "yield"  # what the name of the hidden state ends in, after that of the position
-RATES = (0.05, 20.0)  # of unloading, when fitted; smaller ones look alike, and so do larger ones
+SUFFIX = "yield"  # the hidden state of q is named q_yield
+RATES = (0.05, 20.0)  # range of k when it is fitted; values beyond an end cannot be told apart
 
 
 def yielding_along(
@@ -50,7 +51,7 @@ def yielding_along(
     unloading : float
         k, dimensionless, positive.
     start : float
-        w where the path begins, between -1 and 1.
+        w on the first row, between -1 and 1.
 
     Returns
     -------
@@ -67,7 +68,7 @@ def _state(x: Any, *_: Any) -> Any:
     return sympy.Symbol(f"{x}_{SUFFIX}", real=True)
 
 
-# Of position, velocity, L and k. The velocity only says what the hidden state is driven by.
+# Arguments: position, velocity, L and k. The velocity serves only the equation of the hidden state.
 BOUC_WEN = Operator("bouc_wen", _on_rows, 4, _state)
 
 
@@ -77,7 +78,7 @@ def yielding(x: Sum, v: Sum, length: float, unloading: float) -> Sum:
 
 
 class Hysteresis:
-    """What a model needs to know of w; see `PathKind`."""
+    """Bouc-Wen friction as a `PathKind`."""
 
     suffix = SUFFIX
     order = 1
@@ -99,11 +100,11 @@ class Hysteresis:
         return 1.0 / float(weights[0]), unloading
 
     def parts(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, ...]:
-        """Return what 1 / L and k / L multiply in the rate of w."""
+        """Return the expressions that 1 / L and k / L multiply in the rate of w."""
         v, state = path.args[1], states[0]
-        half, size, speed = constant(0.5), call(BUILTIN["abs"], state), call(BUILTIN["abs"], v)
-        held, led = mul(half, mul(speed, state)), mul(half, mul(v, size))
-        return sub(v, add(held, led)), sub(led, held)
+        half, magnitude, speed = constant(0.5), call(BUILTIN["abs"], state), call(BUILTIN["abs"], v)
+        by_speed, by_velocity = mul(half, mul(speed, state)), mul(half, mul(v, magnitude))
+        return sub(v, add(by_speed, by_velocity)), sub(by_velocity, by_speed)
 
     def term(self, path: Call, states: Sequence[Sum]) -> Sum:
         """Return w itself."""
@@ -114,22 +115,22 @@ class Hysteresis:
         return (constant(0.0),)
 
     def fades(self, path: Call) -> float:
-        """Return zero: it fades over a way, however long that takes."""
+        """Return zero: the initial value fades over a length of path, not over a time."""
         return 0.0
 
     def said(self, path: Call, sure: Sequence[str]) -> str:
         """Return length and rate of unloading in words."""
         length, unloading = self.numbers(path)
-        begun = f"builds up over a length of {length:.4g}{sure[0]}"
-        return f"{begun}, unloads {unloading:.3g} times as fast{sure[1]}"
+        text = f"builds up over a length of {length:.4g}{sure[0]}"
+        return f"{text}, unloads {unloading:.3g} times as fast{sure[1]}"
 
     def along(
         self, path: Call, rows: np.ndarray, starts: Sequence[float] | None = None
     ) -> np.ndarray:
-        """Return w on rows of a record, from its value on the first one; by default zero."""
+        """Return w on rows of a record, starting from a value on the first row, zero by default."""
         start = 0.0 if starts is None else starts[0]
         return self.follow(path.args[0].evaluate(rows), *self.numbers(path), start)[:, None]
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
-        """Return between which values w may have begun."""
+        """Return the range of w on the first row."""
         return [(-1.0, 1.0)]

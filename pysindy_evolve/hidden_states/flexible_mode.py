@@ -1,17 +1,16 @@
-r"""A mass that nobody measured, on a spring and a damper between it and one that was.
+r"""An unmeasured mass, coupled to a measured one by a spring and a damper.
 
-Its position h is driven by the motion x, v of the measured mass, at an angular frequency w0 and a
-damping ratio D,
+Its position h follows the position x and the velocity v of the measured mass, with an angular
+frequency w0 and a damping ratio D,
 
     h'' = w0^2 (x - h) + 2 D w0 (v - h'),    d = (x - h) + 2 D / w0 (v - h').
 
-It pulls the measured mass back with a force in the ratio of d = h'' / w0^2: a flexible load behind
-a joint, a damper of vibrations, a resonance of the frame.
+Its reaction on the measured mass is proportional to d = h'' / w0^2. It describes a flexible load
+behind a joint, a vibration absorber, or a resonance of the frame.
 
-With s = (x - h)' + conj(p) (h - x) and the pole p = w0 (-D + i sqrt(1 - D^2)), both equations are
-one, s' = v' + p s: a relaxation of the velocity whose rate is complex. So it is an operator on the
-rows of a record in time order, as relaxing.py is, and exact for a velocity that is straight between
-two rows.
+With s = (x - h)' + conj(p) (h - x) and the pole p = w0 (-D + i sqrt(1 - D^2)), the equation becomes
+s' = v' + p s: a relaxation of the velocity with a complex rate. So it is an operator on the rows of
+a record in time order, as in relaxing.py, and exact for a velocity that is straight between rows.
 
 References
 ----------
@@ -32,9 +31,9 @@ from .relaxing import relaxing_along, span_of
 
 __all__ = ["FLEXIBLE_MODE", "FlexibleMode", "flexible_mode", "stretch_along"]
 
-SUFFIX = "mode"  # what the names of hidden position and velocity end in
-DAMPINGS = (1e-4, 0.9)  # ratios: one that does not swing is two relaxations
-FADED = 4.0  # times 1 / (D w0), after which 2 % are left of how it began
+SUFFIX = "mode"  # the hidden states of q and v are named q_mode and v_mode
+DAMPINGS = (1e-4, 0.9)  # range of D when it is fitted; an overdamped mode is two relaxations
+FADED = 4.0  # time in units of 1 / (D w0) after which 2 % of the initial state are left
 
 
 def stretch_along(
@@ -49,13 +48,13 @@ def stretch_along(
     Parameters
     ----------
     v : ndarray of shape (n_samples,)
-        Velocity in time order, perhaps of several records, one after the other.
+        Velocity in time order; several records may follow each other.
     t : ndarray of shape (n_samples,)
-        Times. Pieces may be missing.
+        Times; gaps are allowed.
     frequency : float
         w0, radians per unit of t.
     damping : float
-        D, below one.
+        D, dimensionless, below one.
     start : sequence of float
         x - h and its rate on the first row.
 
@@ -63,11 +62,11 @@ def stretch_along(
     -------
     stretch, rate : ndarray of shape (n_samples,)
     """
-    decay, damped = damping * frequency, frequency * np.sqrt(1.0 - damping**2)
-    pole = complex(-decay, damped)
-    begun = complex(start[1] + decay * start[0], damped * start[0])
-    s = relaxing_along(v, t, -1.0 / pole, begun)
-    return s.imag / damped, (pole * s).imag / damped
+    decay, damped_frequency = damping * frequency, frequency * np.sqrt(1.0 - damping**2)
+    pole = complex(-decay, damped_frequency)
+    start_s = complex(start[1] + decay * start[0], damped_frequency * start[0])
+    s = relaxing_along(v, t, -1.0 / pole, start_s)
+    return s.imag / damped_frequency, (pole * s).imag / damped_frequency
 
 
 def _on_rows(
@@ -83,7 +82,7 @@ def _pull(x: Any, v: Any, _: Any, frequency: Any, damping: Any) -> Any:
     return x - h + 2 * damping / frequency * (v - rate)
 
 
-# Of position, velocity, time, w0 and D.
+# Arguments: position, velocity, time, w0 and D.
 FLEXIBLE_MODE = Operator("flexible_mode", _on_rows, 5, _pull)
 
 
@@ -93,7 +92,7 @@ def flexible_mode(x: Sum, v: Sum, t: Sum, frequency: float, damping: float) -> S
 
 
 class FlexibleMode:
-    """What a model needs to know of h and h'; see `PathKind`."""
+    """An unmeasured mass with the hidden states h and h', as a `PathKind`."""
 
     suffix = SUFFIX
     order = 2
@@ -114,7 +113,7 @@ class FlexibleMode:
         return frequency, float(np.clip(0.5 * weights[1] / frequency, *DAMPINGS))
 
     def parts(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, ...]:
-        """Return what w0^2 and 2 D w0 multiply in the rate of h'."""
+        """Return the expressions that w0^2 and 2 D w0 multiply in the rate of h'."""
         return self._behind(path, states)
 
     def term(self, path: Call, states: Sequence[Sum]) -> Sum:
@@ -124,31 +123,31 @@ class FlexibleMode:
         return add(stretch, mul(constant(2.0 * damping / frequency), rate))
 
     def rests(self, path: Call) -> tuple[Sum, ...]:
-        """Return h and h' of a mass that goes along."""
+        """Return h and h' of a mass that moves with the measured one: x and v."""
         return path.args[:2]
 
     def fades(self, path: Call) -> float:
-        """Return the time after which hardly anything is left of how it began to swing."""
+        """Return the time after which 2 % of the initial oscillation are left."""
         frequency, damping = self.numbers(path)
         return FADED / (damping * frequency)
 
     def said(self, path: Call, sure: Sequence[str]) -> str:
         """Return frequency and damping in words."""
         frequency, damping = self.numbers(path)
-        swings = f"swings at {frequency:.4g} radians per unit of t{sure[0]}"
-        return f"{swings}, damping ratio {damping:.3g}{sure[1]}"
+        text = f"swings at {frequency:.4g} radians per unit of t{sure[0]}"
+        return f"{text}, damping ratio {damping:.3g}{sure[1]}"
 
     def along(
         self, path: Call, rows: np.ndarray, starts: Sequence[float] | None = None
     ) -> np.ndarray:
-        """Return h and h' on rows of a record, from those on the first one; by default at rest."""
+        """Return h and h' on rows of a record, starting from given values, x and v by default."""
         x, v, t = (argument.evaluate(rows) for argument in path.args[:3])
-        begun = (0.0, 0.0) if starts is None else (x[0] - starts[0], v[0] - starts[1])
-        stretch, rate = stretch_along(v, t, *self.numbers(path), begun)
+        start = (0.0, 0.0) if starts is None else (x[0] - starts[0], v[0] - starts[1])
+        stretch, rate = stretch_along(v, t, *self.numbers(path), start)
         return np.column_stack([x - stretch, v - rate])
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
-        """Return between which values h and h' may have begun: what x and v do, and beyond."""
+        """Return the ranges of h and h' on the first row: those of x and v, widened."""
         return [span_of(argument.evaluate(rows)) for argument in path.args[:2]]
 
     def _behind(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, Sum]:

@@ -1,4 +1,4 @@
-"""Equations with memory: hidden states at the end, and inputs that act later."""
+"""Equations with memory: their last states are hidden, and their inputs may be delayed."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ __all__ = ["MemoryEquations", "as_acting", "with_memories"]
 class MemoryEquations(Equations):
     """Equations whose last states are hidden and whose inputs may be delayed.
 
-    Wherever measured states are given without the hidden ones, these are computed from the inputs
-    and the path of the motion: `evaluate` over a whole record in time order, `simulate` from a
-    start in balance.
+    If the measured states are given without the hidden ones, these are computed: `evaluate` does so
+    from a whole record in time order, `simulate` from an initial state in balance.
 
     Parameters
     ----------
     inner : Equations
-        The equations of the measured states, in terms of what acts.
+        The equations of the measured states, with the outputs of the memories as inputs.
     memories : tuple of Memory
-        What the inputs go through before they act.
+        Memories between the inputs and `inner`.
     delays : tuple of float
         Delay of each input, units of t.
     rests : tuple of Sum
-        Value of each hidden state at the beginning, of states, inputs and time there.
+        Value of each hidden state in balance, as an expression of states, inputs and time.
     paths : tuple of Call
-        What in `inner` remembers the states, see path_states.py; the hidden ones come last.
+        Terms of `inner` with hidden states that follow a measured one, see path_states.py. Their
+        hidden states come after those of the memories.
     acting : tuple of Sum
-        What acts of each input, of states and inputs here.
+        The inputs of `inner`, as expressions of the states and inputs of these equations.
     """
 
     inner: Equations = field(kw_only=True)
@@ -53,7 +53,7 @@ class MemoryEquations(Equations):
 
     @property
     def n_algebraic(self) -> int:
-        """Number of first states that the right-hand sides give themselves, and not their rates."""
+        """Number of first states that are algebraic: the right-hand sides are their values."""
         return self.inner.n_algebraic
 
     @property
@@ -74,7 +74,7 @@ class MemoryEquations(Equations):
 
     @property
     def inner_symbols(self) -> tuple[Any, ...]:
-        """Sympy forms of the variables of `inner`, as they are here."""
+        """Sympy forms of the variables of `inner`, in terms of these equations."""
         symbols = self.symbols
         acting = (expression.to_sympy(symbols) for expression in self.acting)
         return (*symbols[: self.n_measured], *acting, symbols[-1])
@@ -87,9 +87,9 @@ class MemoryEquations(Equations):
         Parameters
         ----------
         x : ndarray of shape (n_samples, n_states) or (n_samples, n_measured)
-            States. Without the hidden ones, the rows are a record in time order.
+            States. Without the hidden ones, the rows must be a whole record in time order.
         u : ndarray of shape (n_samples, n_inputs)
-            Inputs; where all states are given, what arrives of them after their delays.
+            Inputs; after their delays, if all states are given.
         t : ndarray of shape (n_samples,), optional
             Time, needed for hidden states and delays.
 
@@ -102,18 +102,18 @@ class MemoryEquations(Equations):
         return self.inner.evaluate(x, None if u is None else self.acts(t, u), t)
 
     def acts(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Return the inputs as they act on the measured states, shape (n_samples, n_inputs)."""
+        """Return the inputs after all memories, shape (n_samples, n_inputs)."""
         result = np.array(u, dtype=float)
         for memory in self.memories:
             result[:, memory.column] = memory.response(t, result[:, memory.column])
         return result
 
     def along(self, x: np.ndarray, u: np.ndarray | None, t: np.ndarray) -> np.ndarray:
-        """Return the hidden states that follow measured ones, shape (n_samples, n_hidden)."""
+        """Return the hidden states of the paths, shape (n_samples, n_hidden)."""
         return hidden_along(self.paths, stack(x, u, t))
 
     def arriving(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Return the inputs after their delays."""
+        """Return the inputs after their delays only, shape (n_samples, n_inputs)."""
         result = np.array(u, dtype=float)
         for memory in self.memories:
             if not memory.has_state:
@@ -136,62 +136,64 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
     Parameters
     ----------
     equations : Equations
-        In terms of what acts; some of them may remember the states.
+        Their inputs are the outputs of the memories. Terms may be paths, see path_states.py.
     memories : sequence of Memory
-        What the inputs go through before they act.
+        Memories between the inputs and these equations.
 
     Returns
     -------
     Equations
-        The same object where nothing is remembered.
+        The same object if there are no memories and no paths.
     """
     paths = paths_in(equations)
     if not memories and not paths:
         return equations
     n, n_inputs = len(equations.states), len(equations.inputs)
-    hidden = [m for m in memories if m.has_state]
-    first = n + len(hidden) + n_hidden_of(paths)
-    acts = [variable(first + j) for j in range(n_inputs)]
+    with_state = [m for m in memories if m.has_state]
+    n_total = n + len(with_state) + n_hidden_of(paths)
+    outputs = [variable(n_total + j) for j in range(n_inputs)]
     names, rates, rests = list(equations.names), [], []
-    for k, memory in enumerate(hidden):
-        state, source = variable(n + k), acts[memory.column]
+    for k, memory in enumerate(with_state):
+        state, source = variable(n + k), outputs[memory.column]
         rates.append(rate(memory, state, source))
         rests.append(balance(memory, source))
-        acts[memory.column] = acting_of(memory, state)
+        outputs[memory.column] = acting_of(memory, state)
         names.insert(n + k, _new_name(f"{equations.inputs[memory.column]}_{memory.suffix}", names))
-    places: dict[int | Call, Sum] = dict(enumerate([*acts, variable(first + n_inputs)], start=n))
-    written = dict(places)
+    places: dict[int | Call, Sum] = dict(
+        enumerate([*outputs, variable(n_total + n_inputs)], start=n)
+    )
+    replacements = dict(places)
     for path in paths:
-        kind, here, place = kind_of(path), moved(path, places), n + len(rates)
+        kind, shifted, place = kind_of(path), moved(path, places), n + len(rates)
         states = [variable(k) for k in range(place, place + kind.order)]
-        rates += path_rates(here, states)
-        rests += kind.rests(here)
-        written[path] = kind.term(here, states)
+        rates += path_rates(shifted, states)
+        rests += kind.rests(shifted)
+        replacements[path] = kind.term(shifted, states)
         for k, source in enumerate(path.args[: kind.order], start=place):
             names.insert(k, _new_name(f"{source.name(equations.names)}_{kind.suffix}", names))
-    sides = [substituted(side, written) for side in equations.sums] + rates
+    right_hand_sides = [substituted(side, replacements) for side in equations.sums] + rates
     return MemoryEquations(
-        *collected(sides),
-        tuple(names[:first]),
+        *collected(right_hand_sides),
+        tuple(names[:n_total]),
         equations.inputs,
         inner=equations,
         memories=tuple(memories),
         delays=_delays(memories, n_inputs),
         rests=tuple(rests),
         paths=paths,
-        acting=tuple(acts),
+        acting=tuple(outputs),
     )
 
 
 def as_acting(equations: Equations, record: Record) -> tuple[Equations, Record]:
-    """Return equations without memories, and a record whose inputs are what comes out of them."""
+    """Return equations without memories, and a record with the memories applied to its inputs."""
     if not isinstance(equations, MemoryEquations):
         return equations, record
     return equations.inner, remembered(record, equations.memories)
 
 
 def _delays(memories: Sequence[Memory], n_inputs: int) -> tuple[float, ...]:
-    """Return by how much each input acts later, but for its hidden states."""
+    """Return the pure delay of each input, units of t."""
     late = [0.0] * n_inputs
     for memory in memories:
         if not memory.has_state:
@@ -200,6 +202,7 @@ def _delays(memories: Sequence[Memory], n_inputs: int) -> tuple[float, ...]:
 
 
 def _new_name(name: str, taken: Sequence[str]) -> str:
+    """Return a name that is not taken, by appending underscores."""
     while name in taken:
         name += "_"
     return name

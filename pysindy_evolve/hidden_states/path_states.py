@@ -1,8 +1,8 @@
-"""Hidden states that follow the path of a measured one, whatever they make of it.
+"""Hidden states that follow the path of a measured state: the interface of all their kinds.
 
-A term of a model that remembers is an operator on the rows of a record in time order, of the
-measured state first. Written out, it is a function of a hidden state, whose rate is linear in some
-weights, so that these can be fitted as coefficients are:
+A path is a term with memory: an operator on the rows of a record in time order, whose first
+argument is the measured state. Written out, it is a function of hidden states. The rate of the last
+one is linear in some weights, so these can be fitted like coefficients:
 
 ======================  ==================================  ======================  ==========
 kind                    hidden state                        weights                 term
@@ -36,17 +36,17 @@ __all__ += ["path_rates", "paths_in", "paths_within", "sayings", "source_of"]
 
 
 class PathKind(Protocol):
-    """What a model needs to know of the terms of one operator, its paths.
+    """Methods that a model needs for the paths of one operator.
 
-    There are `order` hidden states, each the rate of the one before; they go with the measured ones
-    that come first in the operator, and `suffix` is what their names end in.
+    A path has `order` hidden states, each the rate of the one before. Each is named after one of
+    the first arguments of the operator, with `suffix` at the end.
     """
 
     suffix: str
     order: int
 
     def numbers(self, path: Call) -> tuple[float, ...]:
-        """Return the numbers that the operator is given."""
+        """Return the numeric arguments of the operator."""
         ...
 
     def weights(self, path: Call) -> tuple[float, ...]:
@@ -54,27 +54,27 @@ class PathKind(Protocol):
         ...
 
     def numbers_from(self, weights: np.ndarray) -> tuple[float, ...]:
-        """Return the numbers from weights, the first of which is positive."""
+        """Return the numeric arguments from the weights, the first of which is positive."""
         ...
 
     def parts(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, ...]:
-        """Return what the weights multiply in the rate of the last hidden state."""
+        """Return the expressions that the weights multiply in the rate of the last hidden state."""
         ...
 
     def term(self, path: Call, states: Sequence[Sum]) -> Sum:
-        """Return what acts, from the hidden states."""
+        """Return the value of the path as an expression of the hidden states."""
         ...
 
     def rests(self, path: Call) -> tuple[Sum, ...]:
-        """Return the hidden states where nothing is remembered."""
+        """Return the hidden states in balance, as expressions of the arguments of the path."""
         ...
 
     def fades(self, path: Call) -> float:
-        """Return the time after which it does not matter where they began, if known."""
+        """Return the time after which the initial states no longer matter; 0 if it is not known."""
         ...
 
     def said(self, path: Call, sure: Sequence[str]) -> str:
-        """Return what its numbers say to somebody who reads the report, and how sure each is."""
+        """Return the numbers in words for the report; `sure` holds the interval of each as text."""
         ...
 
     def along(
@@ -82,16 +82,16 @@ class PathKind(Protocol):
     ) -> np.ndarray:
         """Return the hidden states on rows of a record, shape (n_samples, order).
 
-        They begin with given values on the first row, by default where nothing is remembered.
+        `starts` are their values on the first row; by default they are in balance there.
         """
         ...
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
-        """Return between which values each hidden state may begin on a record."""
+        """Return the lowest and the highest value of each hidden state on the first row."""
         ...
 
 
-UNSAID = ("", "")  # nothing after any number
+NO_INTERVALS = ("", "")  # empty texts after the two numbers of a path
 KINDS: dict[Operator, PathKind] = {
     BOUC_WEN: Hysteresis(),
     WEN_SPRING: SpringHysteresis(),
@@ -101,7 +101,7 @@ KINDS: dict[Operator, PathKind] = {
 
 
 def kind_of(path: Call) -> PathKind:
-    """Return of which kind a path is."""
+    """Return the kind of a path."""
     return KINDS[path.operator]
 
 
@@ -111,16 +111,16 @@ def source_of(path: Call) -> Sum:
 
 
 def paths_in(equations: Equations) -> tuple[Call, ...]:
-    """Return the different paths that equations hold."""
+    """Return the distinct paths in equations, of terms whose coefficient is not zero."""
     found: dict[Call, None] = {}
     for term, used in zip(equations.terms, np.any(equations.coef != 0.0, axis=0), strict=True):
         if used:
-            found |= dict.fromkeys(a for a, _ in term.factors if _is_path(a))
+            found |= dict.fromkeys(atom for atom, _ in term.factors if _is_path(atom))
     return tuple(found)
 
 
 def paths_within(expressions: Sequence[Sum]) -> tuple[Call, ...]:
-    """Return the different paths that expressions hold."""
+    """Return the distinct paths in expressions."""
     products = (product for expression in expressions for _, product in expression.parts)
     return tuple(dict.fromkeys(a for p in products for a, _ in p.factors if _is_path(a)))
 
@@ -128,12 +128,12 @@ def paths_within(expressions: Sequence[Sum]) -> tuple[Call, ...]:
 def sayings(
     expressions: Sequence[Sum], names: Sequence[str], sure: Sequence[str] = ()
 ) -> list[str]:
-    """Return what the numbers of the paths in expressions say, with the names of variables.
+    """Return a sentence on the numbers of each path in expressions, with the names of variables.
 
-    `sure` is said after each number.
+    `sure` holds the text that follows each number, such as its interval.
     """
     return [
-        f"{source_of(path).name(names)}_{kind.suffix}: {kind.said(path, sure or UNSAID)}"
+        f"{source_of(path).name(names)}_{kind.suffix}: {kind.said(path, sure or NO_INTERVALS)}"
         for path, kind in ((path, kind_of(path)) for path in paths_within(expressions))
     ]
 
@@ -147,31 +147,31 @@ def hidden_along(
 ) -> np.ndarray:
     """Return the hidden states of paths on rows of a record, shape (n_samples, n_hidden).
 
-    They begin with given values on the first row, by default where nothing is remembered.
+    `starts` are their values on the first row; by default they are in balance there.
     """
-    begun = [starts and own_states(starts, paths, path) for path in paths]
-    along = (kind_of(path).along(path, rows, own) for path, own in zip(paths, begun, strict=True))
+    given = [starts and own_states(starts, paths, path) for path in paths]
+    along = (kind_of(path).along(path, rows, own) for path, own in zip(paths, given, strict=True))
     return np.column_stack([rows[:, :0], *along])
 
 
 def n_hidden_of(paths: Sequence[Call]) -> int:
-    """Return how many hidden states paths have."""
+    """Return the number of hidden states of paths."""
     return sum(kind_of(path).order for path in paths)
 
 
 def own_states(hidden: Sequence[Any], paths: Sequence[Call], path: Call) -> Sequence[Any]:
-    """Return what of the hidden states of all paths belongs to one of them."""
+    """Return the hidden states of one path out of those of all paths."""
     first = n_hidden_of(paths[: paths.index(path)])
     return hidden[first : first + kind_of(path).order]
 
 
 def moved(path: Call, replacements: Mapping[int, Sum] | Mapping[int | Call, Sum]) -> Call:
-    """Return a path with some of its variables replaced, and not itself."""
+    """Return a path with variables replaced in its arguments; the path itself is not replaced."""
     return Call(path.operator, tuple(substituted(a, replacements) for a in path.args))
 
 
 def path_rates(path: Call, states: Sequence[Sum]) -> list[Sum]:
-    """Return the rates of the hidden states of a path, from these states."""
+    """Return the rates of the hidden states of a path as expressions of these states."""
     kind = kind_of(path)
     parts = zip(kind.weights(path), kind.parts(path, states), strict=True)
     return [*states[1:], reduce(add, (mul(constant(weight), part) for weight, part in parts))]

@@ -1,16 +1,16 @@
-r"""What relaxes: the stretch of a spring in series with a damper, a heat capacity nobody measured.
+r"""Relaxation: a spring in series with a damper, or an unmeasured heat capacity.
 
-A hidden state h runs after a measured state x, and what acts is how far x is ahead of it,
+A hidden state h follows a measured state x with a first-order lag, and their difference d acts,
 
     T h' = x - h,    d = x - h.
 
-For a position x, d is the stretch of the spring of a Maxwell element, whose force has faded after
-the relaxation time T; beside another spring it makes the standard linear solid, of rubber and of
-whatever creeps. For a temperature, h is that of a body which only x heats.
+For a position x, d is the stretch of the spring of a Maxwell element, whose force decays with the
+relaxation time T. Together with a parallel spring it is the standard linear solid, a model of
+rubber and of creep. For a temperature x, h is the temperature of a body that only x heats.
 
-It is an operator on the rows of a record in time order, as Bouc and Wen's hysteresis is, and enters
-a model as any other term does. Between two rows x is taken to be straight, for which it is exact.
-Where the times go back another record begins, and there h is in balance.
+It is an operator on the rows of a record in time order, like Bouc and Wen's hysteresis, and enters
+a model like any other term. It is exact for an x that is straight between rows. Where the times go
+back another record begins, with h in balance.
 
 References
 ----------
@@ -31,9 +31,9 @@ from ..terms import Call, Sum, call, constant, sub
 
 __all__ = ["RELAXING", "Relaxation", "relaxing", "relaxing_along", "span_of"]
 
-SUFFIX = "relax"  # what the name of the hidden state ends in, after that of the measured one
-FADED = 4.0  # relaxation times, after which 2 % are left of how it began
-EVEN = 0.01  # of a step, that others of a uniform record may differ from it
+SUFFIX = "relax"  # the hidden state of q is named q_relax
+FADED = 4.0  # relaxation times after which 2 % of the initial state are left
+STEP_TOLERANCE = 0.01  # deviation from the median time step, relative to it, that counts as uniform
 
 
 def relaxing_along(
@@ -44,11 +44,11 @@ def relaxing_along(
     Parameters
     ----------
     x : ndarray of shape (n_samples,)
-        Values in time order, perhaps of several records, one after the other.
+        Values in time order; several records may follow each other.
     t : ndarray of shape (n_samples,)
-        Times. Pieces may be missing.
+        Times; gaps are allowed.
     relaxation_time : float or complex
-        T, units of t; a complex one swings while it fades.
+        T, units of t; with a complex one d oscillates while it decays.
     start : float or complex
         d on the first row, units of x.
 
@@ -59,29 +59,32 @@ def relaxing_along(
     d = np.empty(len(x), dtype=type(start / relaxation_time))
     steps, moves = np.diff(t), np.diff(x)
     usual = float(np.median(steps)) if len(steps) else 0.0
-    breaks = np.flatnonzero(np.abs(steps - usual) > EVEN * abs(usual))
-    begins, value = 0, start
-    for end in (*breaks.tolist(), len(steps)):
-        d[begins : end + 1] = _evenly(moves[begins:end], usual / relaxation_time, value)
-        if end < len(steps):
-            ratio = float(steps[end]) / relaxation_time
-            goes_on = steps[end] > 0.0  # or another record begins
-            value = _evenly(moves[end : end + 1], ratio, d[end])[-1] if goes_on else 0.0
-        begins = end + 1
+    breaks = np.flatnonzero(np.abs(steps - usual) > STEP_TOLERANCE * abs(usual))
+    first, value = 0, start
+    for last in (*breaks.tolist(), len(steps)):
+        d[first : last + 1] = _on_steps(moves[first:last], usual / relaxation_time, value)
+        if last < len(steps):
+            ratio = float(steps[last]) / relaxation_time
+            continues = steps[last] > 0.0  # else another record begins
+            value = _on_steps(moves[last : last + 1], ratio, d[last])[-1] if continues else 0.0
+        first = last + 1
     return d
 
 
-def _evenly(moves: np.ndarray, ratio: complex, start: complex) -> np.ndarray:
-    """Return d on even steps of so many relaxation times, from the changes of x on each."""
+def _on_steps(moves: np.ndarray, step: complex, start: complex) -> np.ndarray:
+    """Return d on uniform time steps, from the changes of x; the step in relaxation times."""
     if not len(moves):
         return np.array([start])
-    faded, share = np.exp(-ratio), -np.expm1(-ratio) / ratio
-    moved, _ = lfilter([share], [1.0, -faded], moves, zi=[faded * start])
-    return np.concatenate([[start], moved])
+    decay, gain = np.exp(-step), -np.expm1(-step) / step
+    d, _ = lfilter([gain], [1.0, -decay], moves, zi=[decay * start])
+    return np.concatenate([[start], d])
 
 
 def span_of(x: np.ndarray) -> tuple[float, float]:
-    """Return the range of values, and as far beyond: what dies out was larger before a record."""
+    """Return the range of values, widened by its width at both ends.
+
+    A state that decays may have been larger before the record.
+    """
     width = float(np.ptp(x))
     return float(x.min()) - width, float(x.max()) + width
 
@@ -94,7 +97,7 @@ def _stretch(x: Any, *_: Any) -> Any:
     return x - sympy.Symbol(f"{x}_{SUFFIX}", real=True)
 
 
-# Of a state, the time and T.
+# Arguments: a state, the time and T.
 RELAXING = Operator("relaxing", _on_rows, 3, _stretch)
 
 
@@ -104,7 +107,7 @@ def relaxing(x: Sum, t: Sum, relaxation_time: float) -> Sum:
 
 
 class Relaxation:
-    """What a model needs to know of h; see `PathKind`."""
+    """Relaxation as a `PathKind`."""
 
     suffix = SUFFIX
     order = 1
@@ -123,7 +126,7 @@ class Relaxation:
         return (1.0 / float(weights[0]),)
 
     def parts(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, ...]:
-        """Return what 1 / T multiplies in the rate of h."""
+        """Return the expression that 1 / T multiplies in the rate of h."""
         return (self.term(path, states),)
 
     def term(self, path: Call, states: Sequence[Sum]) -> Sum:
@@ -131,11 +134,11 @@ class Relaxation:
         return sub(path.args[0], states[0])
 
     def rests(self, path: Call) -> tuple[Sum, ...]:
-        """Return h in balance."""
+        """Return h in balance: x."""
         return path.args[:1]
 
     def fades(self, path: Call) -> float:
-        """Return some relaxation times."""
+        """Return the time after which 2 % of the initial d are left."""
         return FADED * self.numbers(path)[0]
 
     def said(self, path: Call, sure: Sequence[str]) -> str:
@@ -145,11 +148,11 @@ class Relaxation:
     def along(
         self, path: Call, rows: np.ndarray, starts: Sequence[float] | None = None
     ) -> np.ndarray:
-        """Return h on rows of a record, from its value on the first one; by default in balance."""
+        """Return h on rows of a record, starting from a value on the first row, x by default."""
         x, t = (argument.evaluate(rows) for argument in path.args[:2])
-        begun = 0.0 if starts is None else float(x[0]) - starts[0]
-        return (x - relaxing_along(x, t, *self.numbers(path), begun))[:, None]
+        start = 0.0 if starts is None else float(x[0]) - starts[0]
+        return (x - relaxing_along(x, t, *self.numbers(path), start))[:, None]
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
-        """Return between which values h may have begun: those of x here, and as far beyond."""
+        """Return the range of h on the first row: that of x, widened."""
         return [span_of(path.args[0].evaluate(rows))]

@@ -4,16 +4,16 @@ A hidden state w follows the velocity v of a position x,
 
     w' = (v - beta |v| w - gamma v |w|) / L,    gamma = beta - 1.
 
-Where the motion has turned and w still points the other way, its slope is 1 + |w|; where w leads,
-it is 1 - (2 beta - 1) |w|. With beta = 1 it is Dahl's friction, with 1/2 its slope is always 1 on
-the way out, and below it grows steeper: a joint, a rubber mount or a wall that stiffens. The
-friction that runs to 1, see boucwen.py, is the same with other numbers where beta is over 1/2; here
-they may pass that limit, where a friction would need a length without end.
+Where the motion has turned and w still has the old sign, its slope is (1 + |w|) / L; where w leads,
+it is (1 - (2 beta - 1) |w|) / L. With beta = 1 it is Dahl's friction. With beta = 1/2 the slope is
+constant on the way out. Below 1/2 it grows: a joint, a rubber mount or a wall that stiffens. For
+beta above 1/2 it is the friction of boucwen.py in other parameters; at 1/2 and below, that friction
+would need an infinite length.
 
 References
 ----------
 Wen, J. Eng. Mech. Div. ASCE 102 (1976), 249-263. Noel, Schoukens, "Hysteretic benchmark with a
-dynamic nonlinearity" (2016), https://www.nonlinearbenchmark.org, for one that stiffens.
+dynamic nonlinearity" (2016), https://www.nonlinearbenchmark.org: a stiffening one.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from .turning import turning_along
 
 __all__ = ["WEN_SPRING", "SpringHysteresis", "springing", "springing_along"]
 
-SUFFIX = "hyst"  # what the name of the hidden state ends in, after that of the position
-LOSSES = (0.02, 1.0)  # beta, when fitted: beyond, hardly any is lost, or it is a friction
-WIDER = 2.0  # times by which w may have been larger before a record
+SUFFIX = "hyst"  # the hidden state of q is named q_hyst
+LOSSES = (0.02, 1.0)  # range of beta when it is fitted: below, no loss to speak of; above, friction
+WIDER = 2.0  # largest |w| on the first row, over the largest in the record
 
 
 def springing_along(x: np.ndarray, length: float, loss: float, start: float = 0.0) -> np.ndarray:
@@ -48,7 +48,7 @@ def springing_along(x: np.ndarray, length: float, loss: float, start: float = 0.
     loss : float
         beta, dimensionless, positive.
     start : float
-        w where the path begins.
+        w on the first row.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def _state(x: Any, *_: Any) -> Any:
     return sympy.Symbol(f"{x}_{SUFFIX}", real=True)
 
 
-# Of position, velocity, L and beta. The velocity only says what the hidden state is driven by.
+# Arguments: position, velocity, L and beta. The velocity serves only the hidden state's equation.
 WEN_SPRING = Operator("bouc_wen_spring", _on_rows, 4, _state)
 
 
@@ -75,7 +75,7 @@ def springing(x: Sum, v: Sum, length: float, loss: float) -> Sum:
 
 
 class SpringHysteresis(Hysteresis):
-    """What a model needs to know of w; see `PathKind`."""
+    """Bouc-Wen spring as a `PathKind`."""
 
     suffix = SUFFIX
     follow: ClassVar[Callable[..., np.ndarray]] = staticmethod(springing_along)
@@ -90,20 +90,20 @@ class SpringHysteresis(Hysteresis):
         return 1.0 / float(weights[0]), float(np.clip(weights[1] / weights[0], *LOSSES))
 
     def parts(self, path: Call, states: Sequence[Sum]) -> tuple[Sum, ...]:
-        """Return what 1 / L and beta / L multiply in the rate of w."""
+        """Return the expressions that 1 / L and beta / L multiply in the rate of w."""
         v, state = path.args[1], states[0]
-        held = mul(call(BUILTIN["abs"], v), state)
-        led = mul(v, call(BUILTIN["abs"], state))
-        return add(v, led), sub(constant(0.0), add(held, led))
+        by_speed = mul(call(BUILTIN["abs"], v), state)
+        by_velocity = mul(v, call(BUILTIN["abs"], state))
+        return add(v, by_velocity), sub(constant(0.0), add(by_speed, by_velocity))
 
     def said(self, path: Call, sure: Sequence[str]) -> str:
         """Return length and loss in words."""
         length, loss = self.numbers(path)
-        way = "stiffer" if loss < 0.5 else "softer"
-        turns = f"forgets a turn over a length of {length:.4g}{sure[0]}"
-        return f"{turns}, grows {way} on the way out, beta = {loss:.3g}{sure[1]}"
+        change = "stiffer" if loss < 0.5 else "softer"
+        text = f"forgets a turn over a length of {length:.4g}{sure[0]}"
+        return f"{text}, grows {change} on the way out, beta = {loss:.3g}{sure[1]}"
 
     def spans(self, path: Call, rows: np.ndarray) -> list[tuple[float, float]]:
-        """Return between which values w may have begun: those of these rows, and beyond."""
+        """Return the range of w on the first row: twice the largest |w| of these rows."""
         largest = WIDER * float(np.max(np.abs(self.along(path, rows))))
         return [(-largest, largest)]

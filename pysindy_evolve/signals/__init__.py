@@ -7,24 +7,24 @@ over smooth windows before they are compared.
 measured data
 record           Record: states, derivatives and inputs at the same times
 prepare          raw positions filtered and differentiated: a record
-preparation      how a record was prepared, to prepare other data alike
-target           records of a force that is to be explained by the motion
+preparation      how a record was prepared, to be repeated for other data
+target           records whose target is a force, to be explained by the motion
 files            reads signals from text files
 raw readings
 sampling         uniform sampling times, and resampling where they are not uniform
-wrapping         angles that jump after a full turn
+wrapping         angles that jump after a whole turn
 clipping         readings at the end of a sensor's range, and curves that bridge them
 filtering
 filters          low-pass, derivative and integral of one signal
 spectral         the FFT filter behind `filters.py`
 windows          smooth windows over the rows: the weak form
-switches         rows on which the low-pass leaves the sign of each velocity certain
+switches         rows on which the low-pass leaves the direction of motion certain
 less noise
 noise            noise level of a sensor, and the cutoff that follows from it
 bands            bands of frequencies over which spectra are averaged
 smoothing        states with less noise, estimated with the help of their derivatives
 fuse             measured derivatives combined with the slopes of the states
-wiener           the Wiener filter that combines several measurements of one signal
+wiener           the Wiener filter that combines measurements of a signal and its derivatives
 inputs
 zero_order_hold  inputs that a controller holds from sample to sample
 acting           inputs that act through a function, such as the square of a speed

@@ -1,8 +1,8 @@
-"""Inputs that act through a function of them, such as a thrust that goes as the square of a speed.
+"""Inputs that act through a function, such as a thrust proportional to the square of a speed.
 
-Where an input jumps, the mean of its square over a time is not the square of its mean, and so it is
-with a low-pass. What reaches the machine is the function; so this is what is averaged and filtered,
-and the record holds the input that has such a function.
+Where an input jumps, the mean of its square is not the square of its mean, and the same holds for a
+low-pass. The function is what reaches the machine. So it is the function that is averaged and
+filtered, and the record holds the input that has the result as its function.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from .spectral import Array
 
 __all__ = ["InputFunction"]
 
-MARGINS = (0.5, 0.1)  # of the range of an input, by which a low-pass may pass its ends
-N_POINTS = 2049  # of a table, between which the inverse is a straight line
-ROUNDING = 1e-12  # of its largest value, that a function varies by where it is constant
-JUMP = 0.01  # of the range of values, that lie between two points of a table if nothing jumps
+# Shares of an input's range by which a low-pass may exceed it; the second if the first fails.
+OVERSHOOTS = (0.5, 0.1)
+N_POINTS = 2049  # points of a table, linear in between
+ROUNDING = 1e-12  # share of the largest value; a function that varies less counts as constant
+TABLE_ERROR = 0.01  # share of the range of values; a larger error between points means a jump
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +31,7 @@ class InputFunction:
     Parameters
     ----------
     function : callable
-        From values of the input, (n,), to what acts, (n,).
+        From values of the input, (n,), to the values that act, (n,).
     low, high : float
         Range of the input.
     """
@@ -41,16 +42,16 @@ class InputFunction:
 
     @property
     def is_invertible(self) -> bool:
-        """Whether it turns nowhere, unless at an input of zero, and does not jump."""
-        return bool(self._sides)
+        """Whether it is continuous and monotonic, or so on each side of zero."""
+        return bool(self._branches)
 
     def covering(self, u: Array) -> InputFunction:
-        """Return the same function over a range that holds these values as well."""
+        """Return the same function over a range that includes these values of the input."""
         low, high = min(self.low, float(u.min())), max(self.high, float(u.max()))
         return self if (low, high) == (self.low, self.high) else replace(self, low=low, high=high)
 
     def after(self, change: Callable[[Array], Array], u: Array, plain: Array) -> Array:
-        """Return the input whose function is the changed function of another input.
+        """Apply a linear operation to the function of an input, and invert the function.
 
         Parameters
         ----------
@@ -59,34 +60,40 @@ class InputFunction:
         u : ndarray of shape (n,)
             The input.
         plain : ndarray of shape (m,)
-            The changed input itself, which tells its sign.
+            The operation on the input itself, which gives the sign of the result.
 
         Returns
         -------
         ndarray of shape (m,)
+            The input that has the changed values as its function.
         """
         values = change(np.asarray(self.function(u)))
-        found = [np.interp(values, f, inputs) for inputs, f in self._sides]
+        found = [np.interp(values, outputs, inputs) for inputs, outputs in self._branches]
         return found[0] if len(found) == 1 else np.where(plain < 0.0, *found)
 
     @cached_property
-    def _sides(self) -> list[tuple[Array, Array]]:
-        """Return inputs and values that rise, over the whole range or below and above zero.
+    def _branches(self) -> list[tuple[Array, Array]]:
+        """Return tables of the inverse: one for the whole range, or one below and one above zero.
 
-        Where the function turns close to the range, it is followed less far beyond.
+        Empty if there are none. Where the function turns shortly beyond the range, the tables
+        extend less far.
         """
-        for margin in MARGINS:
-            beyond = margin * (self.high - self.low)
-            low, high = self.low - beyond, self.high + beyond
+        for overshoot in OVERSHOOTS:
+            excess = overshoot * (self.high - self.low)
+            low, high = self.low - excess, self.high + excess
             below = [(low, 0.0)] * (self.low < 0.0)
             for ranges in ([(low, high)], [*below, *[(0.0, high)] * (self.high > 0.0)]):
-                sides = [side for one in ranges if (side := self._table(*one)) is not None]
-                if len(sides) == len(ranges):
-                    return sides
+                tables = [table for branch in ranges if (table := self._table(*branch)) is not None]
+                if len(tables) == len(ranges):
+                    return tables
         return []
 
     def _table(self, low: float, high: float) -> tuple[Array, Array] | None:
-        """Return inputs and values that rise; None where the function turns, or has no values."""
+        """Return inputs and values in the order of rising values.
+
+        None if the function is not monotonic, not continuous, or has no values on a part of the
+        range.
+        """
         inputs = np.linspace(low, high, N_POINTS)
         with np.errstate(all="ignore"):
             values = np.asarray(self.function(inputs), dtype=float)
@@ -96,16 +103,16 @@ class InputFunction:
             return None
         if values[-1] < values[0]:
             inputs, values = inputs[::-1], values[::-1]
-        rises, least = np.diff(values), ROUNDING * np.abs(values).max()
-        if np.any(rises < -least) or np.all(rises <= least):
+        rises, flat = np.diff(values), ROUNDING * np.abs(values).max()
+        if np.any(rises < -flat) or np.all(rises <= flat):
             return None
-        rising = np.append(True, rises > least)  # of a plateau, where it begins
-        inputs, values = inputs[rising], values[rising]
-        return (inputs, values) if self._reaches(inputs, values) else None
+        keep = np.append(True, rises > flat)  # a plateau is represented by its first point
+        inputs, values = inputs[keep], values[keep]
+        return (inputs, values) if self._is_continuous(inputs, values) else None
 
-    def _reaches(self, inputs: Array, values: Array) -> bool:
-        """Tell whether it takes the values between those of a table as well, and does not jump."""
-        between = [0.5 * (side[1:] + side[:-1]) for side in (inputs, values)]
+    def _is_continuous(self, inputs: Array, values: Array) -> bool:
+        """Tell whether the function meets its table between the points too, and so has no jump."""
+        midpoints = [0.5 * (column[1:] + column[:-1]) for column in (inputs, values)]
         with np.errstate(all="ignore"):
-            missed = np.abs(self.function(between[0]) - between[1]).max()
-        return bool(missed <= JUMP * np.ptp(values))
+            error = np.abs(self.function(midpoints[0]) - midpoints[1]).max()
+        return bool(error <= TABLE_ERROR * np.ptp(values))

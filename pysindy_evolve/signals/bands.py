@@ -20,25 +20,26 @@ Bins = NDArray[np.intp]
 
 __all__ = ["AGREE", "Bins", "averaged", "geometric_edges", "lowest_quarter", "widening_edges"]
 
-AGREE = 10.0  # times the power of their noise by which two measurements of one signal may differ
-BINS, WIDER = 20, 0.07  # of a band: fewest bins, and least width as a share of its frequency
-BANDS = 150  # at most, where they widen by the same factor each
-PASSED = 0.03  # share of the median power below which a band was filtered away and is no floor
+# Two measurements of one signal: largest power of their difference, over that of their noise.
+AGREE = 10.0
+LEAST_BINS, LEAST_WIDTH = 20, 0.07  # of a band: number of bins, and width over frequency
+MAX_BANDS = 150  # where each is wider than the last by one factor
+PASSED = 0.03  # share of the median power; a band below it was filtered away and shows no floor
 
 
 def widening_edges(n: int) -> Bins:
-    """Return the edges of bands as wide as a share of their frequency, however many there are."""
+    """Return the edges of bands whose width is a fixed share of their frequency, in any number."""
     edges = [0]
     while edges[-1] < n:
-        edges.append(edges[-1] + max(BINS, int(WIDER * edges[-1])))
-    return np.array([*edges[:-2], n])  # the last one takes what is left
+        edges.append(edges[-1] + max(LEAST_BINS, int(LEAST_WIDTH * edges[-1])))
+    return np.array([*edges[:-2], n])  # the last band takes the remaining bins
 
 
 def geometric_edges(n: int) -> Bins:
-    """Return the edges of bands that each are wider than the last by one factor, if not too few."""
-    edges = np.unique(np.geomspace(BINS, n, BANDS).astype(np.intp))
-    inner = edges[np.r_[True, np.diff(edges) >= BINS]][:-1]
-    return np.concatenate([[0], inner, [n]]).astype(np.intp)
+    """Return the edges of bands in a geometric series; the first, too narrow ones are one band."""
+    edges = np.unique(np.geomspace(LEAST_BINS, n, MAX_BANDS).astype(np.intp))
+    kept = edges[np.r_[True, np.diff(edges) >= LEAST_BINS]][:-1]
+    return np.concatenate([[0], kept, [n]]).astype(np.intp)
 
 
 def averaged(power: Array, edges: Bins) -> Array:
@@ -47,9 +48,9 @@ def averaged(power: Array, edges: Bins) -> Array:
 
 
 def lowest_quarter(power: Array, size: Bins) -> float:
-    """Return the floor under the averaged powers of bands of so many bins.
+    """Return the noise floor under the averaged powers of bands, whose sizes count bins.
 
-    The lowest quarter of the bins that were not filtered away, as a signal can only lift a band.
+    It is the lower quartile over the bins that were not filtered away: a signal only lifts a band.
     """
     order = np.argsort(power)
     count = np.cumsum(size[order])

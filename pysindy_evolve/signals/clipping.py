@@ -1,9 +1,9 @@
-"""Readings at an end of a sensor's range: found, and bridged before a filter spreads their kinks.
+"""Readings at an end of a sensor's range (clipping): found, and bridged before they are filtered.
 
-Behind such readings the true value goes on where nobody sees it. A low-pass would carry the kinks
-at both ends of each gap far into the rows around it, and the second derivative of a kink is an
-impulse. So the gaps are bridged by the smoothest curve that meets the readings around them and
-stays beyond the limit. It is no measurement: the rows of a gap still say nothing.
+While a sensor clips, the true value goes on beyond the limit. A low-pass would spread the kinks at
+both ends of such a gap over the rows around it, and the second derivative of a kink is an impulse.
+So each gap is bridged by the smoothest curve that meets the readings around it and stays beyond the
+limit. The bridge is no measurement: the rows of a gap do not count as seen.
 
 References
 ----------
@@ -26,33 +26,36 @@ from .spectral import Array
 
 __all__ = ["as_limits", "beyond", "bridged", "longest", "sensor_limits", "widened"]
 
-LEAST_IN_A_ROW = 3  # readings at a limit, or where a machine rests
-LEAST_READINGS = 2  # at a limit, beyond what a crest of a rounded signal holds ...
-CREST = 5  # ... which holds at most so many times the readings of the levels next to it
+LEAST_STAY = 3  # consecutive readings that count as a stay: at a limit, or where a machine rests
+# A crest of a rounded signal holds at most CREST_RATIO times as many readings as a level next to
+# it; a limit needs LEAST_EXTRA more. NEXT_LEVELS levels below the limit are compared.
+LEAST_EXTRA = 2
+CREST_RATIO = 5
 NEXT_LEVELS = 3
-AS_LONG = 0.25  # times the longest stay at a limit: a machine stops for longer here than there
-MOST = 0.5  # share of the readings; readings that stay at an extreme more often are no limit
-# Of the time before a gap, so much in lengths of a gap is looked at: a crest of a sine then covers
-# 0.7 of the way of the time before, what comes to rest a third.
-SHARE_OF_GAP = 0.25
+OTHER_STAY = 0.25  # of the longest stay at the extreme; a longer stay elsewhere is a machine's stop
+MOST_AT_LIMIT = 0.5  # share of the readings; an extreme that holds more of them is no limit
+# Before a stay, two equal spans are compared, of up to a quarter of its length. In the second one
+# the crest of a sine covers 0.7 of the way of the first, and what comes to rest a third. Less than
+# SLOWED means a rest.
+SPAN_OF_STAY = 0.25
 SLOWED = 0.5
-FEWEST = 3  # arrivals, from which on their scatter says whether a machine slows down
-CHANCE = 2.0  # standard errors
-ORDER = 3  # of the differences that the bridge keeps small: curvatures at both ends meet
-HOLD = 1e-12  # pull of the limit in a gap, relative to smoothness: well above the rounding
-FREQUENCIES = (4e-3, 0.5)  # cycles per sample; below, rounding is more than the readings weigh
-SHARPNESS = 2.0  # cutoffs, beyond which the bridge follows the noise of the readings no more
-REACH = 1.0  # periods of the cutoff beside a gap in which the filter still feels the bridge
+FEWEST_HITS = 3  # arrivals at the limit that are needed to judge their scatter
+SURE = 2.0  # standard errors by which the way must be shorter to count as coming to rest
+ORDER = 3  # order of the differences that the bridge keeps small: its curvature is continuous
+LIMIT_WEIGHT = 1e-12  # weight of the limit in a gap, relative to smoothness; well above rounding
+FREQUENCY_RANGE = (4e-3, 0.5)  # cycles per sample; below it, rounding outweighs the readings
+SHARPNESS = 2.0  # cutoffs; the bridge does not follow the readings at higher frequencies
+REACH = 1.0  # periods of the cutoff; rows nearer to a gap are spoiled by the filter
 
 
 def sensor_limits(y: Array) -> Array:
-    """Return the lowest and the highest reading that sensors can show, as far as they show it.
+    """Find the lowest and the highest reading that sensors can show.
 
     A limit is an extreme that stays for several readings in a row, and is read far more often than
     the levels next to it: a smooth signal, however rounded, has no such heap at its crests. The
-    readings meet it at full speed, where a machine that comes to rest slows down. A coarse sensor
-    repeats its readings at every rest, and shows none; nor does one whose readings stay elsewhere
-    for a time that compares, as those of a machine that moves from stop to stop.
+    readings reach it at full speed, while a machine that comes to rest slows down. No limit is
+    found for a coarse sensor, which repeats its readings at every rest, nor where the readings stay
+    elsewhere for a comparable time, as those of a machine that moves from stop to stop.
 
     Parameters
     ----------
@@ -68,76 +71,82 @@ def sensor_limits(y: Array) -> Array:
     for column, upper in product(range(y.shape[1]), (False, True)):
         readings = y[:, column] if upper else -y[:, column]
         top = readings.max()
-        if _is_heap(readings, top) and not _is_coarse(readings) and not _stops(readings, top):
+        if (
+            _heaps_at_top(readings, top)
+            and not _is_coarse(readings)
+            and not _stays_elsewhere(readings, top)
+        ):
             limits[int(upper), column] = top if upper else -top
     return limits
 
 
-def _is_heap(readings: Array, top: float) -> bool:
-    """Tell whether readings heap at their highest value, in gaps with others on both sides."""
-    inside = np.flatnonzero(readings != top)
-    if len(inside) < (1.0 - MOST) * len(readings):
+def _heaps_at_top(readings: Array, top: float) -> bool:
+    """Tell whether readings heap at their highest value, at stays with others on both sides."""
+    below = np.flatnonzero(readings != top)
+    if len(below) < (1.0 - MOST_AT_LIMIT) * len(readings):
         return False
-    readings = readings[inside[0] : inside[-1] + 1]  # a machine may rest before it starts
-    there = readings == top
-    if longest(there) < LEAST_IN_A_ROW:
+    readings = readings[below[0] : below[-1] + 1]  # a machine may rest before it starts
+    at_top = readings == top
+    if longest(at_top) < LEAST_STAY:
         return False
     counts = np.unique(readings, return_counts=True)[1]
     beside = counts[-1 - NEXT_LEVELS : -1].max(initial=0)
-    return bool(counts[-1] >= LEAST_READINGS + CREST * beside) and _arrives(readings, there, top)
+    return bool(counts[-1] >= LEAST_EXTRA + CREST_RATIO * beside) and _arrives_fast(
+        readings, at_top, top
+    )
 
 
-def _arrives(readings: Array, there: NDArray[np.bool_], top: float) -> bool:
-    """Tell whether readings meet their end at full speed, and do not come to rest there.
+def _arrives_fast(readings: Array, at_top: NDArray[np.bool_], top: float) -> bool:
+    """Tell whether readings reach their highest value at full speed, and do not come to rest there.
 
-    What comes to rest covers less than half of the way in the last of two equal times.
+    A machine that comes to rest covers less than half as far in the second of two equal spans.
     """
-    starts, ends = _runs(there)
-    long = ends - starts >= LEAST_IN_A_ROW
-    starts, typical = starts[long], float(np.median((ends - starts)[long]))
-    seen_since = np.concatenate([[0], np.cumsum(there)])
+    starts, ends = _runs(at_top)
+    is_stay = ends - starts >= LEAST_STAY
+    starts, typical = starts[is_stay], float(np.median((ends - starts)[is_stay]))
+    n_at_top = np.concatenate([[0], np.cumsum(at_top)])
     span = 2
-    while span <= max(2.0, SHARE_OF_GAP * typical):
-        at = starts[starts >= 2 * span]
-        at = at[seen_since[at] == seen_since[at - 2 * span]]  # no other gap on the way
-        last = top - readings[at - span]
-        before = readings[at - span] - readings[at - 2 * span]
-        met = 1.0 - 0.5 / span  # between two samples
-        faster = last - SLOWED * met * before
-        if len(at) >= FEWEST and faster.mean() < -CHANCE * faster.std() / np.sqrt(len(at)):
+    while span <= max(2.0, SPAN_OF_STAY * typical):
+        hits = starts[starts >= 2 * span]
+        hits = hits[n_at_top[hits] == n_at_top[hits - 2 * span]]  # not at the limit in the spans
+        last = top - readings[hits - span]
+        before = readings[hits - span] - readings[hits - 2 * span]
+        partial = 1.0 - 0.5 / span  # the limit is met between two samples
+        excess = last - SLOWED * partial * before
+        if len(hits) >= FEWEST_HITS and excess.mean() < -SURE * excess.std() / np.sqrt(len(hits)):
             return False
         span *= 2
     return True
 
 
-def _stops(readings: Array, top: float) -> bool:
-    """Tell whether readings stay elsewhere for a time that compares with that at the highest."""
-    ends = np.flatnonzero(np.diff(readings)) + 1  # without its rests before and after all motion
-    stays, values = np.diff(ends), readings[ends[:-1]]
-    between = (values < top) & (values > readings.min()) & (stays >= LEAST_IN_A_ROW)
-    return bool(stays[between].max(initial=0) >= AS_LONG * stays[values == top].max(initial=0))
+def _stays_elsewhere(readings: Array, top: float) -> bool:
+    """Tell whether readings stay at a value in between for a time comparable with the highest."""
+    changes = np.flatnonzero(np.diff(readings)) + 1  # of the rows between the first and last motion
+    stays, values = np.diff(changes), readings[changes[:-1]]
+    elsewhere = (values < top) & (values > readings.min()) & (stays >= LEAST_STAY)
+    return bool(stays[elsewhere].max(initial=0) >= OTHER_STAY * stays[values == top].max(initial=0))
 
 
 def _is_coarse(readings: Array) -> bool:
-    """Tell whether readings repeat away from the extremes too: there they then rest, no more."""
+    """Tell whether readings repeat away from the extremes too: then a stay there is a mere rest."""
     inside = readings[(readings != readings.max()) & (readings != readings.min())]
     return len(inside) < 2 or bool(np.mean(np.diff(inside) == 0.0) >= DWELL)
 
 
-def longest(there: NDArray[np.bool_]) -> int:
-    """Return the length of the longest run of True."""
-    starts, ends = _runs(there)
+def longest(flags: NDArray[np.bool_]) -> int:
+    """Return the length of the longest run of True, in samples."""
+    starts, ends = _runs(flags)
     return int(np.max(ends - starts, initial=0))
 
 
-def _runs(there: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _runs(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return first sample and end of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return edges[::2], edges[1::2]
 
 
 def as_limits(limits: Any, y: Array) -> Array:
-    """Return limits as (2, n_columns), from "auto", None, or a lowest and a highest reading."""
+    """Return limits, shape (2, n_columns), from "auto", None, or a lowest and a highest reading."""
     if limits is None:
         return np.array([[-np.inf], [np.inf]]) * np.ones(y.shape[1])
     if isinstance(limits, str) and limits == "auto":
@@ -159,7 +168,7 @@ def beyond(y: Array, limits: Array) -> NDArray[np.bool_]:
 
 
 def bridged(y: Array, limits: Array, dt: float, cutoff: float | None, order: int = 2) -> Array:
-    """Return readings with smooth curves in the place of those at a limit.
+    """Return readings with those at a limit replaced by smooth curves.
 
     Parameters
     ----------
@@ -170,59 +179,59 @@ def bridged(y: Array, limits: Array, dt: float, cutoff: float | None, order: int
     dt : float
         Sampling time, units of t.
     cutoff : float or None
-        Of the low-pass that follows, cycles per unit of t; by default the highest one.
+        Cutoff of the low-pass that follows, cycles per unit of t; None if there is none.
     order : int
-        States per column. One of the first order may stop at the limit itself, as a tank does that
-        runs over; and its derivative has no more than steps there. So it has no bridge.
+        States per column. A column of order 1 is not bridged: its state may stop at the limit
+        itself, as the level of a tank that overflows, and its derivative only steps there.
 
     Returns
     -------
     ndarray of shape (n, n_columns)
-        The very same readings where none is at a limit. Gaps at an end of the record stay as they
-        are: nothing holds a bridge there.
+        Readings that are not at a limit are unchanged, as are gaps at an end of the record, which
+        have readings on one side only.
     """
-    gone = beyond(y, limits)
+    at_limit = beyond(y, limits)
     result = np.array(y)
-    for column in np.flatnonzero(gone.any(axis=0)) if order > 1 else ():
-        gap, readings, (low, high) = gone[:, column], y[:, column], limits[:, column]
-        inside = np.flatnonzero(~gap)
-        if len(inside) <= ORDER:
+    for column in np.flatnonzero(at_limit.any(axis=0)) if order > 1 else ():
+        gap, readings, (low, high) = at_limit[:, column], y[:, column], limits[:, column]
+        seen = np.flatnonzero(~gap)
+        if len(seen) <= ORDER:
             continue
-        span = np.ptp(readings)  # nobody believes a bridge that goes further
-        frequency = np.clip(SHARPNESS * (cutoff or np.inf) * dt, *FREQUENCIES)
+        span = np.ptp(readings)  # a bridge further beyond the limit is not credible
+        frequency = np.clip(SHARPNESS * (cutoff or np.inf) * dt, *FREQUENCY_RANGE)
         curve = _smooth(readings, ~gap, float(frequency))
         curve = np.where(
             readings >= high,
             np.clip(curve, high, high + span),
             np.clip(curve, low - span, low),
         )
-        held = gap.copy()
-        held[: inside[0]] = held[inside[-1] + 1 :] = False
-        result[held, column] = curve[held]
+        bridge = gap.copy()
+        bridge[: seen[0]] = bridge[seen[-1] + 1 :] = False
+        result[bridge, column] = curve[bridge]
     return result
 
 
 def _smooth(readings: Array, seen: NDArray[np.bool_], frequency: float) -> Array:
-    """Return the smoothest curve near the readings that are seen.
+    """Return a smooth curve through the readings that are seen, and across the gaps.
 
-    Its gain is one half at a frequency, in cycles per sample. Across very long gaps, over which
-    curvatures say nothing, it comes back to the limit.
+    Its gain is one half at the frequency, in cycles per sample. Across very long gaps, which the
+    curvature at their ends does not determine, it returns to the limit.
     """
     n = len(readings)
-    difference = np.array([(-1) ** k * comb(ORDER, k) for k in range(ORDER + 1)], dtype=float)
-    bands = np.zeros((ORDER + 1, n))
+    coefficients = np.array([(-1) ** k * comb(ORDER, k) for k in range(ORDER + 1)], dtype=float)
+    matrix = np.zeros((ORDER + 1, n))
     for lag in range(ORDER + 1):
         for k in range(ORDER + 1 - lag):
-            place = slice(k + lag, n - ORDER + k + lag)
-            bands[ORDER - lag, place] += difference[k] * difference[k + lag]
-    bands /= (2.0 * np.sin(np.pi * frequency)) ** (2 * ORDER)
-    weight = np.where(seen, 1.0, HOLD * bands[-1].max())
-    bands[-1] += weight
-    return np.asarray(solveh_banded(bands, weight * readings))
+            diagonal = slice(k + lag, n - ORDER + k + lag)
+            matrix[ORDER - lag, diagonal] += coefficients[k] * coefficients[k + lag]
+    matrix /= (2.0 * np.sin(np.pi * frequency)) ** (2 * ORDER)
+    weight = np.where(seen, 1.0, LIMIT_WEIGHT * matrix[-1].max())
+    matrix[-1] += weight
+    return np.asarray(solveh_banded(matrix, weight * readings))
 
 
 def widened(gone: NDArray[np.bool_], dt: float, cutoff: float | None) -> NDArray[np.bool_]:
-    """Return gaps (n, n_columns) with the samples beside them that a low-pass spoils."""
+    """Return gaps (n, n_columns), widened by the samples beside them that a low-pass spoils."""
     reach = ORDER if cutoff is None else int(np.ceil(REACH / (cutoff * dt)))
     count = np.cumsum(np.vstack([np.zeros((1, gone.shape[1]), dtype=int), gone]), axis=0)
     index = np.arange(len(gone))

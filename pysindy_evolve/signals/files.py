@@ -1,4 +1,4 @@
-"""Measured signals from a text file."""
+"""Measured signals from a CSV file."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 
 from .spectral import Array
 
-ARRAYS = {".npz", ".npy", ".mat"}  # endings of files that hold arrays
-COMMENTS = ("#", "%", "//")  # signs that lines begin with which are no names
+ARRAYS = {".npz", ".npy", ".mat"}  # endings of files that hold arrays, and no text
+COMMENTS = ("#", "%", "//")  # beginnings of comment lines
 NUMBER = re.compile(r"[-+]?[.,]?\d[\d.,_]*([eE][-+]?\d+)?|nan|[-+]?inf", re.IGNORECASE)
-FIRST_ROWS = 100  # among which the names are looked for, where they are not in the first line
+FIRST_ROWS = 100  # rows in which the names are looked for, if they are not in the first line
 
 
 def read_csv(
@@ -37,10 +37,10 @@ def read_csv(
     delimiter : str
         One character between the fields.
     decimal : {".", ","}
-        Sign before the decimals; a comma where files have semicolons between the fields.
+        Decimal separator; often a comma in files with semicolons between the fields.
     drop_empty : bool
         Leave out the rows at the beginning and at the end in which a wanted column is empty, as
-        where a sensor starts late. A gap between them is refused: it makes two records.
+        when a sensor starts late. A gap in between is an error: it makes two records.
 
     Returns
     -------
@@ -49,9 +49,9 @@ def read_csv(
     Raises
     ------
     ValueError
-        If a sign is none of these, the file is empty, a name is missing or occurs twice, a row is
-        short or long, a value is not a finite number, or there is a gap; the message says which
-        line of the file.
+        If a separator is invalid, the file is empty, a name is missing or occurs twice, a row is
+        too short or too long, a value is not a finite number, or there is a gap. The message names
+        the line of the file.
     TypeError
         If `columns` is not a sequence of names.
     FileNotFoundError
@@ -101,7 +101,7 @@ def column_names(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
 
 
 def _read(path: Path, delimiter: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Return the names and the rows, each with its line in the file; empty lines are skipped."""
+    """Return the names, and the rows, each with its line number; empty lines are skipped."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as lines:
             if path.suffix.lower() in ARRAYS:
@@ -127,13 +127,13 @@ def _read(path: Path, delimiter: str) -> tuple[list[str], list[tuple[int, list[s
 
 
 def _check_fields(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
-    """Raise where fields and names cannot belong together; an empty field at the end may."""
-    first = "".join(rows[0][1])
-    for sign in (";", "\t", "|", ","):
-        if len(header) == 1 and sign in header[0] and sign in first:
+    """Raise an error if fields and names do not match; empty fields at the end are allowed."""
+    second_line = "".join(rows[0][1])
+    for delimiter in (";", "\t", "|", ","):
+        if len(header) == 1 and delimiter in header[0] and delimiter in second_line:
             raise ValueError(
                 f"read_csv(delimiter=...) must be the sign between the names; got one field, "
-                f"{header[0]!r}. Is the delimiter {sign!r}? (--delimiter {sign!r})"
+                f"{header[0]!r}. Is the delimiter {delimiter!r}? (--delimiter {delimiter!r})"
             )
     _check_header(header, rows)
     for line, row in rows:
@@ -146,29 +146,29 @@ def _check_fields(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
 
 
 def _check_header(header: list[str], rows: list[tuple[int, list[str]]]) -> None:
-    """Raise where the names are not in the first line, or no numbers in the second."""
+    """Raise an error unless the names are in the first line, and numbers in the second."""
     line, second = rows[0]
-    first = ", ".join(name for name in header if name)
-    worded = not _has_number(second)
-    words = [row for _, row in rows[:FIRST_ROWS] if not _has_number(row)]
-    wider = any(field.strip() for row in words for field in row[len(header) :])
-    # Behind a sign there may be names, such as those that numpy writes: then numbers follow.
-    is_comment = first.startswith(COMMENTS) and (worded or len(second) > len(header))
-    if is_comment or wider:
+    names = ", ".join(name for name in header if name)
+    no_numbers = not _has_number(second)
+    without_numbers = [row for _, row in rows[:FIRST_ROWS] if not _has_number(row)]
+    is_wider = any(field.strip() for row in without_numbers for field in row[len(header) :])
+    # A comment sign may stand before the names, as numpy writes them: then numbers follow.
+    is_comment = names.startswith(COMMENTS) and (no_numbers or len(second) > len(header))
+    if is_comment or is_wider:
         raise ValueError(
-            f"read_csv(path=...) must begin with the line of names; got {first!r} as the first "
+            f"read_csv(path=...) must begin with the line of names; got {names!r} as the first "
             "line. Delete the lines before the names, or skip them with a reader of your own and "
             "pass the arrays to prepare."
         )
     if all(NUMBER.fullmatch(name) for name in header):
         raise ValueError(
-            f"read_csv(path=...) must begin with the line of names; got the numbers {first}. Write "
+            f"read_csv(path=...) must begin with the line of names; got the numbers {names}. Write "
             "a first line with a name for each column, such as t,q,F."
         )
-    if worded:
-        got = ", ".join(field.strip() for field in second if field.strip())
+    if no_numbers:
+        found = ", ".join(field.strip() for field in second if field.strip())
         raise ValueError(
-            f"read_csv(path=...) must have numbers below the line of names; got {got!r} in line "
+            f"read_csv(path=...) must have numbers below the line of names; got {found!r} in line "
             f"{line}. Delete this row if it holds units; if it holds the names, what is before it."
         )
 
@@ -179,10 +179,10 @@ def _has_number(row: list[str]) -> bool:
 
 
 def _place(header: list[str], name: str, path: str | PathLike[str]) -> int:
-    """Return where the column stands, which must be once."""
-    found = header.count(name)
-    if found != 1:
-        problem = "no such column" if not found else f"{found} columns of that name"
+    """Return the index of a column, whose name must occur exactly once."""
+    count = header.count(name)
+    if count != 1:
+        problem = "no such column" if not count else f"{count} columns of that name"
         raise ValueError(
             f"read_csv(columns=...) must be names that occur once; got {name!r}, {problem} in "
             f"{fspath(path)!r}. The file holds {', '.join(map(repr, header))}."
@@ -193,7 +193,10 @@ def _place(header: list[str], name: str, path: str | PathLike[str]) -> int:
 def _without_empty_ends(
     rows: list[tuple[int, list[str]]], places: dict[str, int]
 ) -> list[tuple[int, list[str]]]:
-    """Return the rows from the first to the last that is full; those between must be so, too."""
+    """Return the rows from the first to the last without an empty wanted field.
+
+    An empty field in between is an error.
+    """
     full = [i for i, (_, row) in enumerate(rows) if all(_text(row, k) for k in places.values())]
     if not full:
         empty = max(places, key=lambda name: sum(not _text(row, places[name]) for _, row in rows))
@@ -202,8 +205,8 @@ def _without_empty_ends(
             f"most are empty in {empty!r}. Leave out this column, or read its rows from another "
             "file."
         )
-    kept = rows[full[0] : full[-1] + 1]
-    for line, row in kept:
+    inner = rows[full[0] : full[-1] + 1]
+    for line, row in inner:
         for name, place in places.items():
             if not _text(row, place):
                 raise ValueError(
@@ -211,16 +214,16 @@ def _without_empty_ends(
                     f"end only; got nothing in column {name!r}, line {line}. Cut the file there "
                     "into two, each a record of its own, or fill the gap."
                 )
-    return kept
+    return inner
 
 
 def _text(row: list[str], place: int) -> str:
-    """Return what stands in a field; a row may be short."""
+    """Return the text of a field; empty beyond the end of a row."""
     return row[place].strip() if place < len(row) else ""
 
 
 def _value(row: list[str], place: int, name: str, line: int, decimal: str) -> float:
-    """Return one finite number."""
+    """Return a field as a finite number, or raise an error."""
     text = _text(row, place)
     try:
         mixed = "_" in text or (decimal != "." and "." in text)

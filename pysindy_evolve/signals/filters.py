@@ -13,7 +13,7 @@ from .spectral import Array, SpectralFilter, gain
 
 METHODS = ("fft", "savgol", "central")
 MOST_ORDERS = 8  # no measurement holds a ninth derivative
-_SHORTEST = 4  # samples; below, no parabola can be told from noise at an end
+_SHORTEST = 4  # samples; fewer than this cannot tell a parabola from noise at an end
 
 
 class Motion(NamedTuple):
@@ -92,10 +92,10 @@ def differentiate(
     order : int
         Order of the derivative, 1 to 8.
     method : {"fft", "savgol", "central"}
-        Spectral (exact at every frequency, needed below some 20 samples per period),
+        Spectral (exact at every frequency; needed with fewer than some 20 samples per period),
         Savitzky-Golay (local polynomials of degree order + 2), or repeated central differences.
     cutoff : float, optional
-        Low-pass applied with it, cycles per unit of t. None filters nothing.
+        Cutoff of a low-pass that is also applied, cycles per unit of t. None filters nothing.
 
     Returns
     -------
@@ -111,8 +111,8 @@ def differentiate(
 
     Notes
     -----
-    The first and last two periods of the cutoff are less exact, because what follows
-    beyond the ends is not known. `prepare` drops them.
+    The first and last two periods of the cutoff are less exact, because the signal beyond the ends
+    is not known. `prepare` drops one and a half.
 
     Examples
     --------
@@ -149,13 +149,13 @@ def derivatives(
 
 
 def _savgol(x: Array, order: int, dt: float, cutoff: float | None) -> Array:
-    """Differentiate by the polynomial fitted around each sample."""
+    """Differentiate a polynomial fitted around each sample."""
     n = x.shape[0]
     degree = order + 2
     half = degree // 2 + 1
     if cutoff is not None:
         # Schafer (2011), doi:10.1109/MSP.2011.941097: half-width for a given -3 dB frequency,
-        # here twice the cutoff, so that the polynomial passes what the low-pass has left.
+        # here twice the cutoff, so that the polynomial passes what the low-pass passes.
         half = max(half, int(((degree + 1) / (4.0 * cutoff * dt) + 4.6) / 3.2))
     window = min(2 * half + 1, n - (n + 1) % 2)
     return signal.savgol_filter(x, window, min(degree, window - 1), order, dt, axis=0)
@@ -167,8 +167,8 @@ def integrate(a: ArrayLike, dt: float, band: tuple[float, float]) -> Motion:
     .. math:: \hat v = B(f)\,\hat a / (2 \pi i f), \quad
               \hat q = -B(f)\,\hat a / (2 \pi f)^2, \quad \hat a_B = B(f)\,\hat a
 
-    Below the band an accelerometer holds nothing but drift, which integration would blow up;
-    B removes it with zero phase, from the acceleration as well, so that the three stay in step.
+    Below the band an accelerometer shows only drift, which integration would amplify. B removes it
+    with zero phase, from the acceleration as well, so that the three stay consistent.
 
     Parameters
     ----------
@@ -211,19 +211,19 @@ def integrate(a: ArrayLike, dt: float, band: tuple[float, float]) -> Motion:
     dt = checks.step("integrate", dt)
     low, high = _band(band, dt, columns.shape[0])
     n = columns.shape[0]
-    # Offset and trend are drift. Mirrored and faded, the rest ends without a jump.
-    rest = signal.detrend(columns, axis=0)
+    # Offset and trend are drift. The rest is extended by reflection and faded out, without a jump.
+    detrended = signal.detrend(columns, axis=0)
     pad = min(int(np.ceil(2.0 / (low * dt))), n - 1)
     total = fft.next_fast_len(n + 2 * pad, real=True)
-    closed = np.pad(rest, ((pad, pad), (0, 0)), mode="reflect").T
+    closed = np.pad(detrended, ((pad, pad), (0, 0)), mode="reflect").T
     fade = np.sin(0.5 * np.pi * np.arange(pad) / pad) ** 2
     closed[:, :pad] *= fade
     closed[:, n + pad :] *= fade[::-1]
     f = fft.rfftfreq(total, dt)
-    # Soft below, so that the ends are forgotten soon, and of fourth order, so that division
-    # by f^2 leaves nothing at zero frequency.
-    keep = gain(f, high, dt) * -np.expm1(-((f / low) ** 4))
-    spectrum = fft.rfft(closed, n=total, axis=1) * keep
+    # A soft lower edge, so that the ends have a short influence; of fourth order, so that the gain
+    # divided by f^2 vanishes at zero frequency.
+    response = gain(f, high, dt) * -np.expm1(-((f / low) ** 4))
+    spectrum = fft.rfft(closed, n=total, axis=1) * response
     omega = 2j * np.pi * np.where(f > 0, f, 1.0)
     rows = slice(pad, pad + n)
     parts = (fft.irfft(spectrum / omega**m, n=total, axis=1)[:, rows].T for m in (2, 1, 0))

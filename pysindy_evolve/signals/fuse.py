@@ -27,12 +27,12 @@ from .spectral import Array
 
 __all__ = ["fuse"]
 
-FADE = 0.02  # share of the record, half at each end, where the slope fades out
-FEWEST = 256  # samples; fewer have no spectrum to speak of
+FADE = 0.02  # share of the record, half at each end, over which the slope fades out
+FEWEST = 256  # samples; fewer do not give a usable spectrum
 
 
 def fuse(t: ArrayLike, x: ArrayLike, x_dot: ArrayLike) -> Array:
-    r"""Join measured derivatives with the slope of the measured states, the better one first.
+    r"""Combine measured derivatives with the slope of the measured states, weighed by their noise.
 
     White noise of variance :math:`\sigma_x^2` on x is :math:`\omega^2 \sigma_x^2` on its slope, so
     at each frequency the mean of least variance is
@@ -63,9 +63,9 @@ def fuse(t: ArrayLike, x: ArrayLike, x_dot: ArrayLike) -> Array:
     Notes
     -----
     It helps where a derivative was measured by a noisier sensor than its state, as an acceleration
-    beside a good velocity. Where the two differ by more than their noise, such as by the
-    calibration of their sensors, x_dot stays. The noise floors are those of `noise_level`. The cost
-    is three FFTs for each column.
+    beside a good velocity. At frequencies where the two differ by more than their noise, for
+    example by the calibration of their sensors, x_dot is kept. The noise floors are those of
+    `noise_level`. The cost is three FFTs for each column.
 
     Examples
     --------
@@ -89,21 +89,21 @@ def fuse(t: ArrayLike, x: ArrayLike, x_dot: ArrayLike) -> Array:
     dt = (grid[-1] - grid[0]) / (len(grid) - 1)
     window = tukey(len(grid), FADE)[:, None]
     gap = window * (differentiate(even_states, dt) - even_rates)
-    seen = fft.rfft(gap, axis=0)
-    share = _share(even_states, even_rates, dt, np.abs(seen) ** 2 / len(grid))
-    fused = even_rates + fft.irfft(share * seen, n=len(grid), axis=0)
+    gap_spectrum = fft.rfft(gap, axis=0)
+    share = _share(even_states, even_rates, dt, np.abs(gap_spectrum) ** 2 / len(grid))
+    fused = even_rates + fft.irfft(share * gap_spectrum, n=len(grid), axis=0)
     if even_rates is not rates:  # the samples lie between those of the grid
         fused = CubicSpline(grid, fused)(times)
     return fused.reshape(np.shape(x_dot))
 
 
 def _share(states: Array, rates: Array, dt: float, gap_power: Array) -> Array:
-    """Return the weight of the slope: the least variance, but none where the two disagree."""
+    """Return the weight of the slope: that of least variance, or zero where the two disagree."""
     omega = 2.0 * np.pi * np.arange(len(gap_power))[:, None] / (len(states) * dt)
-    of_rate, of_state = (floor(spectrum(columns, dt)[1]) for columns in (rates, states))
-    of_slope = omega**2 * of_state
-    expected = np.maximum(of_rate + of_slope, np.finfo(float).tiny)
+    noise_of_rate, noise_of_state = (floor(spectrum(columns, dt)[1]) for columns in (rates, states))
+    noise_of_slope = omega**2 * noise_of_state
+    expected = np.maximum(noise_of_rate + noise_of_slope, np.finfo(float).tiny)
     edges = geometric_edges(len(omega))
     found = np.add.reduceat(gap_power, edges[:-1], axis=0)
     ratio = found / np.add.reduceat(np.broadcast_to(expected, gap_power.shape), edges[:-1], axis=0)
-    return of_rate / expected * np.repeat(ratio <= AGREE, np.diff(edges), axis=0)
+    return noise_of_rate / expected * np.repeat(ratio <= AGREE, np.diff(edges), axis=0)

@@ -13,18 +13,17 @@ from .spectral import Array, Extension, gain
 # Highest automatic cutoff, as a share of the sampling rate: the edge of the low-pass, which is
 # over at 1.5 times the cutoff, then just ends at the Nyquist frequency.
 HIGHEST = 1.0 / 3.0
-# kappa: what is lost is lost on both sides of an equation alike and biases nothing that is
-# linear in it; noise that is kept sits in the regressors and biases everything. So a unit of
-# noise costs ten units of signal, which also is the margin that a spectrum needs to stand out
-# of its own scatter.
+# kappa, cost of a unit of noise in units of signal. A lost signal is lost on both sides of an
+# equation alike and biases no linear term. Noise that is kept is in the regressors and biases all.
+# Ten is also the margin by which a spectrum stands out of its own scatter.
 NOISE_PRICE = 10.0
-# Standard errors of a median by which the highest of eight lies above the lowest, at most.
+# Standard errors of a median: largest distance of the highest of eight from the lowest, by chance.
 ALIKE = 4.0
 # Candidates for a cutoff, spaced evenly on a logarithmic scale.
 N_CANDIDATES = 200
-# Share of readings equal to the one before from which on a column counts as coarse.
+# Least share of readings equal to the one before that makes a column coarse.
 DWELL = 0.1
-# Share of the steps of an input that are noise alone, whatever the input does.
+# Share of the steps of an input, the smallest ones, that are taken as noise alone.
 SMALLEST = 0.2
 # Fewest periods of the cutoff in a record.
 FEWEST_PERIODS = 4.0
@@ -35,14 +34,14 @@ MEDIAN_OVER_MEAN = np.log(2.0)
 def spectrum(y: Array, dt: float, cutoff: float | None = None) -> tuple[Array, Array]:
     """Return frequencies and power of the columns, scaled so that white noise gives its variance.
 
-    Without a cutoff the record is faded in and out (Hann); with one it is continued beyond its
-    ends as the filter with that cutoff does it, and every sample counts alike.
+    Without a cutoff the record is faded in and out (Hann). With one it is extended beyond its ends
+    as the filter with that cutoff does, and every sample has the same weight.
     """
     n = y.shape[0]
     if cutoff is None:
-        line = y[0] + np.linspace(0.0, 1.0, n)[:, None] * (y[-1] - y[0])
+        chord = y[0] + np.linspace(0.0, 1.0, n)[:, None] * (y[-1] - y[0])
         window = np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2
-        closed = ((y - line) * window[:, None]).T
+        closed = ((y - chord) * window[:, None]).T
         weight = float(np.sum(window**2))
     else:
         extension = Extension.for_cutoff(n, cutoff, dt)
@@ -65,15 +64,15 @@ def floor(power: Array) -> Array:
 
 
 def level(power: Array) -> Array:
-    """Return the white-noise variance under each row, from all bands that hold nothing else.
+    """Return the white-noise variance under each row, averaged over all bands of noise alone.
 
     Of eight medians of the same noise the lowest is too low, by 10 % of the variance where a band
-    holds 300 frequencies. So the bands that come as near to it as chance allows are taken together.
+    holds 300 frequencies. So all bands that exceed it by no more than chance are averaged.
     """
     medians = np.array(_medians(power))
-    chance = ALIKE / (MEDIAN_OVER_MEAN * np.sqrt(power.shape[1] / len(medians)))
-    alike = medians <= (1.0 + chance) * np.min(medians, axis=0)
-    return np.asarray(np.mean(medians, axis=0, where=alike)) / MEDIAN_OVER_MEAN
+    scatter = ALIKE / (MEDIAN_OVER_MEAN * np.sqrt(power.shape[1] / len(medians)))
+    near_lowest = medians <= (1.0 + scatter) * np.min(medians, axis=0)
+    return np.asarray(np.mean(medians, axis=0, where=near_lowest)) / MEDIAN_OVER_MEAN
 
 
 def _medians(power: Array) -> list[Array]:
@@ -82,11 +81,11 @@ def _medians(power: Array) -> list[Array]:
 
 
 def rounding(y: Array) -> Array:
-    """Return the variance of the rounding error on each column of y (n, k) that dwells.
+    """Return the variance of the rounding error on each coarse column of y (n, k).
 
-    A coarse encoder or converter repeats its readings, and then its error is no white noise
-    that the spectrum shows near half the sampling rate. All values of such a column are whole
-    steps apart; step^2 / 12 is the variance. Zero for every other column.
+    A coarse encoder or converter repeats its readings. Its error is then no white noise that the
+    spectrum shows near half the sampling rate. All values of such a column are whole steps apart;
+    the variance is step^2 / 12. Zero for every other column.
     """
     return np.array([_rounding(column) for column in y.T])
 
@@ -100,8 +99,8 @@ def _rounding(y: Array) -> float:
     if gaps.size == 0:
         return 0.0
     steps = levels / gaps.min()
-    whole = np.abs(steps - np.round(steps)).max() < 0.05
-    return float(gaps.min() ** 2 / 12.0) if whole else 0.0
+    is_whole = np.abs(steps - np.round(steps)).max() < 0.05
+    return float(gaps.min() ** 2 / 12.0) if is_whole else 0.0
 
 
 def best_cutoff(frequency: Array, power: Array, noise: Array, order: int, dt: float) -> float:
@@ -117,49 +116,49 @@ def best_cutoff(frequency: Array, power: Array, noise: Array, order: int, dt: fl
     """
     noise = noise[:, None]
     weight = (frequency * dt) ** (2 * order)  # per sample, whatever the unit of time
-    size = np.sum(weight * np.maximum(power - noise, 0.0), axis=1, keepdims=True)
-    size = np.where(size > 0, size, 1.0)
+    scale = np.sum(weight * np.maximum(power - noise, 0.0), axis=1, keepdims=True)
+    scale = np.where(scale > 0, scale, 1.0)
     steps = np.geomspace(1, frequency.size, N_CANDIDATES).round().astype(int)
     starts = np.unique(np.concatenate([[0], steps[steps < frequency.size]]))
-    signal = np.add.reduceat(np.sum(weight * (power - noise) / size, axis=0), starts)
-    heard = np.add.reduceat(np.sum(weight * noise / size, axis=0), starts)
+    signal_power = np.add.reduceat(np.sum(weight * (power - noise) / scale, axis=0), starts)
+    noise_power = np.add.reduceat(np.sum(weight * noise / scale, axis=0), starts)
     centers = np.add.reduceat(frequency, starts) / np.diff([*starts, frequency.size])
     candidates = centers[centers < 0.49 / dt]
-    passed = np.stack([gain(centers, cutoff, dt) for cutoff in candidates])
-    cost = (1.0 - passed) ** 2 @ signal + NOISE_PRICE * passed**2 @ heard
+    gains = np.stack([gain(centers, cutoff, dt) for cutoff in candidates])
+    cost = (1.0 - gains) ** 2 @ signal_power + NOISE_PRICE * gains**2 @ noise_power
     return float(candidates[np.argmin(cost)])
 
 
 def auto_cutoff(y: Array, dt: float, order: int) -> float:
-    """Return the cutoff for columns y (n, k) that change, in cycles per unit of t."""
+    """Return the cutoff for columns y (n, k), none of them constant, in cycles per unit of t."""
     y = (y - y[0]) / np.ptp(y, axis=0)
     highest = HIGHEST / dt
-    coarse = rounding(y)
+    rounding_noise = rounding(y)
     lowest = min(FEWEST_PERIODS / (y.shape[0] * dt), highest)
     cutoff: float | None = None
-    for _ in range(3):  # the ends are continued according to the cutoff that is being sought
+    for _ in range(3):  # the extension of the ends depends on the cutoff
         frequency, power = spectrum(y, dt, cutoff)
-        noise = np.maximum(floor(power), coarse)
-        found = best_cutoff(frequency, power, noise, order, dt)
-        cutoff = float(np.clip(found, lowest, highest))
+        noise = np.maximum(floor(power), rounding_noise)
+        best = best_cutoff(frequency, power, noise, order, dt)
+        cutoff = float(np.clip(best, lowest, highest))
     return float(cutoff or highest)
 
 
 def sensor_noise(y: Array, dt: float, cutoff: float | None) -> Array:
     """Return the standard deviation of the white noise on each column of y (n, k).
 
-    Both ways to close a record can leak a little of the signal into the floor; the lower
-    figure is the better one.
+    Both ways to treat the ends of a record can leak a little of the signal into the floor, so the
+    lower figure is taken.
     """
-    floors = [level(spectrum(y, dt, way)[1]) for way in {None, cutoff}]
-    return np.sqrt(np.maximum(np.min(floors, axis=0), rounding(y)))
+    variances = [level(spectrum(y, dt, cutoff_of_ends)[1]) for cutoff_of_ends in {None, cutoff}]
+    return np.sqrt(np.maximum(np.min(variances, axis=0), rounding(y)))
 
 
 def input_noise(u: Array, dt: float, cutoff: float | None) -> Array:
     """Return the standard deviation of the white noise on each input, u (n, k).
 
-    Zero for one that holds its values for a while: its steps reach as far up as noise does. Of one
-    that jumps, and is read with noise, the smallest steps say how large that is at most.
+    Zero for an input that often repeats its values: the spectrum of its steps looks like noise. For
+    an input that jumps, its smallest steps give an upper bound of the noise.
     """
     steps = np.abs(np.diff(u, axis=0))
     at_most = np.quantile(steps, SMALLEST, axis=0) / (np.sqrt(2.0) * norm.ppf(0.5 + SMALLEST / 2))

@@ -1,4 +1,4 @@
-"""How a record was made from raw data, and the same once more for other data."""
+"""How a record was prepared from raw data, to be repeated for other data."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["Preparation"]
 
 @dataclass(frozen=True, eq=False)
 class Preparation:
-    """How a record was made from raw data, resolved to numbers, and ready to be repeated.
+    """How a record was prepared from raw data, with all settings as numbers.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Preparation:
     cutoff : float or None
         Low-pass, cycles per unit of t.
     decimation : int
-        Every how many raw samples one was kept.
+        One of so many raw samples was kept.
     trim : int
         Raw samples dropped at each end.
     noise : ndarray of shape (n_columns,)
@@ -47,7 +47,7 @@ class Preparation:
     limits : ndarray of shape (2, n_columns)
         Lowest and highest reading of the sensors; infinite where no limit shows.
     steps : ndarray of shape (n_raw, n_inputs) or None
-        Raw inputs as they were recorded, where u has what acts of those that are held.
+        Raw inputs as they were recorded, if `u` holds the effective values of held inputs.
     """
 
     t: Array
@@ -106,7 +106,7 @@ class Preparation:
     def apply(self, t: ArrayLike, y: ArrayLike, u: ArrayLike | None = None) -> Record:
         """Repeat the identical operation on other data, such as a simulated twin.
 
-        It is linear but for what passes a limit of a sensor, which is clipped first.
+        It is linear, except that values beyond a limit of a sensor are clipped first.
 
         Parameters
         ----------
@@ -139,8 +139,8 @@ class Preparation:
             advice = "Simulate at preparation.t."
             checks.refuse(call, "t", f"sampled every {self.dt:g}", got, advice)
         readings = np.clip(positions, *self.limits)
-        whole = bridged(readings, self.limits, self.dt, self.cutoff, self.order)
-        levels = self._derive(whole, tuple(range(self.order + 1)))
+        filled = bridged(readings, self.limits, self.dt, self.cutoff, self.order)
+        levels = self._derive(filled, tuple(range(self.order + 1)))
         return Record(
             t=times[self._filter.kept][slice(*self.rows)],
             x=_interleave(levels[:-1]),
@@ -151,11 +151,11 @@ class Preparation:
         )
 
     def _seen(self, readings: Array) -> NDArray[np.bool_] | None:
-        """Return on which rows each state is that of the machine; None if on all of them."""
-        gone = beyond(readings, self.limits)
-        if not gone.any():
+        """Return the rows on which the sensor of each state shows it; None if all do."""
+        at_limit = beyond(readings, self.limits)
+        if not at_limit.any():
             return None
-        spoiled = widened(gone, self.dt, self.cutoff)[self._filter.kept][slice(*self.rows)]
+        spoiled = widened(at_limit, self.dt, self.cutoff)[self._filter.kept][slice(*self.rows)]
         return np.asarray(np.repeat(~spoiled, self.order, axis=1))
 
     def lowpass(self, columns: ArrayLike) -> Array:

@@ -1,4 +1,4 @@
-"""Raw records of positions to states and derivatives."""
+"""From raw positions to a record of states and derivatives."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ OVERSAMPLING = 8.0
 LEAST_ROWS = 500
 # Samples per period of the cutoff below which decimation would alias.
 LEAST_OVERSAMPLING = 3.0
-# Of cutoff and bridges over gaps, each of which follows from the other.
-N_ROUNDS = 3
+# Iterations of cutoff and bridges over gaps, which depend on each other.
+N_ITERATIONS = 3
 # Periods of the cutoff dropped at each end, where the unknown continuation is felt.
 TRIM = 1.5
 
@@ -73,13 +73,13 @@ def prepare(
     method : {"fft", "savgol", "central"}
         How derivatives are taken: spectral, Savitzky-Golay or central differences.
     limits : "auto", None or pair of float or of ndarray of shape (n_columns,)
-        Lowest and highest value that the sensors can show, units of y. Where they show them, the
-        true value may be anywhere beyond: such rows are bridged before the filter, and marked as
-        not `seen`. By default extremes at which fine readings heap; None knows of no limits.
+        Lowest and highest value that the sensors can show, units of y. At a limit the true value
+        may be anywhere beyond it: such rows are bridged before the filter, and marked as not
+        `seen`. "auto" takes extremes at which fine readings heap; None means no limits.
     held : bool or sequence of int
         Whether the inputs, or which of them, keep the value recorded at a sample until the next one
-        (zero-order hold), as those of a digital controller do. By default they are taken to run
-        smoothly in between, and half a sample of delay is left to be found.
+        (zero-order hold), as those of a digital controller do. By default they are taken as smooth
+        between the samples; the loop may then find half a sampling time of delay.
 
     Returns
     -------
@@ -117,25 +117,25 @@ def prepare(
     checks.same_length("prepare", t=times, y=raw_y, u=raw_u)
     _enough(times.size, order)
     grid, (even_y, even_u) = uniform("prepare", times, raw_y, raw_u)
-    still = constant_column(raw_y)
-    if even_y is None or still is not None:
-        got = f"{raw_y[0, still or 0]:g} in all samples of column {still}"
+    constant = constant_column(raw_y)
+    if even_y is None or constant is not None:
+        got = f"{raw_y[0, constant or 0]:g} in all samples of column {constant}"
         checks.refuse("prepare", "y", "changing", got, "Drop this column of y.")
     refuse_wrapped("prepare", raw_y)
     dt = float((grid[-1] - grid[0]) / (grid.size - 1))
     ends = as_limits(limits, even_y)
-    resolved, whole = _resolve_cutoff(cutoff, even_y, dt, order, ends)
-    trim = 2 if resolved is None else int(np.ceil(TRIM / (resolved * dt)))
+    resolved_cutoff, filled = _resolve_cutoff(cutoff, even_y, dt, order, ends)
+    trim = 2 if resolved_cutoff is None else int(np.ceil(TRIM / (resolved_cutoff * dt)))
     plan = Preparation(
         t=grid,
         y=even_y,
         u=even_u,
         order=order,
         method=method,
-        cutoff=resolved,
-        decimation=_resolve_decimation(decimate, resolved, dt, grid.size),
+        cutoff=resolved_cutoff,
+        decimation=_resolve_decimation(decimate, resolved_cutoff, dt, grid.size),
         trim=min(trim, grid.size // 16),
-        noise=sensor_noise(whole, dt, resolved),
+        noise=sensor_noise(filled, dt, resolved_cutoff),
         rows=(0, grid.size),
         limits=ends,
     )
@@ -144,7 +144,7 @@ def prepare(
 
 
 def _held_columns(held: Any, u: Array | None) -> list[int]:
-    """Return which columns of u are held."""
+    """Return the columns of u that are held."""
     n_inputs = 0 if u is None else u.shape[1]
     if isinstance(held, bool):
         return list(range(n_inputs)) if held else []
@@ -157,7 +157,7 @@ def _held_columns(held: Any, u: Array | None) -> list[int]:
 
 
 def _enough(n: int, order: int) -> None:
-    """Raise where a record is too short to see a derivative of this order."""
+    """Raise an error if a record is too short for a derivative of this order."""
     least = 16 + 4 * order
     if n < least:
         advice = "Record longer or sample faster."
@@ -167,7 +167,7 @@ def _enough(n: int, order: int) -> None:
 def _resolve_cutoff(
     cutoff: Any, y: Array, dt: float, order: int, limits: Array
 ) -> tuple[float | None, Array]:
-    """Return the cutoff in cycles per unit of t, and the readings without gaps."""
+    """Return the cutoff in cycles per unit of t or None, and the readings with gaps bridged."""
     if isinstance(cutoff, str):
         if cutoff != "auto":
             advice = 'Write "auto" to take it from the noise floor.'
@@ -178,18 +178,18 @@ def _resolve_cutoff(
 
 
 def _auto_cutoff(y: Array, dt: float, order: int, limits: Array) -> tuple[float, Array]:
-    """Return cutoff and bridged readings, which depend on each other."""
-    cutoff, whole = auto_cutoff(y, dt, order), y
+    """Return the automatic cutoff and the bridged readings, which depend on each other."""
+    cutoff, filled = auto_cutoff(y, dt, order), y
     if not beyond(y, limits).any():
-        return cutoff, whole
-    for _ in range(N_ROUNDS):
-        whole = bridged(y, limits, dt, cutoff, order)
-        cutoff = auto_cutoff(whole, dt, order)
-    return cutoff, whole
+        return cutoff, filled
+    for _ in range(N_ITERATIONS):
+        filled = bridged(y, limits, dt, cutoff, order)
+        cutoff = auto_cutoff(filled, dt, order)
+    return cutoff, filled
 
 
 def _resolve_decimation(decimate: Any, cutoff: float | None, dt: float, n: int) -> int:
-    """Return every how many samples one is kept."""
+    """Return the decimation: one of so many samples is kept."""
     per_period = 0.0 if cutoff is None else 1.0 / (cutoff * dt)
     if isinstance(decimate, str):
         if decimate != "auto":

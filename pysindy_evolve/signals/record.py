@@ -36,15 +36,15 @@ class Record:
     preparation : Preparation, optional
         How the record was made from raw data; None if the user made it.
     motion : Preparation, optional
-        How the inputs were, where they are a motion that explains a force.
+        How the inputs were prepared, if they are a motion that explains a force; see `as_target`.
     seen : ndarray of bool of shape (n_samples, n_states), optional
-        False on rows where a sensor was at an end of its range, and as far as a filter carries
-        this: what is in x and x_dot there is a bridge, and no measurement. None if all are seen.
+        False on rows where a sensor was at an end of its range, and on rows that the filter spoils
+        around them: x and x_dot are interpolated there. None if all are seen.
     held : mapping of int to float, optional
-        Inputs that were held from each sample to the next, and are given as what acts: by how many
-        sampling times each was late.
+        Inputs that were held from each sample to the next: column to delay, in sampling times. In u
+        their delay is already applied.
     through : mapping of int to InputFunction, optional
-        Inputs that act through a function of them, which is what the low-pass was applied to.
+        Inputs that act through a function; the low-pass was applied to the function.
 
     Raises
     ------
@@ -121,29 +121,29 @@ class Record:
 
     @property
     def cutoff(self) -> float | None:
-        """Low-pass that the record went through, cycles per unit of t; None if none is known."""
+        """Cutoff of the low-pass of the record, cycles per unit of t; None if none is known."""
         return None if self.preparation is None else self.preparation.cutoff
 
     @property
     def raw_dt(self) -> float:
-        """Sampling time of the raw data, units of t; `dt` where there are none."""
+        """Sampling time of the raw data, units of t; `dt` without raw data."""
         return self.dt if self.preparation is None else self.preparation.dt
 
     @property
     def has_raw_inputs(self) -> bool:
-        """Whether the inputs are known as they were before the low-pass."""
+        """Whether the inputs before the low-pass are known."""
         return self.preparation is not None and self.preparation.u is not None
 
     @property
     def raw_u(self) -> Array:
-        """Inputs before the low-pass, (n_raw, n_inputs); u where no raw ones are known."""
+        """Inputs before the low-pass, (n_raw, n_inputs); u if they are not known."""
         raw = self.preparation.u if self.preparation is not None else None
         raw = self.u if raw is None else raw
         return np.empty((self.n_samples, 0)) if raw is None else raw
 
     @property
     def recorded_u(self) -> Array:
-        """Inputs as they were recorded, (n_raw, n_inputs): `raw_u` but for those that are held."""
+        """Inputs as they were recorded, (n_raw, n_inputs): `raw_u` without the delay of a hold."""
         recorded = self.raw_u.copy()
         if self.preparation is not None and self.preparation.steps is not None:
             held = list(self.held)
@@ -151,11 +151,11 @@ class Record:
         return recorded
 
     def lowpass(self, columns: Array) -> Array:
-        """Return raw columns, (n_raw, n_columns), as they would be in the record."""
+        """Return raw columns, (n_raw, n_columns), filtered and cut as those of the record."""
         return columns if self.preparation is None else self.preparation.lowpass(columns)
 
     def with_inputs(self, change: Callable[[Array, Array], Array]) -> Record:
-        """Return a record with other inputs, which pass through the low-pass as the old ones did.
+        """Return a record with changed inputs, filtered as the old ones were.
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ class Record:
         Returns
         -------
         Record
-            The same one if there are no inputs.
+            The same object if there are no inputs.
         """
         if self.u is None:
             return self
@@ -225,8 +225,8 @@ class Record:
         TypeError
             If `fraction` is no number.
         """
-        between = "between 0 and 1"
-        share = checks.number("Record.split", "fraction", fraction, between, lambda v: 0 < v < 1)
+        must_be = "between 0 and 1"
+        share = checks.number("Record.split", "fraction", fraction, must_be, lambda v: 0 < v < 1)
         n_last = round(share * self.n_samples)
         if min(n_last, self.n_samples - n_last) < 2:
             got = f"{share:g} of {self.n_samples} samples"
@@ -237,16 +237,16 @@ class Record:
         return self[: self.n_samples - n_last], self[self.n_samples - n_last :]
 
 
-def _cut(made: Preparation | None, start: int, stop: int) -> Preparation | None:
-    """Return a preparation that repeats these of its rows."""
-    if made is None:
+def _cut(preparation: Preparation | None, start: int, stop: int) -> Preparation | None:
+    """Return a preparation that repeats only the rows from `start` to `stop`."""
+    if preparation is None:
         return None
-    first = made.rows[0]
-    return replace(made, rows=(first + start, first + stop))
+    first = preparation.rows[0]
+    return replace(preparation, rows=(first + start, first + stop))
 
 
 def names(parameter: str, given: Sequence[str] | None, n: int) -> tuple[str, ...] | None:
-    """Return n distinct names, or None where none were given."""
+    """Return the given names, checked to be n and distinct; None if none were given."""
     if given is None:
         return None
     advice = "Give one name per column."
@@ -260,5 +260,5 @@ def names(parameter: str, given: Sequence[str] | None, n: int) -> tuple[str, ...
 
 def constant_column(y: Array) -> int | None:
     """Return the index of the first column that never changes, or None."""
-    still = np.ptp(y, axis=0) == 0
-    return int(np.argmax(still)) if still.any() else None
+    is_constant = np.ptp(y, axis=0) == 0
+    return int(np.argmax(is_constant)) if is_constant.any() else None

@@ -1,4 +1,4 @@
-"""Uniform time, and what to do where it is not uniform."""
+"""Uniform sampling times, and resampling of records without them."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ from scipy.interpolate import CubicSpline
 from .. import checks
 from .spectral import Array
 
-# Shares of the sampling time. Below the first, time stamps are merely rounded.
-ROUNDING = 0.01
-# Up to the second, the clock jitters and the record is interpolated; beyond, samples are missing.
-JITTER = 0.5
+# Largest deviations of a time stamp from the uniform grid, as shares of the sampling time.
+ROUNDING = 0.01  # time stamps are rounded: taken as uniform
+JITTER = 0.5  # the clock jitters: the record is interpolated; beyond it, samples are missing
 
 
 def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Array | None]]:
     """Return uniform times over the same span, and the columns at these times.
 
-    Time stamps within 1 % of a sampling time of the uniform grid are taken as rounded; within
-    one half, every column is interpolated to the grid by the same cubic spline.
+    Time stamps within 1 % of a sampling time of the uniform grid are taken as rounded. Within half
+    a sampling time, every column is interpolated to the grid by a cubic spline.
 
     Raises
     ------
@@ -28,13 +27,13 @@ def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Ar
     """
     grid = np.linspace(t[0], t[-1], t.size)
     dt = (t[-1] - t[0]) / (t.size - 1)
-    off = np.abs(t - grid) / dt
-    worst = float(off.max())
+    deviation = np.abs(t - grid) / dt
+    worst = float(deviation.max())
     if worst > JITTER:
         steps = np.diff(t)
         usual = float(np.median(steps))
-        at = int(np.argmax(np.abs(steps - usual)))
-        got = f"a step of {steps[at]:g} at sample {at + 1} where {usual:g} is usual"
+        index = int(np.argmax(np.abs(steps - usual)))
+        got = f"a step of {steps[index]:g} at sample {index + 1} where {usual:g} is usual"
         advice = (
             "Resample it first: t, y, u = signals.resample(t, y, u). A gap of more than a few "
             "samples is better cut: give the two parts as two records, as resampling draws a "
@@ -85,17 +84,17 @@ def resample(
     times = checks.times("resample", t)
     if times.size < 2:
         checks.refuse("resample", "t", "at least 2 samples long", f"{times.size}", "Record more.")
-    given = [checks.columns("resample", "y", y)]
+    signals = [checks.columns("resample", "y", y)]
     if u is not None:
-        given.append(checks.columns("resample", "u", u))
-    checks.same_length("resample", t=times, y=given[0], u=given[-1])
+        signals.append(checks.columns("resample", "u", u))
+    checks.same_length("resample", t=times, y=signals[0], u=signals[-1])
     span = float(times[-1] - times[0])
-    usual = float(np.median(np.diff(times))) if dt is None else dt
-    limits = f"in [{span / 1e8:g}, {span:g}], shorter than the record"
-    usual = checks.number("resample", "dt", usual, limits, lambda v: span / 1e8 <= v <= span)
-    grid = times[0] + usual * np.arange(int(span / usual * (1 + 1e-12)) + 1)
-    new = [np.stack([np.interp(grid, times, c) for c in columns.T], axis=1) for columns in given]
-    shaped = [new[0][:, 0] if np.ndim(y) == 1 else new[0]]
+    step = float(np.median(np.diff(times))) if dt is None else dt
+    must_be = f"in [{span / 1e8:g}, {span:g}], shorter than the record"
+    step = checks.number("resample", "dt", step, must_be, lambda v: span / 1e8 <= v <= span)
+    grid = times[0] + step * np.arange(int(span / step * (1 + 1e-12)) + 1)
+    new = [np.stack([np.interp(grid, times, c) for c in columns.T], axis=1) for columns in signals]
+    new_y = [new[0][:, 0] if np.ndim(y) == 1 else new[0]]
     if u is None:
-        return grid, shaped[0], None
-    return grid, shaped[0], new[1][:, 0] if np.ndim(u) == 1 else new[1]
+        return grid, new_y[0], None
+    return grid, new_y[0], new[1][:, 0] if np.ndim(u) == 1 else new[1]

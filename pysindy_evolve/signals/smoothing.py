@@ -1,8 +1,8 @@
-r"""States freed from their noise by what their derivatives say.
+r"""States with less noise, estimated with the help of their derivatives.
 
-A row of x and one of x_dot are two measurements of one signal: x_dot is its slope. So noisy states
-are estimated from both, see `wiener`. A regression on the estimate has no errors-in-variables bias,
-as what is left of the noise does not go with it.
+The states x and the derivatives x_dot measure one signal, as x_dot is the slope of x. So noisy
+states are estimated from both, see `wiener`. A regression on the estimate has no
+errors-in-variables bias, as the remaining error is not correlated with it.
 
 References
 ----------
@@ -23,27 +23,27 @@ from .wiener import QUIET, estimate
 
 __all__ = ["Smoothed", "is_noisy", "smooth_states", "time_step"]
 
-PROBES, PROBE = 8, 512  # stretches of so many rows tell whether there is noise at all
-LEAST_ROWS = 256  # fewer rows have no spectrum to speak of
-COHERENT = 0.9  # of x and x_dot, from which on rows are taken for an even time series
-# Radians a row, for most of what is loud: six rows a period. If x_dot is really the next value of a
-# map, its phase is off by 30 degrees or more there, and the test of coherence fails.
-FASTEST = np.pi / 3.0
-LOUD = 0.5  # share of the power of x_dot in the frequencies that the sampling time is found from
+N_PROBES, PROBE_ROWS = 8, 512  # number and rows of the stretches that are checked for noise
+LEAST_ROWS = 256  # fewer rows do not give a usable spectrum
+COHERENT = 0.9  # least coherence of x_dot with the slope of x in a uniform time series
+# Radians per row (six rows a period): largest median of the loud frequencies. If x_dot is really
+# the next value of a map, its phase is then off by 30 degrees or more, and coherence is too low.
+MAX_OMEGA = np.pi / 3.0
+LOUD = 0.5  # share of the power of x_dot in the loud frequencies, which give the sampling time
 
 
 @dataclass(frozen=True, eq=False)
 class Smoothed:
-    """Columns of one trajectory, freed from noise.
+    """Columns of one trajectory with less noise.
 
     Attributes
     ----------
     x : ndarray of shape (n_samples, n_columns)
         States and inputs, in the user's units.
     noise : ndarray of shape (n_columns,)
-        Standard deviation of the noise that is left in each.
+        Standard deviation of the remaining noise of each.
     ends : int
-        Rows at each end that are not better than they were measured.
+        Rows at each end that are not improved.
     """
 
     x: Array
@@ -52,28 +52,27 @@ class Smoothed:
 
 
 def is_noisy(x: Array) -> bool:
-    """Tell whether a column of x (n, k), in order of time, carries white noise that does harm.
+    """Tell whether a column of x (n, k), in order of time, has white noise that does harm.
 
-    Differences of sixth order leave nothing of a signal that was sampled well; their median over
-    the rows ignores jumps. A clean column, or rows in no order, give a clear answer at the cost of
-    a few thousand rows.
+    Differences of sixth order remove a well-sampled signal; their median over the rows ignores
+    jumps. The cost is that of a few thousand rows.
     """
     return bool(np.any(_roughness(x) > QUIET))
 
 
 def _roughness(x: Array) -> Array:
     """Return the noise of each column by sixth differences, as a share of its RMS."""
-    starts = np.linspace(0, max(len(x) - PROBE, 0), PROBES).astype(int)
-    parts = [x[a : a + PROBE] for a in dict.fromkeys(starts.tolist())]
-    rough = np.concatenate([np.abs(np.diff(part, n=6, axis=0)) for part in parts])
-    size = np.sqrt(np.mean([np.mean(np.square(part), axis=0) for part in parts], axis=0))
-    # White noise of variance one: sixth differences have 924, and 0.6745 is a normal's quartile.
-    noise = np.median(rough, axis=0) / (0.6745 * np.sqrt(924.0))
-    return np.asarray(noise / np.where(size > 0.0, size, 1.0))
+    starts = np.linspace(0, max(len(x) - PROBE_ROWS, 0), N_PROBES).astype(int)
+    probes = [x[a : a + PROBE_ROWS] for a in dict.fromkeys(starts.tolist())]
+    differences = np.concatenate([np.abs(np.diff(part, n=6, axis=0)) for part in probes])
+    rms = np.sqrt(np.mean([np.mean(np.square(part), axis=0) for part in probes], axis=0))
+    # Sixth differences of unit white noise have variance 924; the median of |normal| is 0.6745.
+    noise = np.median(differences, axis=0) / (0.6745 * np.sqrt(924.0))
+    return np.asarray(noise / np.where(rms > 0.0, rms, 1.0))
 
 
 def time_step(x: Array, x_dot: Array) -> float | None:
-    """Find the sampling time of states from their derivatives.
+    """Estimate the sampling time of states from their derivatives.
 
     Parameters
     ----------
@@ -83,8 +82,8 @@ def time_step(x: Array, x_dot: Array) -> float | None:
     Returns
     -------
     float or None
-        Units of t; None where x_dot is not the slope of x from row to row: rows out of order, or
-        sampled unevenly.
+        Units of t; None if x_dot is not the slope of x from row to row, as where rows are out of
+        order, or not sampled uniformly.
     """
     n = len(x)
     fading = _faded(np.ones(n))
@@ -97,51 +96,53 @@ def time_step(x: Array, x_dot: Array) -> float | None:
         for state, rate in zip(x.T, x_dot.T, strict=True)
         if np.ptp(rate) > 0.0 and np.ptp(state) > 0.0
     ]
-    loud = [_loud(rate) for _, rate, _ in pairs]
-    if any(np.median(_omega(n)[at]) > FASTEST for at in loud):
+    loud_bins = [_loud_bins(rate) for _, rate, _ in pairs]
+    if any(np.median(_omega(n)[bins]) > MAX_OMEGA for bins in loud_bins):
         return None
-    sizes = [
-        np.linalg.norm([slope[at], rate[at]], axis=1)
-        for (slope, rate, _), at in zip(pairs, loud, strict=True)
+    norms = [
+        np.linalg.norm([slope[bins], rate[bins]], axis=1)
+        for (slope, rate, _), bins in zip(pairs, loud_bins, strict=True)
     ]
-    first = float(np.exp(np.mean([np.log(slope / rate) for slope, rate in sizes])))
-    for (slope, rate, _), at in zip(pairs, loud, strict=True):
-        product = float(np.sum((slope[at] * np.conj(rate[at])).real))
-        if product < COHERENT * np.linalg.norm(slope[at]) * np.linalg.norm(rate[at]):
+    guess = float(np.exp(np.mean([np.log(slope / rate) for slope, rate in norms])))
+    for (slope, rate, _), bins in zip(pairs, loud_bins, strict=True):
+        product = float(np.sum((slope[bins] * np.conj(rate[bins])).real))
+        if product < COHERENT * np.linalg.norm(slope[bins]) * np.linalg.norm(rate[bins]):
             return None
-    powers = [(_white(rate), _white(state)) for _, rate, state in pairs]
-    top = 2 + max(int(at.max()) for at in loud)  # there is nothing to learn from noise
+    noise_powers = [(_white_power(rate), _white_power(state)) for _, rate, state in pairs]
+    n_bins = 2 + max(int(bins.max()) for bins in loud_bins)  # above, there is only noise
 
     def misfit(share: float) -> float:
-        """Sum of squared differences in units of their noise, which is least at the truth."""
+        """Return the squared differences over their noise; least at the true sampling time."""
         total = 0.0
-        for (slope, rate, _), (of_rate, of_state) in zip(pairs, powers, strict=True):
-            noise = _omega(n)[1:top] ** 2 * of_state + (share * first) ** 2 * of_rate
-            total += float(np.sum(np.abs(slope[1:top] - share * first * rate[1:top]) ** 2 / noise))
+        for (slope, rate, _), (rate_noise, state_noise) in zip(pairs, noise_powers, strict=True):
+            noise = _omega(n)[1:n_bins] ** 2 * state_noise + (share * guess) ** 2 * rate_noise
+            total += float(
+                np.sum(np.abs(slope[1:n_bins] - share * guess * rate[1:n_bins]) ** 2 / noise)
+            )
         return total
 
-    found = optimize.minimize_scalar(misfit, bounds=(0.9, 1.1), method="bounded")
-    return float(found.x) * first
+    best = optimize.minimize_scalar(misfit, bounds=(0.9, 1.1), method="bounded")
+    return float(best.x) * guess
 
 
 def _without_mean(
     spectrum: NDArray[np.complex128], fading: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
-    """Take the mean of what was faded out of its spectrum: two means always agree in phase."""
+    """Remove the mean from a faded spectrum: means always agree in phase, and prove nothing."""
     return spectrum - spectrum[0] / fading[0] * fading
 
 
-def _white(spectrum: NDArray[np.complex128]) -> float:
+def _white_power(spectrum: NDArray[np.complex128]) -> float:
     power = np.abs(spectrum) ** 2
     return lowest_quarter(power, np.ones(len(power), dtype=int))
 
 
-def _loud(spectrum: NDArray[np.complex128]) -> NDArray[np.intp]:
-    """Return the frequencies that hold half of the power."""
+def _loud_bins(spectrum: NDArray[np.complex128]) -> NDArray[np.intp]:
+    """Return the loudest bins, which together hold half of the power."""
     power = np.abs(spectrum) ** 2
     order = np.argsort(power)[::-1]
-    share = np.cumsum(power[order])
-    return order[: int(np.searchsorted(share, LOUD * share[-1])) + 1]
+    cumulated = np.cumsum(power[order])
+    return order[: int(np.searchsorted(cumulated, LOUD * cumulated[-1])) + 1]
 
 
 def _faded(y: Array) -> NDArray[np.complex128]:
@@ -152,12 +153,12 @@ def _faded(y: Array) -> NDArray[np.complex128]:
 def _faded_slope(y: Array) -> NDArray[np.complex128]:
     """Return the faded spectrum of the slope per sample, without taking a difference.
 
-    (w y)' = w' y + w y', so what the fading itself does is taken off.
+    As (w y)' = w' y + w y', the part w' y of the fading w is subtracted.
     """
     n = len(y)
-    rest = y - y.mean()
-    fading = rest * np.sin(2.0 * _half_turn(n)) * np.pi / n
-    return 1j * _omega(n) * _faded(rest) - _spectrum(fading)
+    centered = y - y.mean()
+    from_fading = centered * np.sin(2.0 * _half_turn(n)) * np.pi / n
+    return 1j * _omega(n) * _faded(centered) - _spectrum(from_fading)
 
 
 def _spectrum(y: Array) -> NDArray[np.complex128]:
@@ -185,7 +186,7 @@ def smooth_states(x: Array, x_dot: Array) -> Smoothed | None:
     Returns
     -------
     Smoothed or None
-        None where there is no noise that does harm, or where the rows are no time series.
+        None if no noise does harm, or if the rows are no uniform time series.
 
     Notes
     -----
@@ -199,35 +200,35 @@ def smooth_states(x: Array, x_dot: Array) -> Smoothed | None:
         return None
     smooth, noise, ends = x.copy(), np.zeros(x.shape[1]), 0
     for columns in _chains(x, x_dot):
-        last = columns[-1]
+        last_column = columns[-1]
         levels = [x[:, j] for j in columns]
-        levels += [x_dot[:, last]] if last < n_states else []
+        levels += [x_dot[:, last_column]] if last_column < n_states else []
         scaled = np.column_stack([level * dt**m for m, level in enumerate(levels)])
-        best, left, end = estimate(scaled)
-        ends = max(ends, end)
+        estimated, noise_left, end_rows = estimate(scaled)
+        ends = max(ends, end_rows)
         for m, j in enumerate(columns):
-            smooth[:, j], noise[j] = best[:, m] / dt**m, left[m] / dt**m
+            smooth[:, j], noise[j] = estimated[:, m] / dt**m, noise_left[m] / dt**m
     return Smoothed(smooth, noise, ends)
 
 
 def _chains(x: Array, x_dot: Array) -> list[list[int]]:
-    """Group columns of x: each is the derivative of the one before, as x_dot says."""
+    """Group columns of x into chains: each column is the derivative of the one before, by x_dot."""
     n_states = x_dot.shape[1]
-    following = {
+    derivative_of = {
         i: j
         for i in range(n_states)
         for j in range(n_states)
         if i != j and np.array_equal(x_dot[:, i], x[:, j])
     }
     chains, free = [], set(range(x.shape[1]))
-    firsts = [j for j in range(x.shape[1]) if j not in following.values()]
+    firsts = [j for j in range(x.shape[1]) if j not in derivative_of.values()]
     for first in [*firsts, *range(x.shape[1])]:
         chain: list[int] = []
-        at: int | None = first
-        while at is not None and at in free:
-            free.remove(at)
-            chain.append(at)
-            at = following.get(at)
+        column: int | None = first
+        while column is not None and column in free:
+            free.remove(column)
+            chain.append(column)
+            column = derivative_of.get(column)
         if chain:
             chains.append(chain)
     return chains

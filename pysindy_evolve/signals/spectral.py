@@ -6,8 +6,8 @@ The response to a frequency f is
    \qquad H_m(f) = (2 \pi i f)^m H(f),
 
 with cutoff f_c (gain one half) and edge width w. Its kernel decays like
-:math:`\exp(-(\pi w t)^2)`, so nothing farther away than 1 / w is felt: the ends of a record
-spoil a known, short stretch, and steps ring for two or three periods of the cutoff only.
+:math:`\exp(-(\pi w t)^2)`, so samples farther away than 1 / w have no influence: the ends of a
+record spoil a known, short stretch, and steps ring for only two or three periods of the cutoff.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from scipy import fft, special
 
 Array = NDArray[np.float64]
 
-# The edge takes a quarter of the cutoff: sharp enough to keep the band flat, soft enough that
-# the kernel is over after four periods of the cutoff.
+# Edge width over cutoff: sharp enough to keep the band flat, soft enough that the kernel ends after
+# four periods of the cutoff.
 EDGE = 0.25
-# Fit spans after which the parabola at an end levels off: 1.5 periods of the cutoff.
+# Length, in fit spans, after which the parabola at an end levels off: 1.5 periods of the cutoff.
 BOUND = 1.0
 
 
@@ -43,11 +43,11 @@ def gain(frequency: Array, cutoff: float | None, dt: float) -> Array:
 
 @dataclass(frozen=True)
 class Extension:
-    """How a record of n samples is continued smoothly beyond both ends until it closes.
+    """Smooth extension of a record of n samples beyond both ends, which makes it periodic.
 
-    A record is not periodic. Its ends are continued by point reflection about the parabola
-    fitted there, y(-k) = 2 (p0 + p2 k^2) - y(k), which keeps value, slope and curvature, and
-    fades into the straight line between the two ends.
+    Each end is extended by point reflection about the parabola fitted there,
+    y(-k) = 2 (p0 + p2 k^2) - y(k), which keeps value, slope and curvature, and fades into the
+    straight line between the two ends.
 
     Parameters
     ----------
@@ -69,8 +69,8 @@ class Extension:
         if cutoff is None:
             return cls(n, min(32, n - 1), min(5, n))
         reach = int(np.ceil(1.0 / (edge_width(cutoff, dt) * dt)))
-        # 1.5 periods of the cutoff average the noise, and hold no more than a parabola
-        # plus a cubic of what the filter lets through.
+        # 1.5 periods of the cutoff average the noise, and what the filter passes is no more than a
+        # cubic over them.
         span = max(7, int(np.ceil(1.5 / (cutoff * dt))))
         return cls(n, min(reach, n - 1), min(span, n))
 
@@ -101,13 +101,13 @@ class Extension:
         return np.asarray(0.5 + 0.5 * np.cos(np.pi * fall))
 
     def __call__(self, y: Array, left: int, total: int) -> tuple[Array, Array]:
-        """Return the closed columns, and the straight lines that were taken out of them.
+        """Return the extended, periodic columns, and the straight lines subtracted from them.
 
         Parameters
         ----------
         y : ndarray of shape (n_columns, n)
         left : int
-            Zeros and extension in front of the record, at least `pad`.
+            Samples in front of the record: zeros and the extension; at least `pad`.
         total : int
             Length of the result.
 
@@ -164,7 +164,7 @@ class SpectralFilter:
 
     @cached_property
     def _left(self) -> int:
-        """Samples in front of the record, so many that the first kept one is on the grid."""
+        """Samples in front of the record, so many that the first kept one is on the coarse grid."""
         pad = self._extension.pad
         return pad + (-(pad + self.trim)) % self.decimation
 

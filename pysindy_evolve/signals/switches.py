@@ -1,4 +1,4 @@
-"""Rows on which the direction of motion is decided, whatever the low-pass did."""
+"""Rows on which the low-pass leaves the direction of motion certain."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from .record import Record
 
 __all__ = ["is_decided"]
 
-FEWEST = 0.5  # share of the rows; a body that turns all the time is looked at whole
+FEWEST = 0.5  # share of the rows; if fewer are decided, as for a body that keeps turning, all count
 
 
 def is_decided(record: Record) -> NDArray[np.bool_]:
     """Tell on which rows no velocity changes its sign within reach of the low-pass.
 
-    What jumps where a body turns, such as dry friction, is smeared over the reach of the low-pass,
-    while the sign of the filtered velocity still jumps. Equations with sgn(v) fit such rows with
-    whatever else jumps there; without them, a fit finds the friction alone.
+    Where a body turns, the low-pass smears a jump such as that of dry friction, while the sign of
+    the filtered velocity still jumps. On such rows a fit with sgn(v) picks up other terms that jump
+    there; without these rows it finds the friction alone.
 
     Parameters
     ----------

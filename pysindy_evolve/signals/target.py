@@ -1,4 +1,4 @@
-"""Records of a force to be explained by the motion, instead of a motion by the force."""
+"""Records whose target is a force, to be explained by the motion."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["as_target"]
 
 
 def as_target(record: Record) -> Record:
-    """Exchange inputs and motion: what drove the motion becomes what is to be explained by it.
+    """Exchange inputs and motion: the force becomes the target, and the motion its inputs.
 
     Parameters
     ----------
@@ -32,9 +32,9 @@ def as_target(record: Record) -> Record:
 
     Notes
     -----
-    The model has to declare each column of the result, in this order: the forces as what it gives,
-    and all inputs, the acceleration of ``prepare(..., order=2)`` too, whether or not the declared
-    force depends on it. The loop looks for what the force lacks among all of them.
+    The model has to declare each column of the result, in this order: the forces as its equations,
+    and all inputs, with the acceleration of ``prepare(..., order=2)`` last, whether or not the
+    declared force depends on it. The loop looks for missing terms of all of them.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def as_target(record: Record) -> Record:
     order = 1 if record.preparation is None else record.preparation.order
     u = np.column_stack([record.x, record.x_dot[:, order - 1 :: order]])
     seen = record.seen
-    if seen is not None:  # a force says nothing of a motion that nobody saw
+    if seen is not None:  # a force counts only on rows where the whole motion was seen
         seen = np.repeat(np.all(seen, axis=1)[:, None], record.n_inputs, axis=1)
     made = record.preparation
     return Record(t=record.t, x=record.u, x_dot=record.u, u=u, motion=made, seen=seen)

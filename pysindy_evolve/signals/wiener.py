@@ -1,17 +1,17 @@
-r"""Several measurements of one signal and its derivatives, fused for each frequency.
+r"""Measurements of a signal and of its derivatives, combined at each frequency (Wiener filter).
 
 A signal q, its slope and so on are its *levels*. Their sine and cosine series have the same
-coefficients, up to powers of the frequency, so each level is a measurement of each coefficient,
-with a noise power of its own; they are averaged by the inverse of it. Levels that were computed
-from each other share one noise and count once. What does not stand above the noise is left out
-(Wiener's filter): what then is left of the noise does not go with the estimate.
+coefficients, up to powers of the frequency. So each level measures each coefficient, with its own
+noise power, and they are averaged with the inverse noise power as weight. Levels that were computed
+from each other share one noise and count once. Then each frequency is weighed by the share of its
+power that is signal, so that the remaining error is not correlated with the estimate.
 
 ======  ===================  ==========================================================
 symbol  shape                meaning
 ======  ===================  ==========================================================
 levels  (n, n_levels)        a signal and its successive derivatives, in units per sample
 omega   (n - 1,)             frequency, radians per sample
-spectra (n_levels, n - 1)    coefficients of the signal in a sine series, by each of the levels
+spectra (n_levels, n - 1)    sine coefficients of the signal, as measured by each level
 power   (n_levels, n_bands)  power of the levels themselves, averaged in bands
 noise   (n_levels, n_bands)  power of the white noise under it
 ======  ===================  ==========================================================
@@ -30,68 +30,73 @@ from .spectral import Array
 __all__ = ["QUIET", "estimate"]
 
 QUIET = 1e-4  # share of a column's RMS: less noise than this (80 dB) does no harm
-NEAR = 4.0  # times the floor: below that a band holds mostly noise
-FEW, SHARED = 0.1, 0.2  # share of the bands in which two levels differ by less than that share of
-# their noise, if one was computed from the other
-END = 0.02  # of the record is the widest bump at an end
-WIDTHS = 4.0  # of a bump, after which it is over
-SIGNS = (1.0, 1.0, -1.0, -1.0)  # of sin, its derivative and so on, in series of sines and cosines
+NEAR_FLOOR = 4.0  # times the floor; a band with less power is mostly noise
+# Two levels were computed from each other if, in a share QUANTILE of the bands, the power of their
+# difference is less than the share SHARED_NOISE of that of their noise.
+QUANTILE, SHARED_NOISE = 0.1, 0.2
+WIDEST = 0.02  # share of the record; largest width of the bump at an end
+BUMP_WIDTHS = 4.0  # widths after which a bump is over
+SIGNS = (1.0, 1.0, -1.0, -1.0)  # of the successive derivatives of sin: sin, cos, -sin, -cos
 
 
 def estimate(levels: Array) -> tuple[Array, Array, int]:
-    """Estimate a signal from its levels: all levels of it, the noise left in each, the ends."""
+    """Estimate a signal from its measured levels.
+
+    Returns the estimated levels, (n, n_levels), the standard deviation of the noise left in each,
+    and the number of rows at each end that are not improved.
+    """
     n, n_levels = levels.shape
     omega = np.pi * np.arange(1, n) / n
-    known, ends = _trend_and_ends(levels[:, 0], n_levels)
-    spectra = np.stack([_spectrum(y, m) for m, y in enumerate((levels - known).T)])
+    removed, ends = _trend_and_ends(levels[:, 0], n_levels)
+    spectra = np.stack([_spectrum(y, m) for m, y in enumerate((levels - removed).T)])
     edges = widening_edges(len(omega))
     noise, carrier = _noise_powers(spectra, omega, edges)
     weights = omega ** (2 * np.arange(n_levels)[:, None]) / np.repeat(noise, np.diff(edges), axis=1)
-    # Levels computed from each other count once, with the noise of the one that was measured.
+    # Levels computed from each other count once, with the noise of the measured one.
     total = np.zeros_like(omega)
     signal = np.zeros_like(omega)
     for group in np.unique(carrier):
-        alike = np.flatnonzero(carrier == group)
-        mean = (weights[alike] * spectra[alike]).sum(axis=0) / weights[alike].sum(axis=0)
+        sharing = np.flatnonzero(carrier == group)
+        mean = (weights[sharing] * spectra[sharing]).sum(axis=0) / weights[sharing].sum(axis=0)
         signal += weights[group] * mean
         total += weights[group]
-    signal, left = signal / total, 1.0 / total
-    passed = _wiener(signal**2, left, edges)
-    result, error = np.empty_like(levels), np.empty(n_levels)
+    signal, noise_power = signal / total, 1.0 / total
+    gain = _wiener(signal**2, noise_power, edges)
+    result, noise_left = np.empty_like(levels), np.empty(n_levels)
     for m in range(n_levels):
-        result[:, m] = _series(signal * passed * omega**m, m)
-        error[m] = np.sqrt(np.sum(left * passed * omega ** (2 * m)) / n)
-    return result + known, error, ends
+        result[:, m] = _series(signal * gain * omega**m, m)
+        noise_left[m] = np.sqrt(np.sum(noise_power * gain * omega ** (2 * m)) / n)
+    return result + removed, noise_left, ends
 
 
 def _trend_and_ends(y: Array, n_levels: int) -> tuple[Array, int]:
-    """Return what keeps a record from being a sine series, and its derivatives: (n, n_levels).
+    """Return what to subtract before a sine series, with its derivatives, and the rows of a bump.
 
-    A straight line, and at each end a bump as wide as the signal is slow, so that a sine series,
-    which is zero at its ends, does not break off there.
+    The first has shape (n, n_levels): a straight line, and at each end a Gaussian bump, which makes
+    the rest zero there as a sine series is. The bump is wider for a slower signal.
     """
     n = len(y)
-    s = np.arange(n)
-    slope, offset = np.polyfit(s, y, 1)
-    rest = y - offset - slope * s
-    power = np.cumsum(_spectrum(rest, 0) ** 2)
-    middle = np.pi * (1 + int(np.searchsorted(power, 0.5 * power[-1]))) / n
-    width = min(1.0 / middle, END * n)
-    known = np.zeros((n, n_levels))
-    known[:, 0] = offset + slope * s
-    known[:, 1:2] = slope
-    for value, z in ((rest[0], s / width), (rest[-1], (s - s[-1]) / width)):
+    rows = np.arange(n)
+    slope, offset = np.polyfit(rows, y, 1)
+    detrended = y - offset - slope * rows
+    power = np.cumsum(_spectrum(detrended, 0) ** 2)
+    median_omega = np.pi * (1 + int(np.searchsorted(power, 0.5 * power[-1]))) / n
+    width = min(1.0 / median_omega, WIDEST * n)
+    removed = np.zeros((n, n_levels))
+    removed[:, 0] = offset + slope * rows
+    removed[:, 1:2] = slope
+    for value, z in ((detrended[0], rows / width), (detrended[-1], (rows - rows[-1]) / width)):
         bump = value * np.exp(-0.5 * z**2)
         for m in range(n_levels):  # derivatives of a Gaussian are Hermite polynomials times it
-            known[:, m] += hermite_e.hermeval(z, [*[0.0] * m, (-1.0 / width) ** m]) * bump
-    return known, int(np.ceil(WIDTHS * width))
+            removed[:, m] += hermite_e.hermeval(z, [*[0.0] * m, (-1.0 / width) ** m]) * bump
+    return removed, int(np.ceil(BUMP_WIDTHS * width))
 
 
 def _spectrum(level: Array, m: int) -> Array:
     """Return the n - 1 coefficients of a level's sine series (m even) or cosine series (m odd).
 
-    They are those of the signal: divided by omega^m, as derivatives of a sine series are series of
-    cosines and sines by turns, whatever the ends of the record are.
+    Divided by omega^m they are the sine coefficients of the signal itself, as the derivatives of a
+    sine series alternate between cosine and sine series.
     """
     n = len(level)
     omega = np.pi * np.arange(1, n) / n
@@ -112,12 +117,12 @@ def _series(coefficients: Array, m: int) -> Array:
 def _noise_powers(spectra: Array, omega: Array, edges: Bins) -> tuple[Array, Bins]:
     """Return the noise power of each level in each band, and the level whose noise it shares.
 
-    The difference of two measurements of one signal holds their noise and nothing else. If it is
-    smaller than the noise of one of them, that one was computed from the other, or both from a
-    third; if it is larger, one is no measurement of that signal, and the lower level is believed.
+    The difference of two measurements of one signal is their noise alone. If it is smaller than
+    that, one was computed from the other, or both from a third. If it is larger, one of them does
+    not measure the signal, and the lower derivative is trusted.
     """
-    steps = omega ** np.arange(len(spectra))[:, None]
-    power, size = averaged((spectra * steps) ** 2, edges), np.diff(edges)
+    factors = omega ** np.arange(len(spectra))[:, None]
+    power, size = averaged((spectra * factors) ** 2, edges), np.diff(edges)
     floors = np.array([lowest_quarter(row, size) for row in power])
     total = (power * size).sum(axis=1)
     share = size.sum() * floors / np.where(total > 0.0, total, 1.0)
@@ -125,29 +130,29 @@ def _noise_powers(spectra: Array, omega: Array, edges: Bins) -> tuple[Array, Bin
     carrier = np.arange(len(spectra))
     upper = len(spectra) - 1
     for lower in range(upper - 1, -1, -1):
-        between = omega ** (2 * (upper - lower))
-        implied = averaged(1.0 / between, edges) * noise[upper]
-        found = averaged((spectra[lower] - spectra[upper]) ** 2 * steps[lower] ** 2, edges)
-        ratio = found / np.maximum(noise[lower] + implied, np.finfo(float).tiny)
-        if np.quantile(ratio, FEW) < SHARED:
-            flat = [_flatness(power[m], floors[m], size, share[m]) for m in (lower, upper)]
-            source = upper if flat[1] > flat[0] else lower
+        omega_powers = omega ** (2 * (upper - lower))
+        implied = averaged(1.0 / omega_powers, edges) * noise[upper]
+        observed = averaged((spectra[lower] - spectra[upper]) ** 2 * factors[lower] ** 2, edges)
+        ratio = observed / np.maximum(noise[lower] + implied, np.finfo(float).tiny)
+        if np.quantile(ratio, QUANTILE) < SHARED_NOISE:
+            n_bins = [_n_noise_bins(power[m], floors[m], size, share[m]) for m in (lower, upper)]
+            source = upper if n_bins[1] > n_bins[0] else lower
             carrier[(carrier == upper) | (carrier == lower)] = source
             upper = source
         else:
-            apart = ratio > AGREE
-            noise[upper, apart] = (found / averaged(1.0 / between, edges))[apart]
+            disagrees = ratio > AGREE
+            noise[upper, disagrees] = (observed / averaged(1.0 / omega_powers, edges))[disagrees]
             upper = lower
     return noise, carrier
 
 
-def _flatness(power: Array, floor: float, size: Bins, share: float) -> float:
-    """Return the number of bins near the floor; none if it is too low to be noise at all."""
-    return float(size[power < NEAR * floor].sum()) if share > QUIET**2 else 0.0
+def _n_noise_bins(power: Array, floor: float, size: Bins, share: float) -> float:
+    """Return the number of bins with power near the floor; zero if the floor is no noise."""
+    return float(size[power < NEAR_FLOOR * floor].sum()) if share > QUIET**2 else 0.0
 
 
 def _wiener(power: Array, noise: Array, edges: Bins) -> Array:
-    """Return the share of the amplitude that is signal at each frequency."""
+    """Return the gain of the Wiener filter at each frequency: the share of the power of signal."""
     share = 1.0 - 1.0 / np.maximum(averaged(power / noise, edges), TINY)
     middle = 0.5 * (edges[1:] + edges[:-1])
     return np.asarray(np.interp(np.arange(len(noise)), middle, np.clip(share, 0.0, 1.0)))

@@ -1,8 +1,8 @@
 r"""Smooth compact windows along the rows: the weak form.
 
 Both sides of an equation x_dot = theta(x) are multiplied by a window
-:math:`\varphi(s) = (1 - s^2)^p, |s| < 1` and summed. It is a linear map on the rows, so what
-held before holds after it; it averages noise away and leaves fewer rows. It is applied to
+:math:`\varphi(s) = (1 - s^2)^p, |s| < 1` and summed. This is a linear map on the rows, so an
+equation that held before holds after it; it averages noise and leaves fewer rows. It is applied to
 terms after they are evaluated: a smoothed sgn(v) is not the sgn of a smoothed v.
 """
 
@@ -24,13 +24,13 @@ from .spectral import Array
 
 # A window (1 - s^2)^4 of full width W halves a sine of frequency 1.24 / W.
 HALF_GAIN = 1.24
-# Width in periods of the cutoff of the states. Half gain is then at an eighth of the cutoff:
-# where a spectrum sinks into the noise, the upper octaves tell one term from another badly ...
+# Width in periods of the cutoff of the states. The gain is then one half at an eighth of the
+# cutoff. The octaves above it, where the spectrum sinks into noise, hardly tell terms apart.
 PERIODS = 10.0
-# ... but never so wide that less than this share of the derivative's power lies in the band.
+# The band below half gain must hold at least this share of the derivative's power ...
 SHARE = 0.9
-# ... and not this multiple of the frequency that halves the power: a single slow oscillation
-# carries its nonlinearity in its harmonics.
+# ... and this multiple of the frequency that halves the power: the nonlinearity of a single slow
+# oscillation shows in its harmonics.
 HARMONICS = 2.0
 
 
@@ -172,7 +172,7 @@ def _slide(
     call: str, columns: ArrayLike, windows: Any, lengths: Sequence[int] | None, order: int
 ) -> Array:
     """Apply the windows (order 0) or their derivative (order 1) to each trajectory."""
-    # Columns are terms, too, such as the cube of a large state: a mean of them is as finite.
+    # No upper limit on values: a term such as the cube of a large state is valid.
     rows = checks.columns(call, "columns", columns, most=np.inf)
     if not isinstance(windows, Windows):
         advice = "Take them from choose_windows."
@@ -198,10 +198,10 @@ def _weigh(rows: Array, windows: Windows, weights: Array) -> Array:
     n_windows = windows.count(rows.shape[0])
     span = (n_windows - 1) * windows.stride + 1
     result = np.zeros((n_windows, rows.shape[1]))
-    part = np.empty_like(result)
+    weighted = np.empty_like(result)
     for offset, weight in enumerate(weights):
-        np.multiply(rows[offset : offset + span : windows.stride], weight, out=part)
-        result += part
+        np.multiply(rows[offset : offset + span : windows.stride], weight, out=weighted)
+        result += weighted
     return result
 
 

@@ -1,4 +1,4 @@
-"""Angles that a sensor shows within one turn: they jump where the machine goes on."""
+"""Wrapped angles: readings within one turn, which jump while the machine turns on."""
 
 from __future__ import annotations
 
@@ -7,22 +7,26 @@ import numpy as np
 from .. import checks
 from .spectral import Array
 
-TURNS = {"360": 360.0, "2*np.pi": 2.0 * np.pi}  # as they are written, and their size
-BEYOND = 0.02  # share of a turn that noise may add to the range of readings
-CLOSE = 0.01  # share of a turn that a jump may miss it by, beside what the angle moves meanwhile
-USUAL = (0.95, 3.0)  # quantile of the steps that is usual, and how many of them a jump may miss
-# What is left without the jumps must be a motion: a square wave as high as a turn leaves nothing,
-# and one with noise leaves noise, whose steps are as large as its range.
-LEAST_MOTION = 0.05  # turns
-STEADY = 0.25  # largest step, share of the range; and largest step beside a jump, in turns
-# A longer step is a stride. An angle that takes them runs fast, and so do the steps beside them; a
-# staircase, such as a set point, a gear or a coarse count, stands before and after.
+TURNS = {"360": 360.0, "2*np.pi": 2.0 * np.pi}  # period as np.unwrap is given it, and its value
+BEYOND = 0.02  # turns that noise may add to the range of the readings
+# A jump may differ from a turn by JUMP_ERROR turns, and by what the angle moves in a step: the
+# second number times the quantile of the steps given by the first.
+JUMP_ERROR = 0.01
+USUAL_STEP = (0.95, 3.0)
+# The unwrapped readings must be a motion. A square wave as high as a turn leaves a constant; one
+# with noise leaves noise, whose steps are as large as its range.
+LEAST_MOTION = 0.05  # turns, range of the unwrapped readings
+# Largest step, share of that range; largest step beside a jump, in turns; and part of a turn that
+# the readings may leave out.
+STEADY = 0.25
+# A longer step is a stride. An angle with strides runs fast, so the steps beside them are long too.
+# A staircase, such as a set point, a gear or a coarse count, stands still before and after.
 STRIDE = 0.05  # turns
-BESIDE = 1.0 / 3.0  # least step beside a stride of something that runs, share of the stride
+STRIDE_BESIDE = 1.0 / 3.0  # least step beside a stride of a running angle, share of the stride
 
 
 def refuse_wrapped(call: str, y: Array) -> None:
-    """Raise where a column is an angle that starts again after a whole turn.
+    """Raise an error if a column is an angle that starts again after a whole turn.
 
     Parameters
     ----------
@@ -53,7 +57,7 @@ def refuse_wrapped(call: str, y: Array) -> None:
 
 
 def first_wrap(column: Array, turn: float) -> int | None:
-    """Return the last sample before an angle starts again, or None where none does.
+    """Return the last sample before an angle starts again, or None if it never does.
 
     Parameters
     ----------
@@ -68,39 +72,41 @@ def first_wrap(column: Array, turn: float) -> int | None:
 
     Notes
     -----
-    An angle runs between its jumps, against them; a staircase stands. Counts of less than a
-    twentieth of a turn, up to one whole turn and from zero again, could be either: an angle, then.
+    Between its jumps an angle runs, in the opposite direction; a staircase stands still. Steps of
+    less than a twentieth of a turn that begin again after a whole turn could be either, and count
+    as an angle.
     """
     if not 1.0 - STEADY <= np.ptp(column) / turn <= 1.0 + BEYOND:
         return None
     unwrapped = np.unwrap(column, period=turn)
-    steps, left = np.abs(np.diff(column)), np.abs(np.diff(unwrapped))
+    steps, remaining = np.abs(np.diff(column)), np.abs(np.diff(unwrapped))
     jumps = np.flatnonzero(steps > 0.5 * turn)
     motion = float(np.ptp(unwrapped))
-    if not len(jumps) or motion < LEAST_MOTION * turn or left.max() > STEADY * motion:
+    if not len(jumps) or motion < LEAST_MOTION * turn or remaining.max() > STEADY * motion:
         return None
-    quantile, times = USUAL
-    moved = float(np.quantile(left[left > 0.0], quantile))  # a coarse encoder mostly stands still
-    if left[jumps].max() > CLOSE * turn + times * moved:
+    quantile, factor = USUAL_STEP
+    # Without the zero steps: a coarse encoder mostly stands still.
+    usual = float(np.quantile(remaining[remaining > 0.0], quantile))
+    if remaining[jumps].max() > JUMP_ERROR * turn + factor * usual:
         return None
     if _n_stairs(np.diff(unwrapped), turn) >= len(jumps):
         return None
-    beside = np.pad(steps, 1)  # a spike goes back at the next sample
-    clean = np.maximum(beside[jumps], beside[jumps + 2]) < STEADY * turn
-    clean &= _runs_on(column, unwrapped, turn, jumps)
-    return int(jumps[clean][0]) if clean.any() else None
+    padded = np.pad(steps, 1)  # a spike jumps back at the next sample
+    is_wrap = np.maximum(padded[jumps], padded[jumps + 2]) < STEADY * turn
+    is_wrap &= _runs_on(column, unwrapped, turn, jumps)
+    return int(jumps[is_wrap][0]) if is_wrap.any() else None
 
 
 def _n_stairs(moved: Array, turn: float) -> int:
-    """Return how many strides have no steps in their direction on both sides of them."""
-    beside = np.pad(moved, 1)
-    before, after = beside[:-2] * np.sign(moved), beside[2:] * np.sign(moved)
-    alone = np.minimum(before, after) < BESIDE * np.abs(moved)
-    return int(np.count_nonzero(alone & (np.abs(moved) > STRIDE * turn)))
+    """Return the number of strides without a long step in their direction on each side."""
+    padded = np.pad(moved, 1)
+    before, after = padded[:-2] * np.sign(moved), padded[2:] * np.sign(moved)
+    is_stair = np.minimum(before, after) < STRIDE_BESIDE * np.abs(moved)
+    return int(np.count_nonzero(is_stair & (np.abs(moved) > STRIDE * turn)))
 
 
 def _runs_on(column: Array, unwrapped: Array, turn: float, jumps: np.ndarray) -> np.ndarray:
-    """Tell for each jump whether the angle moves in the turn before it and in the one after."""
+    """Tell for each jump whether the angle moves in the turn before it and in the turn after it."""
     turns = np.round((unwrapped - column) / turn)
     moves = (np.diff(unwrapped) != 0.0) & (np.diff(turns) == 0.0)
     moving = turns[1:][moves]

@@ -1,13 +1,14 @@
-"""Inputs that are held from each sample to the next (zero-order hold), as a controller does.
+"""Inputs that are held from each sample to the next (zero-order hold), as by a controller.
 
-What is recorded at a sample begins there and ends at the next one. Between the samples a record is
-taken to run smoothly, so such an input acts half a sample later than it seems to; and one that may
-jump at any time between two samples is late by its own share of one. Below half the sampling rate
-it acts as its mean over a sampling time does.
+The value recorded at a sample acts until the next one. A record is otherwise taken to be smooth
+between samples, so a held input acts half a sampling time later than it seems to. An input that
+jumps at another time between samples is late by another share of it. Below half the sampling rate a
+held input acts as its mean over a sampling time.
 
-The steps have a part above half the sampling rate too, which the samples of a state that the input
-drives directly show as if it were slow (aliasing). There the input is taken for what the samples of
-its integral show, which is exact for an integrator. Of a second integral next to nothing is left.
+The steps also have components above half the sampling rate. In the samples of a state that the
+input drives directly they appear at low frequencies (aliasing). For such a state the effective
+input is the slope of the sampled integral of the steps, which is exact for an integrator. A second
+integral removes nearly all of this aliasing.
 
 References
 ----------
@@ -30,24 +31,25 @@ from .spectral import Array
 __all__ = ["HALF", "acting_through", "acts_as", "averaged", "changed", "hold", "rates_of"]
 
 HALF = 0.5  # sampling times by which a held input is late
-AROUND = 8  # samples before and after a record, on which an input stands as at its ends
-DEGREE = 5  # of splines
+MARGIN = 8  # samples added before and after a record, with the input constant there
+DEGREE = 5  # of the splines
 
 
 def hold(record: Record, late: Mapping[int, float]) -> Record:
-    """Return a record whose inputs are held, given as what acts; those known as held stay.
+    """Return a record in which held inputs are replaced by their effective, delayed values.
 
     Parameters
     ----------
     record : Record
-        Inputs as the values that begin at the samples.
+        Holds the values of the inputs that begin at the samples.
     late : mapping of int to float
-        Which inputs are held, and by how much each is late, in sampling times.
+        Held inputs: column to delay, in sampling times. Inputs that the record already knows as
+        held are left as they are.
 
     Returns
     -------
     Record
-        The same motion.
+        With the same states.
     """
     new = {column: share for column, share in late.items() if column not in record.held}
     if record.u is None or not new:
@@ -65,47 +67,47 @@ def hold(record: Record, late: Mapping[int, float]) -> Record:
 
 
 def acting_through(record: Record, functions: Mapping[int, InputFunction]) -> Record:
-    """Return a record with inputs whose functions are what acts, after hold and low-pass.
+    """Return a record in which hold and low-pass are applied to functions of its inputs.
 
     Parameters
     ----------
     record : Record
-        Inputs that act as they are.
+        With hold and low-pass applied to the inputs themselves.
     functions : mapping of int to InputFunction
-        Through which function each of some inputs acts.
+        Function through which an input acts, by its column. Those without an inverse are ignored.
 
     Returns
     -------
     Record
-        The same one if there are no functions, or no raw inputs.
+        The same object if there are no functions, or no raw inputs.
     """
     made = record.preparation
     if not functions or made is None or made.u is None:
         return record
     recorded = record.recorded_u
-    covering = {k: one.covering(recorded[:, k]) for k, one in functions.items()}
-    functions = {k: one for k, one in covering.items() if one.is_invertible}
-    late = {column: share for column, share in record.held.items() if column in functions}
-    known = {column: share for column, share in record.held.items() if column not in late}
+    covering = {k: function.covering(recorded[:, k]) for k, function in functions.items()}
+    functions = {k: function for k, function in covering.items() if function.is_invertible}
+    delayed = {column: share for column, share in record.held.items() if column in functions}
+    others = {column: share for column, share in record.held.items() if column not in delayed}
 
     def as_recorded(_: Array, u: Array) -> Array:
-        plain = u.copy()
-        plain[:, list(late)] = recorded[:, list(late)]
-        return plain
+        as_recorded_u = u.copy()
+        as_recorded_u[:, list(delayed)] = recorded[:, list(delayed)]
+        return as_recorded_u
 
-    through = replace(record, through=functions, held=known)
-    return hold(through.with_inputs(as_recorded), late)
+    record_through = replace(record, through=functions, held=others)
+    return hold(record_through.with_inputs(as_recorded), delayed)
 
 
 def changed(record: Record, column: int, change: Callable[[Array], Array], u: Array) -> Array:
-    """Return an input after a linear operation on what acts of it.
+    """Apply a linear operation to an input, or to the function through which it acts.
 
     Parameters
     ----------
     record : Record
-        Says through which function the input acts, if any.
+        Holds the function through which the input acts, if any.
     column : int
-        Which input it is.
+        Column of the input.
     change : callable
         The operation, from (n_samples,) to (n_samples,).
     u : ndarray of shape (n_samples,)
@@ -114,19 +116,20 @@ def changed(record: Record, column: int, change: Callable[[Array], Array], u: Ar
     Returns
     -------
     ndarray of shape (n_samples,)
+        The changed input, units of u.
     """
     function = record.through.get(column)
     return change(u) if function is None else function.after(change, u, change(u))
 
 
 def acts_as(record: Record, column: int, u: Array) -> Array:
-    """Return what acts of an input, (n_samples,): itself, or a function of it."""
+    """Return an input, (n_samples,), or the function of it through which it acts."""
     function = record.through.get(column)
     return u if function is None else np.asarray(function.function(u))
 
 
 def _with_steps(record: Record, columns: Iterable[int]) -> Record:
-    """Return a record that keeps what was recorded of inputs that will be given as what acts."""
+    """Return a record whose preparation keeps the recorded values of some inputs as `steps`."""
     made = record.preparation
     if made is None or made.u is None:
         return record
@@ -136,48 +139,48 @@ def _with_steps(record: Record, columns: Iterable[int]) -> Record:
 
 
 def averaged(u: Array, late: float) -> Array:
-    """Return the mean of an input over the sampling time about a time before each sample.
+    """Return the mean of an input over one sampling time, centered shortly before each sample.
 
     Parameters
     ----------
     u : ndarray of shape (n_samples,)
-        Taken to run smoothly, and to rest before and after.
+        The input, taken as smooth, and as constant before and after.
     late : float
-        By how much, in sampling times.
+        How long before, in sampling times.
 
     Returns
     -------
     ndarray of shape (n_samples,)
     """
     padded = _padded(u)
-    total = make_interp_spline(np.arange(padded.size), padded, DEGREE).antiderivative()
-    times = AROUND + np.arange(u.size) - late
-    return np.asarray(total(times + HALF) - total(times - HALF))
+    integral = make_interp_spline(np.arange(padded.size), padded, DEGREE).antiderivative()
+    times = MARGIN + np.arange(u.size) - late
+    return np.asarray(integral(times + HALF) - integral(times - HALF))
 
 
 def rates_of(u: Array, order: int) -> Array:
     """Return derivatives of smooth columns, (n_samples,) or (n_samples, n_columns).
 
-    Per sampling time, or per its square where the order is 2.
+    Units of u per sampling time to the power of order.
     """
     samples = np.arange(len(u))
     return np.asarray(make_interp_spline(samples, u, DEGREE).derivative(order)(samples))
 
 
 def _later(u: Array, late: float) -> Array:
-    """Return an input, (n_samples,), some sampling times later, at rest before it was recorded."""
+    """Return an input, (n_samples,), delayed; it is constant before its first sample."""
     samples = np.arange(u.size, dtype=float)
     return np.asarray(CubicSpline(samples, u)(np.maximum(samples - late, 0.0)))
 
 
 def _integrated(u: Array, late: float) -> Array:
-    """Return the derivative of what samples show of the integral of the steps of an input."""
+    """Return the derivative of a spline through the sampled integral of a held input."""
     padded = _padded(u)
     samples = np.arange(padded.size, dtype=float)
-    total = np.concatenate([[0.0], np.cumsum(padded[:-1])])
-    shown = np.interp(samples - (late - HALF), samples, total)
-    return rates_of(shown, 1)[AROUND:-AROUND]
+    integral = np.concatenate([[0.0], np.cumsum(padded[:-1])])
+    samples_of_integral = np.interp(samples - (late - HALF), samples, integral)
+    return rates_of(samples_of_integral, 1)[MARGIN:-MARGIN]
 
 
 def _padded(u: Array) -> Array:
-    return np.pad(u, AROUND, mode="edge")
+    return np.pad(u, MARGIN, mode="edge")

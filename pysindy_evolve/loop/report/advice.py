@@ -1,4 +1,4 @@
-"""A plan of experiments in sentences, with the numbers that the one at the rig needs."""
+"""The plan of experiments in sentences, with the numbers needed at the rig."""
 
 from __future__ import annotations
 
@@ -15,104 +15,119 @@ if TYPE_CHECKING:
 
 __all__ = ["ENOUGH", "as_sentences", "paragraphs"]
 
-MOST = 20  # records that anybody would make
+MAX_RECORDS = 20  # a motion that needs more records is not proposed
 ENOUGH = 5.0  # standard errors: a test at 5 % among many candidates then misses one in twenty
 
 
 def as_sentences(plan: Plan, units: Mapping[str, str] | None = None) -> str:
     """Return a plan as text, a paragraph for each experiment."""
-    said = paragraphs(plan, units)
-    if not said:
+    pairs = paragraphs(plan, units)
+    if not pairs:
         return "Nothing to tell apart: no effect has an alternative."
     return "\n\n".join(
         fill(f"{i}. {question} {answer}", 96, subsequent_indent="   ")
-        for i, (question, answer) in enumerate(said, 1)
+        for i, (question, answer) in enumerate(pairs, 1)
     )
 
 
 def paragraphs(plan: Plan, units: Mapping[str, str] | None = None) -> list[tuple[str, str]]:
-    """Return what is to be told apart, and how; alternatives with the same answer share one."""
-    said = [(_title(alike), " ".join(_sentences(alike, units))) for alike in _alike(plan)]
-    return said + [_in_time(effect, units) for effect in plan.in_time]
+    """Return pairs of a question (which effects to tell apart) and an answer (what to measure).
+
+    Alternatives of an effect that share an answer share a paragraph.
+    """
+    answers = [(_title(alike), " ".join(_sentences(alike, units))) for alike in _alike(plan)]
+    return answers + [_in_time(effect, units) for effect in plan.in_time]
 
 
 def _alike(plan: Plan) -> list[list[Experiment]]:
-    """Return groups of experiments, one each; those of an effect that need no motion share one."""
+    """Return groups of experiments that share a paragraph.
+
+    An experiment with a motion stands alone. Those of an effect without one, because the record
+    suffices or no motion does, are grouped.
+    """
     groups: dict[Hashable, list[Experiment]] = {}
-    for i, one in enumerate(plan.experiments):
-        kind = "known" if _is_known(one) else "hopeless" if _is_hopeless(one) else i
-        groups.setdefault((id(one.effect), kind), []).append(one)
+    for i, experiment in enumerate(plan.experiments):
+        kind = "known" if _is_known(experiment) else "hopeless" if _is_hopeless(experiment) else i
+        groups.setdefault((id(experiment.effect), kind), []).append(experiment)
     return list(groups.values())
 
 
-def _is_known(one: Experiment) -> bool:
-    return one.now >= ENOUGH
+def _is_known(experiment: Experiment) -> bool:
+    """Tell whether the record at hand already tells the two apart."""
+    return experiment.now >= ENOUGH
 
 
-def _is_hopeless(one: Experiment) -> bool:
-    return one.n_records > MOST
+def _is_hopeless(experiment: Experiment) -> bool:
+    """Tell whether even the best motion would need too many records."""
+    return experiment.n_records > MAX_RECORDS
 
 
 def _in_time(effect: Effect, units: Mapping[str, str] | None) -> tuple[str, str]:
-    """Return what tells memories of an input apart, which only differ in how they follow it."""
+    """Return question and answer for an input memory: its rivals differ only in transients."""
     rivals = " or ".join(effect.alternatives)
-    lasts = with_unit(float(effect.coefficients[0]), "t", units)
+    delay = with_unit(float(effect.coefficients[0]), "t", units)
     return (
         f"{effect.name} or {rivals}, in the equation of {effect.state}?",
-        "They differ in how they follow a sudden change of the input. Record steps of it, sampled "
-        f"in much less than the {lasts} by which it is late.",
+        "They differ in how they follow a sudden change of the input. Record steps of the input, "
+        f"with a sampling time much shorter than the {delay} by which it acts late.",
     )
 
 
 def _title(alike: Sequence[Experiment]) -> str:
-    """Return what is to be told apart."""
-    causes: list[Effect | Alternative] = [alike[0].effect, *(one.alternative for one in alike)]
+    """Return the question: the effect and its alternatives, with their terms and equations."""
+    causes: list[Effect | Alternative] = [
+        alike[0].effect,
+        *(experiment.alternative for experiment in alike),
+    ]
     forms = " or ".join(f"{cause.name} {_form(cause)}".rstrip() for cause in causes)
     where = " or ".join(dict.fromkeys(cause.state for cause in causes))
     return f"{forms}, in the equation of {where}?"
 
 
 def _form(cause: Effect | Alternative) -> str:
-    return "" if cause.term == 1 else format_expression(cause.term)  # of a constant
+    """Return the term of an effect; nothing for a constant, which its name says."""
+    return "" if cause.term == 1 else format_expression(cause.term)
 
 
 def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = None) -> list[str]:
-    """Return what to do, and what to expect of it."""
-    one = alike[0]
-    if _is_known(one):
+    """Return what to measure, and what to expect of it."""
+    first = alike[0]
+    if _is_known(first):
         return [
             f"Against noise alone this record would tell them apart, by {_now(alike)} standard "
-            "errors where five are enough. But either of them leaves more than that noise, or "
-            "something else in each piece: a load that nobody measured, or what else is missing. "
-            "Where the report names nothing else, record for longer."
+            "errors; five are enough. But with either of them the model leaves more than this "
+            "noise, or something that differs between the parts of the record, as an unmeasured "
+            "load or another missing effect does. If the report names nothing else, record for "
+            "longer."
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
-    if _is_hopeless(one):
+    if _is_hopeless(first):
         most = "No motion of up to 10 times the amplitude and 5 times the frequency"
         return [*said, f"{most} would be enough."]
-    said.append(f"{_what_to_do(one)}{_reached(one, units)}.")
-    if one.n_records == 1:
-        said.append(f"One more record as long as this one then makes it {one.then:.1f}.")
+    said.append(f"{_what_to_do(first)}{_reached(first, units)}.")
+    if first.n_records == 1:
+        said.append(f"One more record as long as this one then makes it {first.then:.1f}.")
     else:
-        said.append(f"It takes about {one.n_records} more records as long as this one.")
-    return [*said, _where(one, units)]
+        said.append(f"It takes about {first.n_records} more records as long as this one.")
+    return [*said, _where(first, units)]
 
 
 def _now(alike: Sequence[Experiment]) -> str:
-    """Return by how many standard errors the record tells each of them from the effect."""
-    values = sorted({f"{one.now:.1f}" for one in alike}, key=float)
+    """Return the standard errors by which the record tells the alternatives from the effect."""
+    values = sorted({f"{experiment.now:.1f}" for experiment in alike}, key=float)
     return values[0] if len(values) == 1 else f"{values[0]} to {values[-1]}"
 
 
-def _what_to_do(one: Experiment) -> str:
-    far, fast = one.motion.amplitude, one.motion.frequency
-    if far == fast == 1.0:
+def _what_to_do(experiment: Experiment) -> str:
+    """Return the instruction: which motion to record."""
+    amplitude, frequency = experiment.motion.amplitude, experiment.motion.frequency
+    if amplitude == frequency == 1.0:
         return "Record the same motion once more"
     parts = []
-    if far != 1.0:
-        parts.append(f"with {_times(far)} the amplitude")
-    if fast != 1.0:
-        parts.append(f"at {_times(fast)} the frequencies")
+    if amplitude != 1.0:
+        parts.append(f"with {_times(amplitude)} the amplitude")
+    if frequency != 1.0:
+        parts.append(f"at {_times(frequency)} the frequencies")
     return "Repeat the motion " + " and ".join(parts)
 
 
@@ -120,17 +135,19 @@ def _times(factor: float) -> str:
     return f"{factor:g} times" if factor > 1.0 else f"1/{1.0 / factor:.3g} of"
 
 
-def _reached(one: Experiment, units: Mapping[str, str] | None) -> str:
+def _reached(experiment: Experiment, units: Mapping[str, str] | None) -> str:
+    """Return the largest value of each variable in the proposed motion, and in this record."""
     parts = []
-    for name, (here, there, _) in one.reach.items():
-        change = "as here" if abs(there / here - 1.0) < 1e-6 else f"here {here:.3g}"
-        parts.append(f"|{name}| up to {with_unit(there, name, units)} ({change})")
+    for name, (now, proposed, _) in experiment.reach.items():
+        change = "as here" if abs(proposed / now - 1.0) < 1e-6 else f"here {now:.3g}"
+        parts.append(f"|{name}| up to {with_unit(proposed, name, units)} ({change})")
     return ": " + ", ".join(parts) if parts else ""
 
 
-def _where(one: Experiment, units: Mapping[str, str] | None) -> str:
+def _where(best: Experiment, units: Mapping[str, str] | None) -> str:
+    """Return where in the proposed motion the two models differ most, and by how much."""
     place = ", ".join(
-        f"{name} = {with_unit(value, name, units)}" for name, (_, _, value) in one.reach.items()
+        f"{name} = {with_unit(value, name, units)}" for name, (_, _, value) in best.reach.items()
     )
     at = f", near {place}" if place else ""
-    return f"There the two differ by up to {one.difference:.3g} in d{one.effect.state}/dt{at}."
+    return f"There the two differ by up to {best.difference:.3g} in d{best.effect.state}/dt{at}."

@@ -1,4 +1,4 @@
-"""What to keep in mind of a report: held inputs, what is slow, turned signs, wrong runs."""
+"""Cautions at the end of a report: held inputs, slow states, reversed signs, worse runs."""
 
 from __future__ import annotations
 
@@ -30,14 +30,17 @@ if TYPE_CHECKING:
 
 __all__ = ["cautions"]
 
-WORSE = 1.1  # times the error before: more than the choice of the coefficients makes
-GREW = 0.1  # percent of the standard deviation: a smaller rise does not count
-TURNED = 0.05  # of a parameter, what it must be worth with its sign turned
+# An error grew if it exceeds both. The first is more than refitted coefficients can cause.
+GREW_TIMES = 1.1  # times the error of the declared model
+GREW_BY = 0.1  # added to it, percent of the standard deviation
+# Ratio of a parameter after and before. Smaller: little is left of it. A change of sign counts
+# between this and its inverse.
+NEGLIGIBLE = 0.05
 
 
 def cautions(report: LoopReport) -> list[str]:
-    """Return what is to be kept in mind, in sentences."""
-    return [sentence for say in SAYINGS for sentence in say(report)]
+    """Return all cautions of a report, a sentence or a short paragraph each."""
+    return [sentence for caution in CAUTIONS for sentence in caution(report)]
 
 
 def _doubted(report: LoopReport) -> list[str]:
@@ -48,21 +51,22 @@ def _doubted(report: LoopReport) -> list[str]:
         if velocity is None:
             continue
         q, v = design.states[state], design.states[velocity]
-        miss = 100.0 * disagreement(report.train, state, velocity)
+        difference = 100.0 * disagreement(report.train, state, velocity)
         said.append(
             f"The records contradict the declared {q}' = {v}: d{q}/dt differs from {v} by "
-            f"{percent(miss)}, so that equation was searched as well. Check the units of {v}, and "
-            "that the columns of the records are in the order of the model."
+            f"{percent(difference)}, so that equation was searched as well. Check the units of "
+            f"{v}, and that the columns of the records are in the order of the model."
         )
     return said
 
 
-def _untold(report: LoopReport) -> list[str]:
-    first = report.design.columns[: len(report.after.parameters)]  # what was declared
-    return unidentified_sentences(replace(report.design, columns=first), report.train)
+def _unidentified(report: LoopReport) -> list[str]:
+    """Name the declared parameters that the records do not determine."""
+    declared = report.design.columns[: len(report.after.parameters)]  # effects come after them
+    return unidentified_sentences(replace(report.design, columns=declared), report.train)
 
 
-def _known(report: LoopReport) -> list[str]:
+def _contradicted_known(report: LoopReport) -> list[str]:
     """Name the effects that change the coefficient of a term that was declared as known."""
     said = []
     for effect in (one for one in report.effects if len(one.expressions) == 1):
@@ -84,34 +88,34 @@ def _known(report: LoopReport) -> list[str]:
 
 
 def _worse(report: LoopReport) -> list[str]:
-    """Name the errors on held-out data that the effects made larger."""
+    """Name the errors on held-out data that are larger with the effects than without them."""
     model = report.before.model
     if not report.effects:
         return []
-    kinds = ["derivative_error", "simulation_error"]
-    titles = ["d{}/dt", "the free run of {}"]
+    errors_named = ["derivative_error", "simulation_error"]
+    labels = ["d{}/dt", "the free run of {}"]
     if model.n_algebraic:  # nothing is differentiated, and nothing runs
-        kinds, titles = ["simulation_error"], ["{}"]
-    grown = []
-    for kind, title in zip(kinds, titles, strict=True):
+        errors_named, labels = ["simulation_error"], ["{}"]
+    grew = []
+    for kind, title in zip(errors_named, labels, strict=True):
         before, after = (getattr(errors, kind) for errors in (report.before, report.after))
-        worse = (before < RUNAWAY) & ~(after <= np.maximum(WORSE * before, before + GREW))
+        worse = (before < RUNAWAY) & ~(after <= np.maximum(GREW_TIMES * before, before + GREW_BY))
         if kind == "simulation_error" and not model.n_algebraic and worse.any():
             by_start = after - before <= moved_by_starts(report.after.model, report.test)
-            worse &= ~(by_start & np.isfinite(after))  # diverges from any start
+            worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts
         for k in np.flatnonzero(worse):
             now = percent(after[k]) if np.isfinite(after[k]) else "no finite value"
-            grown.append(f"{title.format(model.states[k])} from {percent(before[k])} to {now}")
-    if not grown:
+            grew.append(f"{title.format(model.states[k])} from {percent(before[k])} to {now}")
+    if not grew:
         return []
-    said = f"On the held-out data some errors grew: {', '.join(grown)}."
+    said = f"On the held-out data some errors grew: {', '.join(grew)}."
     if any(effect.name == FORCING for effect in report.effects):
         return [f"{said} The phase of a periodic forcing may differ from record to record."]
     return [f"{said} What was found may not carry over to that record."]
 
 
 def _held(report: LoopReport) -> list[str]:
-    """Name the inputs that are held from one sample to the next, and delays that may be that."""
+    """Name the inputs that were found to be held, and the delays that a hold could explain."""
     names = [report.equations.inputs[column] for column in report.found_held]
     taken = [
         f"{name} is taken to be held from each sample to the next (zero-order hold). That is how "
@@ -129,38 +133,40 @@ def _held(report: LoopReport) -> list[str]:
     return [*taken, *late]
 
 
-def _turned(report: LoopReport) -> list[str]:
-    """Name the declared parameters that effects give another sign, or leave next to nothing of.
+def _changed_parameters(report: LoopReport) -> list[str]:
+    """Name the declared parameters whose sign the effects reverse, or that they bring near zero.
 
-    What was next to nothing, as a damping in which a missing force is lost, had no sign to reverse.
+    A parameter that was near zero before has no sign to reverse: a declared damping can be, while
+    a force is missing.
     """
     before, after = report.before.parameters, report.after.parameters
     turned = [
         f"{name} from {format_number(before[name])} to {format_number(value)}"
         for name, value in after.items()
-        if before[name] * value < 0.0 and TURNED < abs(value / before[name]) < 1.0 / TURNED
+        if before[name] * value < 0.0 and NEGLIGIBLE < abs(value / before[name]) < 1.0 / NEGLIGIBLE
     ]
     gone = [
         f"{name} from {format_number(before[name])} to {format_number(value)}"
         for name, value in after.items()
-        if abs(value) <= TURNED * abs(before[name]) and value != before[name]
+        if abs(value) <= NEGLIGIBLE * abs(before[name]) and value != before[name]
     ]
     said = []
     if turned:
         said.append(
             f"Adding the effects reverses the sign of a parameter: {', '.join(turned)}. If the "
-            "machine cannot have the new sign, an effect stands for another one, or holds a part "
-            "of that term."
+            "machine cannot have the new sign, an effect stands in for another one, or has "
+            "absorbed a part of that term."
         )
     if gone:
         said.append(
             f"With the effects, little is left of a declared term: {', '.join(gone)}. They explain "
-            "what it explained, and more; the model may not need that term."
+            "all that it explained; the model may not need that term."
         )
     return said
 
 
 def _undefined(report: LoopReport) -> list[str]:
+    """Say in how many held-out rows the model has no finite value."""
     if report.after.undefined == 0.0:
         return []
     return [
@@ -171,21 +177,22 @@ def _undefined(report: LoopReport) -> list[str]:
 
 
 def _lines(report: LoopReport) -> list[str]:
-    """Name the frequencies at which the residuals of all of several records have a line."""
+    """Name the spectral lines that the residuals of all training records share."""
     return [
         f"In each training record the residual of d{line.state}/dt has a line at "
         f"{line.frequency:.4g} cycles per unit of t that no input has: perhaps a forcing whose "
-        "phase differs between records, which no fixed term can be."
+        "phase differs between records, which no fixed term can describe."
         for line in shared_lines(report)
     ]
 
 
-def _sessions(report: LoopReport) -> list[str]:
-    """Say which residuals have another mean in each record."""
+def _offsets(report: LoopReport) -> list[str]:
+    """Say which residuals have a mean that differs between the training records."""
     return [
         f"The residual of d{state}/dt has a different mean in each training record "
-        f"({', '.join(map(format_number, means))}): something that stays within a record differs "
-        "between them, such as a load or the zero of a sensor, which no fixed term can be."
+        f"({', '.join(map(format_number, means))}): something is constant within a record but "
+        "differs between records, such as a load or the zero of a sensor. No fixed term can "
+        "describe it."
         for state, means in offsets_by_record(report).items()
     ]
 
@@ -195,42 +202,42 @@ def _numbers(report: LoopReport) -> list[str]:
     found = numbers_by_record(report)
     if not found:
         return []
-    own = "; ".join(f"{name} is {', '.join(map(format_number, n))}" for name, n in found.items())
+    values = "; ".join(f"{name} is {', '.join(map(format_number, n))}" for name, n in found.items())
     what = "it was" if len(found) == 1 else "they were"
     return [
-        f"Fitted to each training record by itself, {own}. With a value for each record the sum of "
-        "the squared errors is at least a fifth smaller: perhaps "
+        f"Fitted to each training record by itself, {values}. With a value for each record the "
+        "sum of the squared errors is at least a fifth smaller: perhaps "
         f"{what} not the same in all records."
     ]
 
 
-def _left(report: LoopReport) -> list[str]:
-    """Say that something is left beside the effects."""
+def _leaves_structure(report: LoopReport) -> list[str]:
+    """Say that the residual of the corrected model still has structure."""
     if not report.leaves_structure:
         return []
     return [
-        "What the corrected model leaves still depends on what was measured, by more than chance "
-        f"explains (p = {report.chance_left:.2g}). Something else is missing, or an effect stands "
-        "for another one that was not tried."
+        "The residual of the corrected model still depends on the measured variables, by more than "
+        f"chance explains (p = {report.chance_left:.2g}). Something else is missing, or an effect "
+        "stands in for another one that was not tried."
     ]
 
 
-SAYINGS = (
+CAUTIONS = (
     _doubted,
-    _known,
+    _contradicted_known,
     one_force,
     _held,
     slow_drifts,
-    _untold,
+    _unidentified,
     diluted,
     exchangeable_poles,
-    _turned,
+    _changed_parameters,
     _worse,
     _undefined,
     _lines,
-    _sessions,
+    _offsets,
     _numbers,
     beyond,
     missed,
-    _left,
-)  # in this order
+    _leaves_structure,
+)  # in the order of the report

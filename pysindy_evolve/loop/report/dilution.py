@@ -1,8 +1,9 @@
-"""Parameters that noise makes too small, as the motion that would tell them is no more than noise.
+"""Parameters that sensor noise makes too small (regression dilution).
 
-Where a controller rests, or its output is a weighted sum of the states, some combination of the
-terms of an equation hardly varies. Noise in the states takes its place, which no derivative
-follows, so the coefficients come out too small (regression dilution), with narrow intervals.
+Where a controller holds its set point, or its output is a weighted sum of the states, some
+combination of the terms of an equation hardly varies. What varies in it is noise of the states,
+which the derivative does not follow. So its coefficients are fitted too small, with intervals that
+are too narrow.
 
 References
 ----------
@@ -29,24 +30,25 @@ if TYPE_CHECKING:
 
 __all__ = ["diluted"]
 
-NOTABLE = 0.1  # of what varies of a combination of terms, that is noise: its weight is so much less
-PART = 0.1  # of such a combination, that a term must be to take part in it
-FAITHFUL = 50.0  # percent by which a run may miss: coefficients that it bore out are not diluted
-RIDGE = 1e-12  # of the squares of terms, so that those which are alike do no harm
+NOISE_SHARE = 0.1  # noise in the mean square of a combination: its weight is too small by as much
+PARTICIPATES = 0.1  # of the largest term of a combination: smaller ones are not named
+LOST_RUN = 50.0  # percent, error of a free run; below it the run confirms the coefficients
+RIDGE = 1e-12  # of the mean square of a term: keeps the Gram matrix of collinear terms invertible
 
 
 def diluted(report: LoopReport) -> list[str]:
-    """Say of which parameters the values come out too small, or otherwise wrong.
+    """Name the parameters that noise in the states makes too small, or otherwise wrong.
 
     Parameters
     ----------
     report : LoopReport
-        A declared model and what was found. Runs that follow the record bear its numbers out.
+        What the loop found.
 
     Returns
     -------
     list of str
-        A sentence for each equation with such parameters.
+        Sentences for each equation with such parameters; none where its free run misses the
+        held-out record by less than half of the standard deviation.
     """
     design = report.design
     if design.algebraic:
@@ -55,19 +57,19 @@ def diluted(report: LoopReport) -> list[str]:
     said = []
     for state in design.open_states:
         columns = [column for column in design.columns if column.parts[state].parts]
-        if not columns or report.after.simulation_error[state] <= FAITHFUL:
+        if not columns or report.after.simulation_error[state] <= LOST_RUN:
             continue
-        share, part = _noisiest([column.parts[state] for column in columns], records)
-        names = [c.name for c, own in zip(columns, part, strict=True) if own > PART]
-        if share > NOTABLE:
+        share, sizes = _noisiest([column.parts[state] for column in columns], records)
+        names = [c.name for c, size in zip(columns, sizes, strict=True) if size > PARTICIPATES]
+        if share > NOISE_SHARE:
             said.append(_sentence(design.states[state], names, share))
     return said
 
 
 def _noisiest(terms: Sequence[Sum], records: Sequence[Record]) -> tuple[float, np.ndarray]:
-    """Return the share of noise in the combination of terms that holds most of it, and its parts.
+    """Return the largest share of noise that a combination of terms has, and the terms' part in it.
 
-    Parts are sizes of the terms in it, relative to the largest.
+    The second has shape (n_terms,): sizes of the terms in it, relative to the largest.
     """
     values = np.concatenate([_evaluated(terms, record.x, record) for record in records])
     noise = np.concatenate([_moved_by_noise(terms, record) for record in records])
@@ -75,25 +77,28 @@ def _noisiest(terms: Sequence[Sum], records: Sequence[Record]) -> tuple[float, n
     if not np.isfinite(values).all() or not np.isfinite(noise).all() or not size.all():
         return 0.0, np.zeros(len(terms))
     gram, errors = (rows.T @ rows / len(values) for rows in (values / size, noise / size))
-    shares, parts = eigh(errors, gram + RIDGE * np.eye(len(terms)))
-    part = np.abs(parts[:, -1])
-    return float(shares[-1]), part / part.max()
+    shares, vectors = eigh(errors, gram + RIDGE * np.eye(len(terms)))
+    sizes = np.abs(vectors[:, -1])
+    return float(shares[-1]), sizes / sizes.max()
 
 
-def _evaluated(terms: Sequence[Sum], x: np.ndarray, record: Record) -> np.ndarray:
+def _evaluated(terms: Sequence[Sum], states: np.ndarray, record: Record) -> np.ndarray:
     rows = variables_of(record).copy()
-    rows[:, : x.shape[1]] = x
+    rows[:, : states.shape[1]] = states
     with np.errstate(all="ignore"):
         return np.column_stack([term.evaluate(rows) for term in terms])
 
 
 def _moved_by_noise(terms: Sequence[Sum], record: Record) -> np.ndarray:
-    """Return by how much the noise of each state moves terms, one state below the other."""
+    """Return the changes of terms by one standard deviation of noise, stacked over the states.
+
+    Shape (n_states * n_samples, n_terms).
+    """
     moved = []
     for state in range(record.n_states):
-        away = np.zeros(record.n_states)
-        away[state] = noise_of(record, state)
-        up, down = (_evaluated(terms, record.x + way * away, record) for way in (1.0, -1.0))
+        noise = np.zeros(record.n_states)
+        noise[state] = noise_of(record, state)
+        up, down = (_evaluated(terms, record.x + sign * noise, record) for sign in (1.0, -1.0))
         moved.append(0.5 * (up - down))
     return np.concatenate(moved)
 
@@ -105,7 +110,7 @@ def _sentence(state: str, names: Sequence[str], share: float) -> str:
         listed = f"{', '.join(names[:-1])} and {names[-1]}"
         what = f"The terms of {listed} in d{state}/dt nearly cancel out along these records"
     return (
-        f"{what}: {100 * min(share, 1.0):.0f} % of what is left is noise of the sensors, which "
-        "makes their values wrong, mostly too small, by more than the intervals say. Move the "
-        "machine further, or by a set point that varies."
+        f"{what}: {100 * min(share, 1.0):.0f} % of the remaining variation is noise of the "
+        "sensors, which makes the fitted values wrong, mostly too small, by more than the "
+        "intervals say. Move the machine further, or vary its set point."
     )

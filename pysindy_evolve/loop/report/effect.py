@@ -1,4 +1,4 @@
-"""What a report says of one effect, and the errors of one model."""
+"""One effect with its evidence, one alternative of it, and the errors of one model."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class Errors:
     parameters : mapping of str to float
         Fitted values of the free parameters that were declared.
     parameter_intervals : mapping of str to ndarray of shape (2,)
-        95 % for each of them, beside the effects of the corrected model; empty for a model that
-        lacks something, whose parameters hold a part of it.
+        95 % interval of each. Empty for a model that lacks something: the missing part biases its
+        parameters.
     undefined : float
-        Share of the held-out rows in which the model has no value, such as a root of what is
-        negative there; the derivative is not judged on these.
+        Share of the held-out rows in which the model has no finite value, such as the root of a
+        negative number; the derivative error leaves them out.
     """
 
     derivative_error: np.ndarray
@@ -53,7 +53,7 @@ class Errors:
 
 @dataclass(frozen=True, eq=False)
 class Alternative:
-    """An effect that could have left the same record in the place of another one.
+    """Another effect that could have caused the same record.
 
     Attributes
     ----------
@@ -62,15 +62,16 @@ class Alternative:
     state : str
         State whose equation it would enter.
     term : sympy.Expr
-        The effect without coefficient; with several terms, their sum.
+        The alternative without coefficient; with several terms, their sum.
     p_value : float
-        Chance that the found effect gains as much beside it as it does, if this were the cause.
+        If the alternative were the true cause: the chance that the found effect, added beside it,
+        would gain as much as it does here.
     expressions : tuple of Sum
         The terms.
     coefficients : ndarray of shape (n_terms,)
-        Of the terms, if they stand in its place; empty for a memory.
+        Of the terms, fitted in place of the found effect; empty for a memory.
     force : sympy.Expr
-        The terms with these coefficients; for a memory, the term.
+        The terms times these coefficients; for a memory, the term.
     """
 
     name: str
@@ -99,45 +100,45 @@ class Effect:
     confidence_intervals : ndarray of shape (n_terms, 2)
         95 %, from a bootstrap over blocks of the training data.
     explained : float
-        Share of the variance of the held-out derivative residual that it removed when it came in,
-        beside what came with it.
+        Share of the variance of the held-out derivative residual that it removed when it was
+        added, together with any effect added in the same step.
     p_value : float
         Chance of a score as large in a twin, where nothing is missing.
     alternatives : tuple of str
-        Other names that this data cannot tell apart from it.
+        Names of other effects that this record cannot tell from it.
     expressions : tuple of Sum
         The terms.
     twin_scores : ndarray of shape (n_twins,)
         Best score in each twin.
     score : float
-        Its own score.
+        Score in the record.
     rivals : tuple of Alternative
         The alternatives with their terms, and other forms of the effect itself.
     together : tuple of str
-        Names of what it is together with another effect of its equation, such as friction beside an
-        offset, which is asymmetric friction. They are among the alternatives.
+        Names of the single effect that it forms with another effect of its equation: friction
+        beside an offset is asymmetric friction. They are among the alternatives.
     contested : bool
-        Whether other effects were tried in its place. None are in that of a limit, of a memory
-        that only free runs show, or of an effect that another one builds on.
+        Whether other effects were tried in its place. False for a limit, a memory that only free
+        runs show, and an effect that another one builds on.
     memory : Memory, optional
-        Of a memory of an input: its kind and its numbers.
+        For a memory of an input: its kind and its numbers.
     by_runs : bool
         Whether free runs showed it; `explained` then is a share of the variance of their error.
     quantities : tuple of str
-        What the `coefficients` are, if they multiply nothing: the delay or time constant of a
+        Meaning of the `coefficients` if they multiply no term: the delay or time constant of a
         memory, in units of t, or the limit of a state or of its sensor.
     of_sensor : bool
-        Whether it is in what is read of the state, and not in its equation.
+        Whether it acts in the sensor of the state, and not in its equation.
     numbers : mapping of str to float
-        The numbers inside its terms that were tuned, such as a half width or a Stribeck speed.
+        The tuned numbers inside its terms, such as a half width or a Stribeck speed.
     number_intervals : ndarray of shape (n_numbers, 2)
-        95 % for each of them, beside the coefficients; nan where the data shows nothing of it.
+        95 % interval of each, with the coefficients free; nan where the data do not determine it.
     entry : str
-        Where it acts, if a declared force enters the equation by the same factor, which is no
+        Where it acts, if a declared force enters the equation by the same factor, which is not
         constant: such as "as if F were larger by this times sgn(v)", or "through the same factor
         as the damping of w".
     written : tuple of Sum
-        What the coefficients are said to multiply, if the expressions hold the whole equation: the
+        Terms to print beside the coefficients where `expressions` hold the whole equation: the
         waves of an inertia.
     """
 
@@ -166,12 +167,12 @@ class Effect:
 
     @property
     def place(self) -> str:
-        """Where it is: in the equation of a state, or in its sensor."""
+        """Where it acts: in the equation of a state, or in its sensor."""
         return f"the {'sensor' if self.of_sensor else 'equation'} of {self.state}"
 
     @property
     def is_limit(self) -> bool:
-        """Whether it is a limit, of a state or its sensor; its score is samples in a row there."""
+        """Whether it is a limit of a state or its sensor; its score is then samples in a row."""
         return bool(self.quantities) and self.memory is None
 
     def __repr__(self) -> str:

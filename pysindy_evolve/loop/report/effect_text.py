@@ -1,4 +1,4 @@
-"""What is known of one effect, a line each: its size, what it explains, and what may replace it."""
+"""The lines about one effect: its size, what it explains, its p-value and its alternatives."""
 
 from __future__ import annotations
 
@@ -35,68 +35,75 @@ WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine
 
 
 def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
-    """Return what is known of one effect, in a few lines."""
+    """Return the numbered title of an effect with its evidence below."""
     lines = [f"{number}. {effect.name} in {effect.place}"]
     lines += ["   " + line for line in evidence(effect, symbols)]
     return "\n".join(lines)
 
 
 def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> list[str]:
-    """Return coefficients, share, p-value and rivals of one effect, a line each."""
+    """Return coefficients, share, p-value and alternatives of one effect, a line each."""
     lines = _quantities(effect) if effect.quantities else _coefficients(effect, symbols)
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
-    paths = sayings(effect.expressions, [str(symbol) for symbol in symbols], _sure(effect))
-    lines += _laid_out(paths, wide) or numbers_inside(effect)
+    paths = sayings(
+        effect.expressions, [str(symbol) for symbol in symbols], _intervals_of_numbers(effect)
+    )
+    lines += _wrapped(paths, wide) or numbers_inside(effect)
     of_what = whose_share(effect)
     chance = f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
     if round(100 * effect.explained) > 0:
         lines.append(f"removes {100 * effect.explained:.0f} % of the held-out {of_what}; {chance}")
     else:
-        said = f"by itself removes nothing of the held-out {of_what}"
-        lines += _laid_out([f"{said}; in the training data {chance}"], wide)
+        text = f"by itself removes nothing of the held-out {of_what}"
+        lines += _wrapped([f"{text}; in the training data {chance}"], wide)
     if effect.rivals:
         rivals = "; ".join(alternative(rival, effect) for rival in effect.rivals)
-        said = f"this record cannot tell it from: {rivals}"
-        lines += _laid_out([said], wide)
+        text = f"this record cannot tell it from: {rivals}"
+        lines += _wrapped([text], wide)
     else:
         lines.append(without_rivals(effect))
     return [*lines, *named_together(effect)]
 
 
 def whose_share(effect: Effect) -> str:
-    """Say what an effect removes a share of."""
+    """Return the variance of which `explained` is a share."""
     if effect.of_sensor:
         return "variance between the free runs and the readings"
     return "variance of the free runs' error" if effect.by_runs else "residual variance"
 
 
 def _quantities(effect: Effect) -> list[str]:
+    """Return lines for numbers that multiply no term: delays, time constants, limits."""
     parts = zip(effect.quantities, effect.coefficients, effect.confidence_intervals, strict=True)
     term, lines = format_expression(effect.term), []
     for quantity, value, ends in parts:
-        sure = "" if effect.of_sensor else f"   {interval(*ends)}"
-        lines.append(f"{term}: {quantity} {value:.4g}{sure}")
+        interval_text = "" if effect.of_sensor else f"   {interval(*ends)}"
+        lines.append(f"{term}: {quantity} {value:.4g}{interval_text}")
     return lines
 
 
 def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
+    """Return lines for the coefficients and the terms that they multiply."""
     lines = []
     for k, expression in enumerate(effect.expressions):
         term, value, low, high = with_sign(effect, k, symbols)
-        times = "" if expression == OFFSET else f" times {_factor(term)}"
+        times = "" if expression == OFFSET else f" times {_in_parentheses(term)}"
         lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
-        if low < 0.0 < high and not _is_phase(effect):
-            lines.append("the interval contains zero: its sign is not known apart from other terms")
-        elif 0.0 in (low, high):  # as far as it reaches, see settling/shape_intervals.py
-            lines.append("hardly told apart from the numbers inside it; zero itself was ruled out")
+        if low < 0.0 < high and not _only_sets_phase(effect):
+            lines.append("the interval contains zero: the record does not determine its sign")
+        elif 0.0 in (low, high):  # cut off at zero by settling/shape_intervals.py
+            lines.append(
+                "hardly determined beside the numbers inside it; zero itself was ruled out"
+            )
     return lines
 
 
 def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:
-    """Return a term as it is written, its coefficient, and the ends of the interval.
+    """Return a term as it is printed, its coefficient, and the ends of the interval.
 
-    Where the coefficient is a force, as of a motor, it keeps the sign of that.
+    A sign of the term moves to the coefficient, unless the coefficient adds to a declared input: it
+    then keeps the sign of that input.
     """
     written = as_written((effect.written or effect.expressions)[k], symbols)
     sign, term = (1, written) if effect.entry.startswith(AS_INPUT) else without_sign(written)
@@ -104,33 +111,33 @@ def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, floa
     return term, sign * float(effect.coefficients[k]), low, high
 
 
-def _is_phase(effect: Effect) -> bool:
-    """Tell whether a coefficient near zero only says where a wave begins."""
+def _only_sets_phase(effect: Effect) -> bool:
+    """Tell whether an effect is a wave of which one coefficient is clearly not zero."""
     low, high = effect.confidence_intervals.T
     return effect.name in WAVES and bool(np.any(low * high > 0.0))
 
 
 def named_together(effect: Effect) -> list[str]:
-    """Say what an effect is together with another one of its equation, which is the same force."""
-    return [f"with the other part of it also called {name}" for name in effect.together]
+    """Name the single effect that this one forms with another effect of its equation."""
+    return [f"together with another effect here it is also called {n}" for n in effect.together]
 
 
-def _laid_out(sayings: Sequence[str], wide: bool) -> list[str]:
-    """Break sayings into lines, if they are not to be as wide as they come."""
+def _wrapped(sayings: Sequence[str], wide: bool) -> list[str]:
+    """Break sentences into lines, unless they may be of any width."""
     if wide:
         return list(sayings)
     options: dict[str, Any] = {"subsequent_indent": "  ", "break_on_hyphens": False}
-    return [line for said in sayings for line in wrap(said, 92, **options)]
+    return [line for text in sayings for line in wrap(text, 92, **options)]
 
 
 def numbers_inside(effect: Effect) -> list[str]:
-    """Return the numbers inside the terms of an effect, with what is known of each."""
-    shown = zip(effect.numbers.items(), _sure(effect), strict=True)
-    return [f"{meaning} {value:.4g}{sure}" for (meaning, value), sure in shown]
+    """Return the tuned numbers inside the terms of an effect, each with its interval."""
+    shown = zip(effect.numbers.items(), _intervals_of_numbers(effect), strict=True)
+    return [f"{meaning} {value:.4g}{interval_text}" for (meaning, value), interval_text in shown]
 
 
-def _sure(effect: Effect) -> list[str]:
-    """Return what is said after each number inside an effect: its interval, if there is one."""
+def _intervals_of_numbers(effect: Effect) -> list[str]:
+    """Return the interval of each number inside an effect as text; empty where there is none."""
     ends = effect.number_intervals
     return [f" {interval(*pair)}" if np.isfinite(pair).all() else "" for pair in ends]
 
@@ -143,22 +150,25 @@ def without_rivals(effect: Effect) -> str:
 
 
 def alternative(rival: Alternative, effect: Effect) -> str:
-    """Return name, term, and equation of an alternative if it is another one, and p if tested."""
+    """Return an alternative in words: its name and term, its equation if another, and its p-value.
+
+    Another form of the effect itself was not tested, and has no p-value.
+    """
     name = called(rival, effect, "the same in the form")
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
-    chance = "" if rival.name == effect.name else f" (p = {rival.p_value:.2g})"
-    return f"{name} {format_expression(rival.force)}{where}{chance}"
+    p_text = "" if rival.name == effect.name else f" (p = {rival.p_value:.2g})"
+    return f"{name} {format_expression(rival.force)}{where}{p_text}"
 
 
 def called(rival: Alternative, effect: Effect, as_form: str) -> str:
-    """Return what an alternative is called, which may be the same effect in another form."""
+    """Return the name of an alternative; `as_form` if it is the effect in another form."""
     if rival.name != effect.name:
         return rival.name
-    alike = rival.term.free_symbols == effect.term.free_symbols
-    return as_form if alike else f"another {rival.name}"
+    same_variables = rival.term.free_symbols == effect.term.free_symbols
+    return as_form if same_variables else f"another {rival.name}"
 
 
-def _factor(term: Any) -> str:
-    """Return a term as what a coefficient multiplies."""
-    shown = format_expression(term)
-    return f"({shown})" if term.is_Add else shown
+def _in_parentheses(term: Any) -> str:
+    """Return a term as text, in parentheses if it is a sum."""
+    text = format_expression(term)
+    return f"({text})" if term.is_Add else text

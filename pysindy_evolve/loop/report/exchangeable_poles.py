@@ -1,4 +1,4 @@
-"""A lag before a linear first-order equation: no record tells which of two poles is whose."""
+"""A lag before a linear first-order equation: input and state do not tell which pole is whose."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["exchangeable_poles"]
 
 
 def exchangeable_poles(report: LoopReport) -> list[str]:
-    """Say which lags can change places with the time constant of the state that they act on.
+    """Name the lags whose time constant can be exchanged with that of the state they act on.
 
     Parameters
     ----------
@@ -32,27 +32,27 @@ def exchangeable_poles(report: LoopReport) -> list[str]:
     if not isinstance(model, MemoryEquations) or model.n_algebraic:
         return []
     lags = [one for one in model.memories if one.kind == LAG]
-    places = [(lag, _only_user(model, len(model.inner.states) + lag.column)) for lag in lags]
+    users = [(lag, _only_user(model, len(model.inner.states) + lag.column)) for lag in lags]
     return [
         f"The time constant of the lag, {format_number(lag.values[0])}, and that of "
-        f"{model.states[place]} itself, {format_number(-1.0 / rate)}, can change places: the "
-        f"inputs move {model.states[place]} as before then, and only what is known of the machine "
-        "tells which is which."
-        for lag, place in places
+        f"{model.states[place]} itself, {format_number(-1.0 / rate)}, can change places: "
+        f"{model.states[place]} then responds to the inputs as before, and only knowledge of the "
+        "machine tells which is which."
+        for lag, place in users
         if place is not None and (rate := _rate_of(model.inner.sums[place], place)) < 0.0
     ]
 
 
 def _only_user(model: MemoryEquations, column: int) -> int | None:
-    """Return the state on which alone an input acts, and nothing else beside it; None if none."""
+    """Return the only state that an input drives, if its equation holds nothing but the two."""
     sides = model.inner.sums
-    users = [place for place, side in enumerate(sides) if column in side.variables]
-    alone = len(users) == 1 and sides[users[0]].variables <= {users[0], column}
-    return users[0] if alone else None
+    driven = [place for place, side in enumerate(sides) if column in side.variables]
+    alone = len(driven) == 1 and sides[driven[0]].variables <= {driven[0], column}
+    return driven[0] if alone else None
 
 
 def _rate_of(side: Sum, place: int) -> float:
-    """Return the coefficient of a state in its own equation; zero if that is not linear."""
-    own = only_term(variable(place))
+    """Return the coefficient of a state in its own equation; zero if the equation is not linear."""
+    itself = only_term(variable(place))
     is_linear = all(term.size == 1 for _, term in side.parts if term.variables)
-    return sum(c for c, term in side.parts if term == own) if is_linear else 0.0
+    return sum(c for c, term in side.parts if term == itself) if is_linear else 0.0

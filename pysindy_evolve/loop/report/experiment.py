@@ -1,10 +1,10 @@
-"""What to measure next, so that effects that this record cannot tell apart come apart.
+"""The next measurement: a motion that tells an effect from its alternative (T-optimality).
 
-The corrected model with the effect, and the one with a rival in its place, are compared on motions
-that have not been made: the recorded one with another amplitude and at other frequencies. The
-rival's coefficients are refitted to both records together, the old and the imagined one, so only
-what no coefficient can absorb counts (T-optimality). It is weighed frequency by frequency by the
-noise of the record, and given in standard errors.
+The corrected model, and the same with a rival in the place of the effect, are compared on imagined
+motions: the recorded one at other amplitudes and frequencies. The rival's coefficients are refitted
+to the record and the imagined motion together, so only the difference that no coefficient can
+absorb counts. It is weighed frequency by frequency by the noise of the record, and given in
+standard errors.
 
 References
 ----------
@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Experiment", "Plan", "plan"]
 
-MAX_ROWS = 8000
-SMOOTHING = 4.0  # of the noise spectrum, in frequencies of a segment
+MAX_ROWS = 8000  # rows of the records that are used
+SMOOTHING = 4.0  # standard deviation of the Gaussian over the noise spectrum, in its bins
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,18 +53,18 @@ class Experiment:
     effect : Effect
         What was found.
     alternative : Alternative
-        What could have left the same record.
+        The effect that could have caused the same record.
     motion : Motion
         Factors of amplitude and frequency on the recorded motion.
     now : float
         Standard errors by which the record tells the two apart.
     then : float
-        The same with another record as long as this one, in the proposed motion.
+        The same after one more record as long as this one, of the proposed motion.
     reach : dict of str to tuple of three float
         For each variable that the two depend on, and each velocity: its largest magnitude in the
-        record, the same in the proposed motion, and its value where the two differ most.
+        record, that in the proposed motion, and its value where the two differ most.
     difference : float
-        Largest difference of the two models in that motion, units of x_dot.
+        Largest difference of the two models in the proposed motion, units of x_dot.
     """
 
     effect: Effect
@@ -77,9 +77,9 @@ class Experiment:
 
     @property
     def n_records(self) -> int:
-        """How many more records as long as this one it takes, all in the proposed motion.
+        """Number of further records as long as this one, of the proposed motion, that suffice.
 
-        Squares of standard errors add up, over the record that is there and those that come.
+        Squared standard errors add up over the records.
         """
         each = max(self.then**2 - self.now**2, 1e-12)
         return max(1, int(np.ceil((ENOUGH**2 - self.now**2) / each)))
@@ -96,7 +96,8 @@ class Plan:
     units : mapping of str to str, optional
         Units of the variables.
     in_time : tuple of Effect
-        Memories of an input that have alternatives; these differ in time, not over the states.
+        Memories of an input that have alternatives. Sudden steps of the input tell these apart, not
+        another amplitude.
     """
 
     experiments: tuple[Experiment, ...]
@@ -132,73 +133,83 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
     in_time = tuple(one for one in report.effects if one.memory is not None and one.alternatives)
     for effect in (one for one in report.effects if one.memory is None):
         for rival in effect.rivals:
-            other = _exchanged(report.design, effect, rival)
-            experiments.append(_best(judge, other, effect, rival))
+            exchanged = _exchanged(report.design, effect, rival)
+            experiments.append(_best(judge, exchanged, effect, rival))
     return Plan(tuple(experiments), units, in_time)
 
 
 def _exchanged(design: Design, effect: Effect, rival: Alternative) -> Design:
     """Return the model with a rival in the place of an effect.
 
-    Columns are told by their terms: a grown one that got a name since has kept its own. Those of
-    effects come last; what limits a state has none.
+    The columns of the effect are found by their terms, as a grown term may have been renamed. Of
+    two columns with the same term the last is the effect's. A limit has no column.
     """
-    place, to = design.states.index(effect.state), design.states.index(rival.state)
-    last = {column.parts[place]: column for column in design.columns}
-    own = [last[expression] for expression in effect.expressions if expression in last]
-    new = [in_state(rival.name, term, to, len(design.states)) for term in rival.expressions]
-    return design.dropping(own).adding(new)
+    place, target = design.states.index(effect.state), design.states.index(rival.state)
+    column_of = {column.parts[place]: column for column in design.columns}
+    columns = [
+        column_of[expression] for expression in effect.expressions if expression in column_of
+    ]
+    replacements = [
+        in_state(rival.name, term, target, len(design.states)) for term in rival.expressions
+    ]
+    return design.dropping(columns).adding(replacements)
 
 
 class _Judge:
-    """Weighs what two models differ by on imagined motions."""
+    """Weighs the difference of two models on imagined motions by the noise of the record."""
 
     def __init__(self, equations: Equations, part: Segments) -> None:
         self.equations, self.part = equations, part
         self.motions = Motions(equations, part.z)
-        left = (part.x_dot - self.rates(part.z)) * part.weight
-        power = np.mean(np.abs(spectral_rows(part, left)) ** 2, axis=0)
+        residual = (part.x_dot - self.rates(part.z)) * part.weight
+        power = np.mean(np.abs(spectral_rows(part, residual)) ** 2, axis=0)
         floor = 1e-12 * power.max(axis=0, keepdims=True) + TINY
         self.noise = gaussian_filter1d(np.maximum(power, floor), SMOOTHING, axis=0, mode="nearest")
         taper = tukey(part.z.shape[1], TAPER)
-        # Neighboring frequencies of a tapered segment are not independent.
+        # Factor on the noise, as neighboring frequencies of a tapered segment are not independent.
         self.overlap = len(taper) * np.sum(taper**2) / np.sum(taper) ** 2
 
     def rates(self, z: np.ndarray) -> np.ndarray:
+        """Return the right-hand sides on states, inputs and time z."""
         flat = z.reshape(-1, z.shape[-1])
         n_states = len(self.equations.states)
         values = self.equations.evaluate(flat[:, :n_states], flat[:, n_states:-1], flat[:, -1])
         return values.reshape(*z.shape[:-1], n_states)
 
     def forces(self, design: Design, z: np.ndarray) -> np.ndarray:
-        """Return columns of a design, and the rates of the model, (segments, n, states, p + 1)."""
-        moved = replace(self.part, z=z, x_dot=self.rates(z))
-        return forces(moved, design, design.columns)
+        """Return a design's columns, then the model's rates: (segments, n, states, p + 1)."""
+        imagined = replace(self.part, z=z, x_dot=self.rates(z))
+        return forces(imagined, design, design.columns)
 
     def gram(self, design: Design, force: np.ndarray, frequency: float) -> np.ndarray:
-        """Return inner products in standard errors; two of them make a complex row's variance."""
+        """Return inner products of the columns in units of the noise, shape (p + 1, p + 1).
+
+        The noise has variance one in each real and each imaginary part of the rows. The motion is
+        faster than the recorded one by the factor `frequency`, and its rows are judged by the noise
+        at their own frequencies.
+        """
         total = np.zeros((force.shape[-1], force.shape[-1]))
         index = np.arange(len(self.noise)) * frequency
-        known = index <= len(self.noise) - 1  # above, nobody knows the noise
+        in_band = index <= len(self.noise) - 1  # the noise above it is not known
         for state in design.open_states:
             rows = spectral_rows(self.part, force[:, :, state])
             noise = np.interp(index, np.arange(len(self.noise)), self.noise[:, state])
-            rows = rows * np.sqrt(2.0 * known / (self.overlap * noise))[:, None]
+            rows = rows * np.sqrt(2.0 * in_band / (self.overlap * noise))[:, None]
             flat = rows.reshape(-1, rows.shape[-1])
             total += (flat.conj().T @ flat).real
         return total
 
 
-def _best(judge: _Judge, other: Design, effect: Effect, rival: Alternative) -> Experiment:
-    """Return the motion closest to the recorded one that suffices, or the best of all."""
-    recorded = judge.gram(other, judge.forces(other, judge.part.z), 1.0)
+def _best(judge: _Judge, exchanged: Design, effect: Effect, rival: Alternative) -> Experiment:
+    """Return the motion closest to the recorded one that suffices; the best one if none does."""
+    recorded = judge.gram(exchanged, judge.forces(exchanged, judge.part.z), 1.0)
     now = _apart(recorded)
     best: tuple[float, Motion, np.ndarray] | None = None
     for motion in judge.motions:
         z = judge.motions.of(motion)
         if z is None:
             continue
-        gram = judge.gram(other, judge.forces(other, z), motion.frequency)
+        gram = judge.gram(exchanged, judge.forces(exchanged, z), motion.frequency)
         then = _apart(recorded + gram)
         if best is None or then > best[0]:
             best = then, motion, recorded + gram
@@ -207,34 +218,41 @@ def _best(judge: _Judge, other: Design, effect: Effect, rival: Alternative) -> E
     if best is None:  # the recorded motion itself is among them
         raise RuntimeError("LoopReport.suggest_experiment found no motion. Report this as a bug.")
     then, motion, total = best
-    return _described(judge, other, effect, rival, (motion, now, then), total)
+    return _described(judge, exchanged, effect, rival, (motion, now, then), total)
 
 
 def _apart(gram: np.ndarray) -> float:
-    """Return the standard errors that the best fit of the rival's model leaves."""
-    left = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
-    return float(np.sqrt(max(left, 0.0)))
+    """Return the residual of the rival's best fit to the model, in standard errors."""
+    square = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
+    return float(np.sqrt(max(square, 0.0)))
 
 
 def _described(
     judge: _Judge,
-    other: Design,
+    exchanged: Design,
     effect: Effect,
     rival: Alternative,
-    found: tuple[Motion, float, float],
+    chosen: tuple[Motion, float, float],
     gram: np.ndarray,
 ) -> Experiment:
-    motion, now, then = found
+    """Return an experiment with what its motion reaches, and where the two models differ most."""
+    motion, now, then = chosen
     z = judge.motions.of(motion)
     moved = judge.part.z if z is None else z
     coef = solve_gram(gram)
-    force = judge.forces(other, moved)
+    force = judge.forces(exchanged, moved)
     gap = np.abs(force[..., -1] - force[..., :-1] @ coef).max(axis=-1)
-    # The far end of the differences, without the very last sample, which may be an odd one.
+    # The 99.9 % quantile: the very largest difference may be an outlier.
     place = np.unravel_index(np.argsort(gap, axis=None)[int(0.999 * (gap.size - 1))], gap.shape)
     names, reach = judge.equations.names, {}
-    used = {v for e in (*effect.expressions, *rival.expressions) for v in e.variables}
-    for v in sorted({*used, *judge.motions.speeds} - {len(names) - 1}):
-        here, there = (float(np.abs(values[..., v]).max()) for values in (judge.part.z, moved))
-        reach[names[v]] = (here, there, float(moved[(*place, v)]))
+    used = {
+        variable
+        for expression in (*effect.expressions, *rival.expressions)
+        for variable in expression.variables
+    }
+    for variable in sorted({*used, *judge.motions.speeds} - {len(names) - 1}):
+        recorded, proposed = (
+            float(np.abs(values[..., variable]).max()) for values in (judge.part.z, moved)
+        )
+        reach[names[variable]] = (recorded, proposed, float(moved[(*place, variable)]))
     return Experiment(effect, rival, motion, now, then, reach, float(gap[place]))

@@ -1,4 +1,4 @@
-"""Where held-out data goes beyond what the model was fitted to, and the model errs there."""
+"""Held-out data outside the range of the training data, where the model has large errors."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ if TYPE_CHECKING:
 
 __all__ = ["beyond"]
 
-BEYOND = 0.1  # of a variable's range in the training data
-MISSED = 10.0  # percent of the standard deviation, that the derivative must err at least, also
-# averaged and without rows at rest, where the sign of a speed is a coin toss ...
-TIMES = 3.0  # ... and times what it errs on the training data
+RANGE_MARGIN = 0.1  # excess beyond the training range that counts, as a share of that range
+# Percent of the standard deviation: least error of the derivative, row by row and averaged over
+# windows. The second leaves out rows at rest, where the sign of a speed is random.
+LEAST_ERROR = 10.0
+ERROR_RATIO = 3.0  # least ratio of the held-out error to the training error
 
 
 def beyond(report: LoopReport) -> list[str]:
-    """Say so where the model errs far more on held-out data, and that data goes further.
+    """Warn if the model errs far more on held-out data, and these leave the training range.
 
     Parameters
     ----------
@@ -39,33 +40,33 @@ def beyond(report: LoopReport) -> list[str]:
     model = report.after.model
     if model.n_algebraic:
         return []
-    fitted, judged = percent_left(model, report.train), percent_left(model, report.test)
-    errs = (judged > MISSED) & (report.after.derivative_error > MISSED)
-    times = np.where(errs, judged / np.maximum(fitted, 1e-9), 0.0)
-    times = np.nan_to_num(times)  # a derivative that hardly varied while training has no share
-    worst = int(np.argmax(times))
-    wider = _wider(report, (*model.states, *model.inputs)) if times[worst] > TIMES else []
+    on_train, on_test = percent_left(model, report.train), percent_left(model, report.test)
+    notable = (on_test > LEAST_ERROR) & (report.after.derivative_error > LEAST_ERROR)
+    ratio = np.where(notable, on_test / np.maximum(on_train, 1e-9), 0.0)
+    ratio = np.nan_to_num(ratio)  # NaN where the derivative hardly varied in training
+    worst = int(np.argmax(ratio))
+    wider = _wider(report, (*model.states, *model.inputs)) if ratio[worst] > ERROR_RATIO else []
     if not wider:
         return []
-    there, here = percent(judged[worst]), percent(fitted[worst])
+    test_error, train_error = percent(on_test[worst]), percent(on_train[worst])
     return [
         f"The held-out data goes where no training data was ({', '.join(wider)}), and the model "
-        f"errs there: d{model.states[worst]}/dt by {there}, by {here} in the training data. "
-        "Nothing was learned of that range: fit records that cover it."
+        f"errs there: d{model.states[worst]}/dt by {test_error}, by {train_error} in the training "
+        "data. Nothing was learned of that range: fit records that cover it."
     ]
 
 
 def _wider(report: LoopReport, names: Sequence[str]) -> list[str]:
-    """Return the variables of which the held-out data has values that no training data has."""
-    trained, held = (
+    """Return the variables that leave their training range in the held-out data, with ranges."""
+    train_rows, test_rows = (
         np.concatenate([variables_of(record)[:, :-1] for record in records])
         for records in (report.train, report.test)
     )
-    said = []
-    for name, known, new in zip(names, trained.T, held.T, strict=False):
-        (low, high), (least, most) = ((v.min(), v.max()) for v in (known, new))
-        if max(low - least, most - high) > BEYOND * (high - low):
-            ranges = " to ".join(map(format_number, (least, most)))
-            before = " to ".join(map(format_number, (low, high)))
-            said.append(f"{name} from {ranges}, trained on {before}")
-    return said
+    found = []
+    for name, old, new in zip(names, train_rows.T, test_rows.T, strict=False):
+        (low, high), (least, most) = ((v.min(), v.max()) for v in (old, new))
+        if max(low - least, most - high) > RANGE_MARGIN * (high - low):
+            new_range = " to ".join(map(format_number, (least, most)))
+            old_range = " to ".join(map(format_number, (low, high)))
+            found.append(f"{name} from {new_range}, trained on {old_range}")
+    return found

@@ -1,4 +1,4 @@
-"""Delays of less than a sampling time, which are how an input was recorded, or may be in part."""
+"""Delays of less than a sampling time: a hold of the input (zero-order hold) may explain them."""
 
 from __future__ import annotations
 
@@ -14,29 +14,35 @@ if TYPE_CHECKING:
 
 __all__ = ["held_delays", "is_hold_only", "short_delays"]
 
-HELD = 0.05  # sampling times by which a delay may differ from half of one
+HELD = 0.05  # sampling times by which the delay of a hold may differ from half a sampling time
 
 
 def is_hold_only(report: LoopReport) -> bool:
-    """Tell whether nothing was found but that inputs are held between their samples."""
+    """Tell whether all effects are delays that a hold of the input explains."""
     return bool(report.effects) and len(held_delays(report)) == len(report.effects)
 
 
 def held_delays(report: LoopReport) -> list[Effect]:
-    """Return the delays that are half a sample, as exactly as the record knows them."""
+    """Return the delays that equal half a sampling time, within their intervals."""
     step, held = report.train[0].raw_dt, held_inputs(report.train)
     found = []
-    for one in (e for e in report.effects if e.name == DELAY):
-        if one.memory is None or one.memory.column in held:
+    for effect in (e for e in report.effects if e.name == DELAY):
+        if effect.memory is None or effect.memory.column in held:
             continue
-        (low, high), off = one.confidence_intervals[0], one.coefficients[0] - HALF * step
-        if abs(off) < max(HELD * step, 0.5 * (high - low)):
-            found.append(one)
+        (low, high), difference = (
+            effect.confidence_intervals[0],
+            effect.coefficients[0] - HALF * step,
+        )
+        if abs(difference) < max(HELD * step, 0.5 * (high - low)):
+            found.append(effect)
     return found
 
 
 def short_delays(report: LoopReport) -> list[tuple[Effect, float]]:
-    """Return the delays of less than a sampling time, which a hold may share in, in such times."""
+    """Return the delays of less than a sampling time, each with its share of a sampling time.
+
+    Inputs that are known to be held are left out.
+    """
     step, held = report.train[0].raw_dt, held_inputs(report.train)
     delays = (e for e in report.effects if e.name == DELAY)
     free = (e for e in delays if e.memory is not None and e.memory.column not in held)

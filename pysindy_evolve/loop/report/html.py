@@ -1,4 +1,4 @@
-"""The report as one page of HTML that holds all it needs: no script, no network."""
+"""The report as one self-contained page of HTML: no script, no network."""
 
 from __future__ import annotations
 
@@ -85,9 +85,9 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
     )
 
 
-def _unbroken(parameters: str) -> str:
+def _unbroken(text: str) -> str:
     """Return text whose lines do not break between a name and its value."""
-    return parameters.replace(" = ", "\u00a0=\u00a0")
+    return text.replace(" = ", "\u00a0=\u00a0")
 
 
 def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
@@ -104,26 +104,32 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "twins": _twins(effect.name, effect.twin_scores, effect.score, effect.is_limit),
         "alone": "; ".join([without_rivals(effect), *named_together(effect)]),
         "rivals": [_rival(rival, effect) for rival in effect.rivals],
-    }
+    }  # what the template report.html.j2 reads of an effect
 
 
 def _rival(rival: Alternative, effect: Effect) -> tuple[str, str, str, str]:
-    """Return name, term, equation if it is another one, and p-value if it was tested."""
+    """Return name, term, equation and p-value of an alternative, as `alternative` in effect_text.
+
+    The equation is empty if it is that of the effect, the p-value if it was not tested.
+    """
     where = "" if rival.state == effect.state else rival.state
     name = called(rival, effect, "the same in another form")
-    chance = "" if rival.name == effect.name else f"{rival.p_value:.2g}"
-    return name, expression_mathml(rival.force), where, chance
+    p_text = "" if rival.name == effect.name else f"{rival.p_value:.2g}"
+    return name, expression_mathml(rival.force), where, p_text
 
 
 def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[tuple[str, ...]]:
-    """Return what each coefficient multiplies, or what it is, and how large, with its interval."""
+    """Return for each coefficient its term or meaning, its value, and the ends of its interval."""
     if effect.quantities:
         term = expression_mathml(effect.term)
         numbers = zip(effect.coefficients, *effect.confidence_intervals.T, strict=True)
         shown = [f"{term}, {quantity}" for quantity in effect.quantities]
-        return [(what, *map(format_number, own)) for what, own in zip(shown, numbers, strict=True)]
+        return [
+            (what, *map(format_number, figures))
+            for what, figures in zip(shown, numbers, strict=True)
+        ]
     signed = (with_sign(effect, k, symbols) for k in range(len(effect.expressions)))
-    return [(expression_mathml(term), *map(format_number, own)) for term, *own in signed]
+    return [(expression_mathml(term), *map(format_number, figures)) for term, *figures in signed]
 
 
 def _shown(report: LoopReport) -> list[int]:
@@ -147,6 +153,7 @@ def _pictures(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple
 
 
 def _rejected_picture(report: LoopReport) -> str:
+    """Return the picture of the best candidate that did not pass, or nothing."""
     best = report.rejected
     if best is None or not len(best.twin_scores):
         return ""
@@ -154,18 +161,21 @@ def _rejected_picture(report: LoopReport) -> str:
 
 
 def _twins(name: str, scores: np.ndarray, observed: float, is_limit: bool = False) -> str:
+    """Return the histogram of the scores of twins, with that of the record as a line."""
     from .plot import draw_scores
 
-    what = "samples in a row at the limit" if is_limit else "score: log(error without it / with it)"
+    axis_label = (
+        "samples in a row at the limit" if is_limit else "score: log(error without it / with it)"
+    )
 
     def draw(figure: Any) -> None:
-        draw_scores(figure.subplots(), scores, observed, what)
+        draw_scores(figure.subplots(), scores, observed, axis_label)
 
     return _svg((4.6, 2.1), f"twins {name}", draw)
 
 
-def _svg(size: tuple[float, float], name: str, draw: Callable[[Any], None]) -> str:
-    """Return a figure as SVG to stand in a page; names of its parts differ between figures."""
+def _svg(size_: tuple[float, float], name: str, draw: Callable[[Any], None]) -> str:
+    """Return a figure as SVG to embed in a page; the salt keeps its element ids unique there."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -173,7 +183,7 @@ def _svg(size: tuple[float, float], name: str, draw: Callable[[Any], None]) -> s
     from .plot import STYLE
 
     with rc_context({**STYLE, "svg.hashsalt": name, "svg.fonttype": "path"}):
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Figure(figsize=size_, layout="constrained")
         FigureCanvasSVG(figure)
         draw(figure)
         out = StringIO()
@@ -190,6 +200,7 @@ def _version() -> str:
 
 
 def _facts(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple[str, str]]:
+    """Return names and values of what the result depends on: version, records, settings."""
     unit = (units or {}).get("t", "")
     facts = [("pysindy_evolve", _version())]
     for name, records in (("training", report.train), ("held-out", report.test)):

@@ -1,4 +1,4 @@
-"""What it means that a model misses the records by more than the noise explains."""
+"""Sentences for a model that misses the records by more than the noise explains."""
 
 from __future__ import annotations
 
@@ -16,23 +16,25 @@ if TYPE_CHECKING:
 
 __all__ = ["NOTABLE", "RUNAWAY", "missed"]
 
-NOTABLE = 20.0  # percent of the standard deviation: more than a small error of a parameter leaves
-RUNAWAY = 100.0  # percent of the standard deviation: the run has lost the record
-BY_START = 0.5  # of the miss of a free run that noise in its first state makes: it says little
+# Errors of a free run, percent of the standard deviation.
+NOTABLE = 20.0  # more than a small error of a parameter causes
+RUNAWAY = 100.0  # the run has lost the record
+BY_START = 0.5  # share of the error: if noise in the first state causes more, the run says little
 
 RANDOM = (
-    "What remains looks like a random force to every effect that was tried. If no such force acts, "
-    "something is missing that is not among these effects, or not clear in this record."
+    "None of the effects that were tried explains what remains; it may be a random force. If no "
+    "such force acts, something is missing that is not among these effects, or that this record "
+    "does not show clearly."
 )
 UNSOUGHT = "The search stopped early: an effect that was not tried yet may explain this."
 SHORT = (
-    "The training data is too short to search for terms: beside effects with names only small ones "
+    "The training data is too short to search for terms: only effects with names and small terms "
     "were tried. Measure longer, or more often."
 )
 
 
 def missed(report: LoopReport) -> list[str]:
-    """Say what the free run over the held-out data misses, or else the derivative.
+    """Say by how much the free run over the held-out data errs; if it follows, the derivative.
 
     Parameters
     ----------
@@ -42,38 +44,41 @@ def missed(report: LoopReport) -> list[str]:
     Returns
     -------
     list of str
-        Sentences; none where something is said to be missing anyway.
+        Sentences; none where the verdict says already that something is missing, unless the free
+        run has lost the record.
     """
-    miss = float(np.max(report.after.simulation_error))
-    if miss < RUNAWAY and report.verdict == "untraced":
+    error = float(np.max(report.after.simulation_error))
+    if error < RUNAWAY and report.verdict == "untraced":
         return []
-    said = _of_rates(report) if miss < NOTABLE else _of_run(report, miss)
-    if said and report.rules.by_trajectory:
-        said[-1] += f" {SHORT}"
-    return said
+    sentences = _of_rates(report) if error < NOTABLE else _of_run(report, error)
+    if sentences and report.rules.by_trajectory:
+        sentences[-1] += f" {SHORT}"
+    return sentences
 
 
 def _of_rates(report: LoopReport) -> list[str]:
-    return [f"{one} {_why(report)}" for one in unexplained(report)]
+    """Say what the model leaves of the derivative beyond the noise, and why; or nothing."""
+    return [f"{sentence} {_why(report)}" for sentence in unexplained(report)]
 
 
 def _why(report: LoopReport) -> str:
+    """Say what may cause the error that is left."""
     return f"{RANDOM}{slow_rest(report)}" if report.finished else UNSOUGHT
 
 
-def _of_run(report: LoopReport, miss: float) -> list[str]:
+def _of_run(report: LoopReport, error: float) -> list[str]:
     moved = float(np.max(moved_by_starts(report.after.model, report.test)))
-    if np.isfinite(miss) and moved > BY_START * miss:
+    if np.isfinite(error) and moved > BY_START * error:
         does = f"moves it by {percent(moved)}" if np.isfinite(moved) else "lets it diverge"
-        said = (
-            f"The free run misses the record by {percent(miss)}, but it begins where noisy sensors "
-            f"say, and this noise alone {does}: judge by the derivative."
+        sentence = (
+            f"The free run misses the record by {percent(error)}, but it starts from noisy "
+            f"readings, and their noise alone {does}: judge by the derivative."
         )
-        return [said, *_of_rates(report)]
-    if miss < RUNAWAY:
-        return [f"The free run still misses the record by {percent(miss)}. {_why(report)}"]
-    left = (
-        "The free run leaves the record by more than the record varies. Either it amplifies the "
-        "smallest difference, or something is still missing: judge by the derivative."
+        return [sentence, *_of_rates(report)]
+    if error < RUNAWAY:
+        return [f"The free run still misses the record by {percent(error)}. {_why(report)}"]
+    lost = (
+        "The free run leaves the record by more than the record varies. Either the model amplifies "
+        "the smallest difference, or something is still missing: judge by the derivative."
     )
-    return [left, *_of_rates(report)]
+    return [lost, *_of_rates(report)]

@@ -1,4 +1,4 @@
-"""Experiments that have not been made: the recorded motion, larger or smaller, faster or slower."""
+"""Imagined motions: the recorded one with another amplitude, or at other frequencies."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Motion:
 
     @property
     def effort(self) -> float:
-        """How far it is from the recorded one; a change of one kind beats one of both."""
-        far, fast = abs(np.log(self.amplitude)), abs(np.log(self.frequency))
-        return float(far + fast + 0.5 * min(far, fast))
+        """Distance from the recorded motion: log factors, and a surcharge for changing both."""
+        larger, faster = abs(np.log(self.amplitude)), abs(np.log(self.frequency))
+        return float(larger + faster + 0.5 * min(larger, faster))
 
 
 class Motions:
@@ -46,7 +46,7 @@ class Motions:
         flat = z.reshape(-1, z.shape[-1])
         low, high = flat.min(axis=0), flat.max(axis=0)
         self.keeps_sign = (low > 0.0) | (high < 0.0)
-        # What never changes its sign, such as a level or a population, swings about its mean.
+        # A variable that never changes its sign, such as a level, is scaled about its mean.
         self.center = np.where(self.keeps_sign, flat.mean(axis=0), 0.0)
         self.z = z
 
@@ -58,7 +58,10 @@ class Motions:
         return iter(sorted(motions, key=lambda motion: (motion.effort, -motion.amplitude)))
 
     def of(self, motion: Motion) -> np.ndarray | None:
-        """Return states, inputs and time in a motion; None if something would change its sign."""
+        """Return states, inputs and time in a motion, of the shape of z.
+
+        None if a variable that keeps its sign in the record would change it.
+        """
         factors = np.full(self.z.shape[-1], motion.amplitude)
         factors[list(self.speeds)] *= motion.frequency
         factors[-1] = 1.0

@@ -1,4 +1,4 @@
-"""Effects of several equations that are one force, as what rubs in a joint moves both arms."""
+"""Effects in several equations that are one force: friction in a joint moves both arms."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["one_force"]
 
 
 def one_force(report: LoopReport) -> list[str]:
-    """Say which effects of two equations enter as the same input, with the same number.
+    """Name the effects that act like the same input in two equations, with the same coefficient.
 
     Parameters
     ----------
@@ -26,16 +26,17 @@ def one_force(report: LoopReport) -> list[str]:
         Sentences.
     """
     return [
-        f"{one.name[0].upper()}{one.name[1:]} in the equations of {one.state} and {other.state} "
-        f"acts {one.entry} in both, with coefficients that the record cannot tell apart: it is one "
-        "force, and moves both."
-        for one, other in combinations(report.effects, 2)
-        if _is_one(one, other)
+        f"{first.name[0].upper()}{first.name[1:]} in the equations of {first.state} and "
+        f"{second.state} acts {first.entry} in both, with coefficients that the record cannot tell "
+        "apart: it is one force that acts in both equations."
+        for first, second in combinations(report.effects, 2)
+        if _is_same_force(first, second)
     ]
 
 
-def _is_one(one: Effect, other: Effect) -> bool:
-    if not one.entry or (one.entry, one.name) != (other.entry, other.name):
+def _is_same_force(first: Effect, second: Effect) -> bool:
+    """Tell whether two effects share name and entry, and their intervals overlap."""
+    if not first.entry or (first.entry, first.name) != (second.entry, second.name):
         return False
-    (low, high), (lower, higher) = (effect.confidence_intervals[0] for effect in (one, other))
-    return bool(one.state != other.state and low <= higher and lower <= high)
+    (low, high), (lower, higher) = (effect.confidence_intervals[0] for effect in (first, second))
+    return bool(first.state != second.state and low <= higher and lower <= high)

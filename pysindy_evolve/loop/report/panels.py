@@ -1,4 +1,4 @@
-"""Panels that show where a residual lives: over time, frequency, a variable, and a plane of two."""
+"""The panels of a residual: over time, frequency, one variable, and a plane of two variables."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from scipy.stats import binned_statistic_2d
 __all__ = ["draw_frequency", "draw_plane", "draw_time", "draw_twins", "draw_variable", "tidy"]
 
 N_TIMES = 240  # bins over time
-N_BINS = 30  # bins over a variable, with as many samples each
-LEAST_IN_BIN = 30
+N_BINS = 30  # bins over a variable, of equally many samples, at most
+LEAST_IN_BIN = 30  # samples; fewer bins are drawn if these are not reached
 N_FREQUENCIES = 60  # bins over frequency
-N_CELLS = (6, 28)  # of a plane, on each side: fewest and most
-LEAST_IN_CELL = 3
+N_CELLS = (6, 28)  # fewest and most cells along each side of a plane
+LEAST_IN_CELL = 3  # samples; cells with fewer stay blank
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ OVER_VARIABLE = Band((0.25, 0.5, 0.75), alpha=0.25, width=1.6)
 
 
 def tidy(axes: Any, x: str, y: str, title: str) -> None:
-    """Label axes and take away what says nothing."""
+    """Label axes, and remove the frame on the right and at the top."""
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.set_title(title, loc="left")
@@ -51,7 +51,7 @@ def tidy(axes: Any, x: str, y: str, title: str) -> None:
 
 
 def draw_time(axes: Any, t: np.ndarray, residual: np.ndarray, color: str, label: str) -> None:
-    """Draw a signal over time; one with many samples as the band that holds 80 % of them.
+    """Draw a signal over time; if it has many samples, their median and the band of 80 %.
 
     Parameters
     ----------
@@ -84,9 +84,9 @@ def draw_variable(axes: Any, x: np.ndarray, residual: np.ndarray, color: str, la
     """
     order = np.argsort(x, kind="stable")
     n_bins = int(np.clip(len(x) // LEAST_IN_BIN, 4, N_BINS))
-    parts = [part for part in np.array_split(order, min(n_bins, len(x))) if len(part)]
-    centers = [float(np.median(x[part])) for part in parts]
-    OVER_VARIABLE.draw(axes, centers, [residual[part] for part in parts], color, label)
+    bins = [part for part in np.array_split(order, min(n_bins, len(x))) if len(part)]
+    centers = [float(np.median(x[part])) for part in bins]
+    OVER_VARIABLE.draw(axes, centers, [residual[part] for part in bins], color, label)
 
 
 def draw_frequency(
@@ -113,7 +113,7 @@ def draw_frequency(
     frequencies, power = frequencies[shown], power[shown]
     if not len(frequencies):
         return
-    # Bins of equal width on the logarithmic axis, of one frequency each at its low end.
+    # Bins of equal width on the logarithmic axis; the lowest hold one frequency each.
     edges = np.geomspace(frequencies[0], frequencies[-1], N_FREQUENCIES)
     place = np.unique(np.searchsorted(frequencies, edges[:-1]))
     parts = [slice(a, b) for a, b in pairwise([*place, len(frequencies)])]
@@ -142,9 +142,9 @@ def draw_plane(axes: Any, x: np.ndarray, y: np.ndarray, residual: np.ndarray, li
     n_cells = int(np.clip(np.sqrt(len(x) / 12), *N_CELLS))
     mean, x_edges, y_edges, _ = binned_statistic_2d(x, y, residual, "mean", n_cells)
     count, *_ = binned_statistic_2d(x, y, residual, "count", [x_edges, y_edges])
-    shown = np.ma.masked_where(count < LEAST_IN_CELL, mean)
+    masked = np.ma.masked_where(count < LEAST_IN_CELL, mean)
     return axes.pcolormesh(
-        x_edges, y_edges, shown.T, cmap="RdBu_r", vmin=-limit, vmax=limit, rasterized=True
+        x_edges, y_edges, masked.T, cmap="RdBu_r", vmin=-limit, vmax=limit, rasterized=True
     )
 
 

@@ -1,4 +1,4 @@
-"""Where the residual lives: a page of panels, before and after."""
+"""A page of panels of the held-out residual, before and after the effects were added."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 __all__ = ["draw_residuals", "draw_scores", "plot_residuals"]
 
 BEFORE, AFTER = "#c44e52", "#1f5f99"
-MAX_VARIABLES = 3  # panels side by side
+MAX_VARIABLES = 3  # panels over one variable, side by side
 STYLE = {"font.size": 9.0, "axes.titlesize": 9.5, "axes.titleweight": "bold"}
 
 
 def plot_residuals(
     report: LoopReport, state: str | None = None, units: Mapping[str, str] | None = None
 ) -> Any:
-    """Draw the held-out residual of one equation before and after.
+    """Draw the held-out residual of one equation, before and after.
 
     Parameters
     ----------
@@ -90,24 +90,24 @@ def draw_residuals(
         draw_frequency(panels["f"], raw[0], record.dt, _highest(record), color, name)
     rows = [averaged(raw, windows)[1] for raw in stages[0][2]]
     stages = [(name, color, [averaged(r, windows)[0] for r in raw]) for name, color, raw in stages]
-    pairs = zip(report.test, rows, strict=True)
-    variables = np.concatenate([variables_of(one)[inside] for one, inside in pairs])
+    record_rows = zip(report.test, rows, strict=True)
+    variables = np.concatenate([variables_of(each)[inside] for each, inside in record_rows])
     for name, color, residuals in stages:
-        everywhere = np.concatenate(residuals)
+        pooled = np.concatenate(residuals)
         draw_time(panels["t"], record.t[rows[0]], residuals[0], color, name)
         for letter, variable in zip("abc", shown, strict=False):
-            draw_variable(panels[letter], variables[:, variable], everywhere, color, name)
+            draw_variable(panels[letter], variables[:, variable], pooled, color, name)
     _label(panels, shown, names, units, rate)
     span = with_unit(windows.width * record.dt, "t", units)
     figure.suptitle(
-        f"Where the held-out residual lives, averaged over windows of {span} as in the fit",
+        f"Held-out residual, averaged over windows of {span} as in the fit",
         fontsize=10,
     )
     _draw_planes(figure, panels, report, index, stages, variables, units)
 
 
 def averaged(residual: np.ndarray, windows: Windows) -> tuple[np.ndarray, slice]:
-    """Return a residual averaged over the windows of the fit, and the rows in their middles."""
+    """Return a residual averaged over the windows of the fit, and the rows at their centers."""
     if windows.width < 3 or len(residual) < 2 * windows.width:
         return residual, slice(None)
     smooth = np.convolve(residual, windows.weights, mode="valid")
@@ -122,6 +122,7 @@ def _label(
     units: Mapping[str, str] | None,
     rate: str,
 ) -> None:
+    """Label all panels but the planes."""
     has_band = bool(panels["t"].collections)
     title = "Over time: median and 80 % band" if has_band else "Over time"
     tidy(panels["t"], label("t", units), f"residual of {rate}", title)
@@ -155,8 +156,8 @@ def _draw_planes(
     limit = float(np.quantile(np.abs(np.concatenate(stages[0][2])), 0.9)) or 1.0
     mesh = None
     for letter, (name, _, residuals) in zip("xy", stages, strict=False):
-        everywhere = np.concatenate(residuals)
-        mesh = draw_plane(panels[letter], variables[:, x], variables[:, y], everywhere, limit)
+        pooled = np.concatenate(residuals)
+        mesh = draw_plane(panels[letter], variables[:, x], variables[:, y], pooled, limit)
         vertical = label(names[y], units)
         tidy(panels[letter], label(names[x], units), vertical, f"Mean residual, {name}")
     if len(stages) == 1:
@@ -166,41 +167,47 @@ def _draw_planes(
 
 
 def draw_scores(axes: Any, scores: np.ndarray, observed: float, what: str) -> None:
-    """Draw what the same search finds in twins, and what it found in the record."""
+    """Draw the histogram of the twins' scores, and the score in the record, with labels."""
     draw_twins(axes, scores, observed, AFTER)
     tidy(axes, what, "twins", "")
 
 
 def _row(letters: str) -> str:
-    """Return six places shared by some letters."""
+    """Return a mosaic row of six columns shared equally by some letters."""
     return "".join(letter * (6 // len(letters)) for letter in letters)
 
 
 def _highest(record: Record) -> float:
+    """Return the highest frequency to draw: the cutoff, at most half the sampling rate."""
     nyquist = 0.5 / record.dt
     return nyquist if record.cutoff is None else min(nyquist, record.cutoff)
 
 
 def _variables(report: LoopReport, index: int) -> list[int]:
-    """Return what to draw the residual over: what effects depend on, the state, its position."""
+    """Return the variables to draw the residual over, three at most.
+
+    In this order of choice: those of the effects in this equation, the state, its position, and
+    others that occur in the model.
+    """
     time = len(report.before.model.names) - 1
     state = report.before.model.states[index]
-    own = [effect for effect in report.effects if effect.state == state]
-    wanted = [v for e in own for term in e.expressions for v in sorted(term.variables)]
+    here = [effect for effect in report.effects if effect.state == state]
+    wanted = [v for e in here for term in e.expressions for v in sorted(term.variables)]
     wanted += [index, *_position(report, index), *range(time)]
-    used = {v for side in report.before.model.sums for v in side.variables} | {index}
-    used |= {v for effect in own for term in effect.expressions for v in term.variables}
-    chosen = dict.fromkeys(v for v in wanted if v != time and v in used)
+    occurring = {v for side in report.before.model.sums for v in side.variables} | {index}
+    occurring |= {v for effect in here for term in effect.expressions for v in term.variables}
+    chosen = dict.fromkeys(v for v in wanted if v != time and v in occurring)
     return sorted(list(chosen)[:MAX_VARIABLES])
 
 
 def _position(report: LoopReport, index: int) -> list[int]:
+    """Return the position of a velocity; nothing for another state."""
     known = positions(report.before.model)
     return [known[index]] if index in known else []
 
 
 def _plane(report: LoopReport, index: int) -> tuple[int, int]:
-    """Return position and velocity; without them two variables, or time."""
+    """Return the axes of the plane: the position, else another variable or time, and the state."""
     if position := _position(report, index):
         return position[0], index
     others = [v for v in _variables(report, index) if v != index]
@@ -208,10 +215,11 @@ def _plane(report: LoopReport, index: int) -> tuple[int, int]:
 
 
 def _state_index(report: LoopReport, state: str | None) -> int:
+    """Return the equation to draw; by default that of the first effect, or of the largest error."""
     states = report.before.model.states
     if state is None:
         worst = int(np.argmax(report.before.derivative_error))
-        first = next((one.state for one in report.effects if not one.of_sensor), None)
+        first = next((effect.state for effect in report.effects if not effect.of_sensor), None)
         return worst if first is None else states.index(first)
     if state not in states:
         raise ValueError(

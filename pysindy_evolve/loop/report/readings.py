@@ -1,4 +1,4 @@
-"""What sensors that were found to clip show of a run."""
+"""A simulated run as clipping sensors would show it."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ __all__ = ["as_read"]
 
 
 def as_read(run: np.ndarray, states: Sequence[str], effects: Sequence[Effect]) -> np.ndarray:
-    """Return a run (n_samples, n_states) as sensors show it that were found to clip."""
+    """Return a run (n_samples, n_states) clipped where the sensor of a state was found to clip."""
     run = np.array(run)
-    for effect in (one for one in effects if one.of_sensor):
+    for effect in (each for each in effects if each.of_sensor):
         reading = run[:, states.index(effect.state)]
-        end = np.minimum if isinstance(effect.term, sympy.Min) else np.maximum
-        end(reading, effect.coefficients[0], out=reading)
+        clip = np.minimum if isinstance(effect.term, sympy.Min) else np.maximum
+        clip(reading, effect.coefficients[0], out=reading)
     return run

@@ -1,6 +1,6 @@
-"""Declared numbers that differ between records, such as a friction that is less once it is warm.
+"""Declared parameters that differ between records, such as a friction that falls as it warms up.
 
-Each record by itself is then explained well, and all of them together by no fixed term.
+Each record by itself is then explained well, but no fixed value explains all of them together.
 """
 
 from __future__ import annotations
@@ -18,47 +18,48 @@ if TYPE_CHECKING:
 
 __all__ = ["numbers_by_record"]
 
-BETTER = 0.8  # times the squares that are left, where each record has numbers of its own
-TRACE = 0.01  # of a number: records that differ by less are the same to anybody
-WEIGHTY = 0.5  # of what the number that differs most moves in the rates
+LESS_SQUARE = 0.8  # largest ratio of squared errors, with a value for each record over common ones
+SAME = 0.01  # relative spread of a parameter below which the records count as the same
+NOTABLE = 0.5  # share of the largest change of the rates by any parameter that differs
 
 
 def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
-    """Return what parameters are in each training record, of those that are not the same.
+    """Return the parameters that differ between the training records, with a value for each.
 
-    Those that matter most. Empty of a single record, and where all records share their numbers.
-    Declared ones only: two effects may have the same name.
+    Only those that change the rates most. Empty for a single record, and where common values fit
+    nearly as well. Only declared parameters, as two effects may have the same name.
     """
     design = report.design
     if len(report.train) < 2 or not design.columns:
         return {}
     records = [as_acting(report.equations, record)[1] for record in report.train]
     pooled = refit(design, records, "derivative")
-    own = np.array([refit(design, [record], "derivative") for record in records])
-    apart = zip(records, own, strict=True)
-    left = sum(derivative_square(design, [record], coef) for record, coef in apart)
-    if left >= BETTER * derivative_square(design, records, pooled):
+    each = np.array([refit(design, [record], "derivative") for record in records])
+    fits = zip(records, each, strict=True)
+    square = sum(derivative_square(design, [record], coef) for record, coef in fits)
+    if square >= LESS_SQUARE * derivative_square(design, records, pooled):
         return {}
     sizes = [
         np.sqrt(np.mean([np.mean(c.evaluate(variables_of(r)) ** 2) for r in records]))
         for c in design.columns
     ]
-    moved = np.ptp(own, axis=0) * np.array(sizes)
+    spreads = np.ptp(each, axis=0) * np.array(sizes)
     return {
-        column.name: own[:, k]
+        column.name: each[:, k]
         for k, column in enumerate(design.columns)
         if column.name.isidentifier()
         and column.name in report.before.parameters
-        and moved[k] >= WEIGHTY * moved.max()
-        and np.ptp(own[:, k]) > _by_chance(report, column.name)
-        and np.ptp(own[:, k]) > TRACE * np.abs(own[:, k]).max()
+        and spreads[k] >= NOTABLE * spreads.max()
+        and np.ptp(each[:, k]) > _spread_by_chance(report, column.name)
+        and np.ptp(each[:, k]) > SAME * np.abs(each[:, k]).max()
     }
 
 
-def _by_chance(report: LoopReport, name: str) -> float:
-    """Return by how much a parameter may differ that is the same in all records.
+def _spread_by_chance(report: LoopReport, name: str) -> float:
+    """Return the spread between records that chance gives a parameter that is the same in all.
 
-    As the largest and the smallest of a few draws, which lie about an interval of one apart.
+    The interval of a single record is sqrt(n_records) times as wide as that of all, and the
+    largest and the smallest of a few draws lie about this interval apart.
     """
     low, high = report.after.parameter_intervals.get(name, np.zeros(2))
     return float(high - low) * np.sqrt(len(report.train))

@@ -1,7 +1,7 @@
 """Offsets that differ between records, such as a load or the zero of a sensor.
 
-What stays within a record and is another one in the next can be no fixed term, so it stays without
-a name; but a model that leaves it is not complete.
+No fixed term can be constant within a record and differ in the next, so such an offset gets no
+name; but a model that leaves it in the residual is not complete.
 """
 
 from __future__ import annotations
@@ -17,24 +17,27 @@ if TYPE_CHECKING:
 
 __all__ = ["offsets_by_record"]
 
-N_BLOCKS = 8  # of a record, whose means tell how well its own is known
-SURE = 6.0  # standard errors, of which there are few blocks to know them from
-MOST = 0.5  # share of what is left of a derivative
+N_BLOCKS = 8  # blocks of a record; the scatter of their means gives the standard error of its mean
+SURE = 6.0  # standard errors; so many, as they are estimated from eight blocks only
+LEAST_SHARE = 0.5  # share of the mean square of the residual that the offsets must make up
 
 
 def offsets_by_record(report: LoopReport) -> dict[str, np.ndarray]:
-    """Return the mean residual in each training record, of states where it is not the same.
+    """Return the mean residual in each training record, for the states where it differs.
 
-    Units of the state per unit of t. Empty of a single record, and of algebraic targets.
+    Units of the state per unit of t. Empty for a single record, and for algebraic targets.
     """
     model, records = report.after.model, report.train
     if len(records) < 2 or model.n_algebraic:
         return {}
-    left = [residual_of(model, record) for record in records]
-    blocks = [np.array([b.mean(axis=0) for b in np.array_split(one, N_BLOCKS)]) for one in left]
-    means = np.array([one.mean(axis=0) for one in blocks])
-    errors = np.array([one.std(axis=0, ddof=1) for one in blocks]) / np.sqrt(N_BLOCKS)
-    apart = np.abs(means - means.mean(axis=0))
-    power = np.mean([np.mean(one**2, axis=0) for one in left], axis=0)
-    differ = np.any(apart > SURE * errors, axis=0) & (means.var(axis=0) > MOST * power)
-    return {model.states[k]: means[:, k] for k in report.design.open_states if differ[k]}
+    residuals = [residual_of(model, record) for record in records]
+    blocks = [
+        np.array([block.mean(axis=0) for block in np.array_split(rows, N_BLOCKS)])
+        for rows in residuals
+    ]
+    means = np.array([rows.mean(axis=0) for rows in blocks])
+    errors = np.array([rows.std(axis=0, ddof=1) for rows in blocks]) / np.sqrt(N_BLOCKS)
+    deviation = np.abs(means - means.mean(axis=0))
+    power = np.mean([np.mean(rows**2, axis=0) for rows in residuals], axis=0)
+    differs = np.any(deviation > SURE * errors, axis=0) & (means.var(axis=0) > LEAST_SHARE * power)
+    return {model.states[k]: means[:, k] for k in report.design.open_states if differs[k]}

@@ -1,4 +1,4 @@
-"""What the loop found: the equations and errors before and after, and each effect's evidence."""
+"""The report of the loop: equations and errors before and after, and each effect's evidence."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ __all__ = ["Effect", "Errors", "LoopReport", "Step"]
 
 @dataclass(frozen=True, eq=False)
 class LoopReport:
-    """What a declared model lacks, and what it is worth to add it.
+    """The effects that a declared model lacks, and the errors without and with them.
 
     Attributes
     ----------
@@ -40,26 +40,26 @@ class LoopReport:
         Nothing missing that the data can show; effects found and added; or structure remains that
         no tried effect explains.
     effects : list of Effect
-        What was added, in the order of its finding.
+        The effects that were added, in the order in which they were found.
     before, after : Errors
         Errors of the declared and of the corrected model on held-out data.
     steps : list of Step
-        Errors after each effect.
+        Errors after each effect was added.
     train, test : tuple of Record
         The records.
     finished : bool
-        False if the search was interrupted or ran into `max_effects`.
+        False if the search was interrupted, reached `max_effects`, or was not begun.
     rules : Rules
         The settings.
     design : Design
         The corrected model with its coefficients free.
     rejected : Rejected, optional
-        The best of what was tried last and did not pass; None if nothing was left to try.
+        The best candidate of the last look, which did not pass; None if none improved the model.
     chance_left : float
         p-value of the test for structure in the residual of the corrected model; 1 if no structure
         was seen or the test was not made.
     found_held : tuple of int
-        Inputs that turned out to be held from one sample to the next, which no record said.
+        Inputs that the loop found to be held from one sample to the next (zero-order hold).
     shows_motion : bool
         False if the user's derivatives were smoothed so much that no effect was looked for.
     """
@@ -86,35 +86,37 @@ class LoopReport:
 
     @property
     def leaves_structure(self) -> bool:
-        """Whether what the effects leave still depends on what was measured."""
+        """Whether the residual of the corrected model still has structure, beside the effects."""
         return self.verdict == "traced" and self.chance_left <= self.rules.level
 
     @cached_property
     def model(self) -> ps.SINDy:
         """The corrected model as a fitted SINDy model; time, if needed, is its last input.
 
-        It cannot hold the delay of an input, and warns: the input is then what arrives. Of an
-        algebraic target, such as a force, it predicts the target itself, which PySINDy prints as a
-        rate: run it by `simulate` here.
+        It cannot delay an input, and warns: give it the input after its delay. For an algebraic
+        target, such as a force, it predicts the target itself, though PySINDy prints a derivative;
+        simulate it with `LoopReport.simulate`.
         """
-        late = self.equations.delays if isinstance(self.equations, MemoryEquations) else ()
-        if any(late):
-            named = zip(self.equations.inputs, late, strict=True)
-            shifted = ", ".join(f"{u} as it was {delay:.4g} earlier" for u, delay in named if delay)
+        delays = self.equations.delays if isinstance(self.equations, MemoryEquations) else ()
+        if any(delays):
+            delayed = zip(self.equations.inputs, delays, strict=True)
+            changed = ", ".join(
+                f"{u} as it was {delay:.4g} earlier" for u, delay in delayed if delay
+            )
             warn(
                 "LoopReport.model: a SINDy model cannot delay its inputs; this one takes "
-                f"{shifted}. Shift the input, or use LoopReport.simulate.",
+                f"{changed}. Shift the input, or use LoopReport.simulate.",
             )
         return as_sindy(self.equations)
 
     @property
     def residual_before(self) -> list[np.ndarray]:
-        """x_dot minus the declared model, for each held-out record; zero where nobody saw it."""
+        """x_dot minus the declared model, for each held-out record; zero on rows not `seen`."""
         return [residual_of(self.before.model, record) for record in self.test]
 
     @property
     def residual_after(self) -> list[np.ndarray]:
-        """x_dot minus the corrected model, for each held-out record; zero where nobody saw it."""
+        """x_dot minus the corrected model, for each held-out record; zero on rows not `seen`."""
         return [residual_of(self.after.model, record) for record in self.test]
 
     def simulate(self, record: Record) -> np.ndarray:
@@ -128,7 +130,7 @@ class LoopReport:
         Returns
         -------
         ndarray of shape (n_samples, n_states)
-            As the sensors show them, where one of the effects is that a sensor clips.
+            States; clipped where one of the effects is a sensor that clips.
 
         Raises
         ------
@@ -140,8 +142,8 @@ class LoopReport:
                 f"LoopReport.simulate(record=...) must be a Record; got {type(record).__name__}. "
                 "Simulate one record at a time."
             )
-        run = free_run(self.equations, held_like(record, self.train))
-        return as_read(run, self.equations.states, self.effects)
+        states = free_run(self.equations, held_like(record, self.train))
+        return as_read(states, self.equations.states, self.effects)
 
     def __str__(self) -> str:
         return as_text(self)
@@ -151,15 +153,15 @@ class LoopReport:
         return f"LoopReport({self.verdict!r}, {found or 'no effects'}; print it to read all)"
 
     def _repr_markdown_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the report as a notebook shows it."""
         return self.to_markdown()
 
     def to_markdown(self) -> str:
-        """Return the report as Markdown: what is printed, the twins, and what to measure next."""
+        """Return the printed report as Markdown, with the twins and what to measure next."""
         return as_markdown(self)
 
     def to_html(self, path: str | Path, units: Mapping[str, str] | None = None) -> None:
-        """Write the report with its pictures as one page of HTML that needs nothing else.
+        """Write the report with its pictures as one self-contained page of HTML.
 
         Parameters
         ----------
@@ -209,9 +211,9 @@ class LoopReport:
         return plan(self, units)
 
     def plot(self, state: str | None = None, units: Mapping[str, str] | None = None) -> Any:
-        """Draw where the held-out residual lives, before and after.
+        """Draw the held-out residual of one equation, before and after.
 
-        Over time, over frequency, over the variables that matter, and in the phase plane.
+        Over time, over frequency, over up to three variables, and in the phase plane.
 
         Parameters
         ----------

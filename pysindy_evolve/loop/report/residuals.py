@@ -1,4 +1,4 @@
-"""What a model leaves of the measured derivative of a record."""
+"""The residual of a model: the part of the measured derivative that it does not explain."""
 
 from __future__ import annotations
 
@@ -14,25 +14,26 @@ from ..given.sensor import as_observed
 
 __all__ = ["in_percent", "percent_left", "residual_of"]
 
-STEADY = 1e-6  # of its size, that a derivative varies by if only rounding or noise is in it
+STEADY = 1e-6  # standard deviation over RMS of a derivative; below it, its variation is rounding
 
 
 def residual_of(equations: Equations, record: Record) -> np.ndarray:
-    """Return x_dot minus the model, (n_samples, n_states); zero where no sensor saw the state."""
+    """Return x_dot minus the model, (n_samples, n_states); zero on rows that are not all `seen`."""
     equations, record = as_acting(equations, record)
     return as_observed(record, record.x_dot - rates_on(equations, record))
 
 
 def percent_left(equations: Equations, records: Sequence[Record]) -> np.ndarray:
-    """Return what is left of each derivative of records, percent of its standard deviation."""
-    left = np.concatenate([residual_of(equations, record) for record in records])
-    return in_percent(left, records)
+    """Return the RMS residual of each derivative, percent of its standard deviation."""
+    residuals = np.concatenate([residual_of(equations, record) for record in records])
+    return in_percent(residuals, records)
 
 
 def in_percent(columns: np.ndarray, records: Sequence[Record]) -> np.ndarray:
-    """Return the RMS of columns (n_samples, n_states), percent of what the derivatives vary by.
+    """Return the RMS of columns (n_samples, n_states) in percent.
 
-    NaN where a derivative hardly varies, as that of a ramp: no share of rounding says anything.
+    Percent of the standard deviation of the measured derivatives. NaN where a derivative hardly
+    varies, as that of a ramp: a share of rounding means nothing.
     """
     rates = np.concatenate([record.x_dot for record in records])
     spread, size = rates.std(axis=0), np.sqrt(np.mean(rates**2, axis=0))

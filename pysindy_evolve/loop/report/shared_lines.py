@@ -1,7 +1,7 @@
-"""Lines that the residuals of all of several records share, and no input has.
+"""Spectral lines that the residuals of all records share, and that no input has.
 
-A forcing whose phase differs from record to record is one. No fixed term can be it, so it stays
-without a name; but a model that leaves it is not complete, if it is most of what is left.
+A forcing whose phase differs between records leaves such a line. No fixed term can describe it, so
+it gets no name; but a model whose residual is mostly this line is not complete.
 """
 
 from __future__ import annotations
@@ -21,15 +21,26 @@ if TYPE_CHECKING:
 
 __all__ = ["Line", "shared_lines"]
 
-MOST = 0.5  # share of what is left of a derivative: rigs hum without lacking anything
-LEAST = 0.01  # the same: harmonics of a motion are lines as well, of next to nothing
-NEAR_CUTOFF = 0.9  # of it: above, a line is what the filter left of a motion that it cut
-LOBE = 3.0  # resolutions of a record, about a line, that are the same line
+# Shares of the mean square of a residual.
+MAIN_SHARE = 0.5  # above it the model lacks something; a weaker line may be a rig that hums
+LEAST_SHARE = 0.01  # below it a line is not reported: harmonics of a motion leave weak lines too
+NEAR_CUTOFF = 0.9  # of the cutoff; a line above it may be the rest of a motion that the filter cut
+LINE_WIDTH = 3.0  # distance in 1/duration within which two lines of a residual count as one
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line in the residual of a state: cycles per unit of t, and its least share of a record."""
+    """A line in the residual of a state.
+
+    Attributes
+    ----------
+    state : str
+        State in whose derivative it is.
+    frequency : float
+        Cycles per unit of t.
+    share : float
+        Share of the mean square of the residual, in the record where it is least.
+    """
 
     state: str
     frequency: float
@@ -37,49 +48,53 @@ class Line:
 
     @property
     def is_most(self) -> bool:
-        """Whether it is most of what is left in each record, so that the model lacks something."""
-        return self.share > MOST
+        """Whether it is most of the residual in each record, so that the model lacks something."""
+        return self.share > MAIN_SHARE
 
 
 def shared_lines(report: LoopReport) -> list[Line]:
-    """Return the lines that all of several training records have; none of a single record."""
+    """Return the lines that the residuals of all training records share; none for one record."""
     model, records = report.after.model, report.train
-    if len(records) < 2 or model.n_algebraic or not all(map(_knows_its_noise, records)):
+    if len(records) < 2 or model.n_algebraic or not all(map(_has_surroundings, records)):
         return []
     width = 1.0 / min(record.t[-1] - record.t[0] for record in records)
-    left = [residual_of(model, record) for record in records]
+    residuals = [residual_of(model, record) for record in records]
     shared: list[Line] = []
     for k, state in enumerate(report.before.model.states):
-        pairs = zip(records, left, strict=True)
-        first, *others = ([*map(float, _lines_of(record, one[:, k]))] for record, one in pairs)
+        pairs = zip(records, residuals, strict=True)
+        of_first, *of_others = (
+            [*map(float, _lines_of(record, residual[:, k]))] for record, residual in pairs
+        )
         kept: list[float] = []
-        for line in first:
-            everywhere = all(any(abs(line - o) < width for o in those) for those in others)
-            if everywhere and all(abs(line - other) > LOBE * width for other in kept):
+        for line in of_first:
+            is_shared = all(
+                any(abs(line - f) < width for f in frequencies) for frequencies in of_others
+            )
+            if is_shared and all(abs(line - other) > LINE_WIDTH * width for other in kept):
                 kept.append(line)
         for line in kept:
-            pairs = zip(records, left, strict=True)
-            shares = [_share(line, record.t, one[:, k]) for record, one in pairs]
-            if min(shares) > LEAST:
+            pairs = zip(records, residuals, strict=True)
+            shares = [_share(line, record.t, residual[:, k]) for record, residual in pairs]
+            if min(shares) > LEAST_SHARE:
                 shared.append(Line(state, line, min(shares)))
     return shared
 
 
-def _share(frequency: float, t: np.ndarray, left: np.ndarray) -> float:
-    """Return how much of a residual, (n_samples,), a sine of a frequency explains."""
-    waves = np.exp(2j * np.pi * frequency * t)
-    columns = np.column_stack([waves.real, waves.imag])
-    fitted = columns @ np.linalg.lstsq(columns, left, rcond=None)[0]
-    return float(np.sum(fitted**2) / max(np.sum(left**2), np.finfo(float).tiny))
+def _share(frequency: float, t: np.ndarray, residual: np.ndarray) -> float:
+    """Return the share of the mean square of a residual, (n_samples,), that a sine explains."""
+    wave = np.exp(2j * np.pi * frequency * t)
+    columns = np.column_stack([wave.real, wave.imag])
+    fitted = columns @ np.linalg.lstsq(columns, residual, rcond=None)[0]
+    return float(np.sum(fitted**2) / max(np.sum(residual**2), np.finfo(float).tiny))
 
 
-def _lines_of(record: Record, left: np.ndarray) -> list[float]:
-    drivers = record.x[:, :0] if record.u is None else record.u
+def _lines_of(record: Record, residual: np.ndarray) -> list[float]:
+    inputs = record.x[:, :0] if record.u is None else record.u
     highest = np.inf if record.cutoff is None else NEAR_CUTOFF * record.cutoff
-    return [line for line in lines_of(left, drivers, record.dt) if line < highest]
+    return [line for line in lines_of(residual, inputs, record.dt) if line < highest]
 
 
-def _knows_its_noise(record: Record) -> bool:
-    """Tell whether the low-pass of a record left frequencies enough to know a line from noise."""
+def _has_surroundings(record: Record) -> bool:
+    """Tell whether a record has enough frequencies below its cutoff to tell a line from noise."""
     cutoff = 0.5 / record.dt if record.cutoff is None else record.cutoff
     return bool(cutoff * (record.t[-1] - record.t[0]) >= FEWEST_FREQUENCIES)

@@ -1,4 +1,4 @@
-"""Equations as a fitted SINDy model, so that everything of PySINDy works on what was found."""
+"""Equations as a fitted SINDy model, so that PySINDy's own methods work on them."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def as_sindy(equations: Equations) -> ps.SINDy:
     Parameters
     ----------
     equations : Equations
-        Terms and coefficients. If one depends on time, the model has one more input, named t.
+        Terms and coefficients. If a term depends on time, the model has one more input, named t.
 
     Returns
     -------
     pysindy.SINDy
-        predict, score, print, simulate work; a new `fit` refits the terms.
+        `predict`, `score`, `print` and `simulate` work; `fit` fits new coefficients of the terms.
     """
     inputs = (*equations.inputs, "t") if equations.needs_time else equations.inputs
     n_variables = len(equations.states) + len(inputs)
@@ -35,7 +35,7 @@ def as_sindy(equations: Equations) -> ps.SINDy:
     library = TermLibrary(equations.terms)
     library.fit(np.ones((2, n_variables)))
     n_terms, n_states = len(equations.terms), len(equations.states)
-    # Any fit will do: its coefficients are replaced by those that were found.
+    # Fitted to dummy data: the coefficients are replaced below.
     optimizer = ElasticNet().fit(np.eye(n_terms), np.ones((n_terms, n_states)))
     optimizer.coef_ = np.array(equations.coef, dtype=float)
     optimizer.ind_ = optimizer.coef_ != 0.0

@@ -1,4 +1,4 @@
-"""States that nobody measured, too slow to be looked for, are not passed over in silence."""
+"""Hints at unmeasured states that are too slow for the loop to look for."""
 
 from __future__ import annotations
 
@@ -18,41 +18,46 @@ if TYPE_CHECKING:
 
 __all__ = ["slow_drifts", "slow_rest"]
 
-SLOWEST = 8  # half waves in a record: what makes fewer changes over more than an eighth of it
-MOST = 0.5  # share of what is left of a derivative
-QUICKER = "the loop looks for faster ones only. A longer record would show it."
+N_SLOW = 8  # lowest terms of a cosine transform: those slower than an eighth of the record
+MAIN_SHARE = 0.5  # share of the mean square of a residual
+FASTER_ONLY = "the loop looks only for faster ones. A longer record would show it."
 
 
 def slow_drifts(report: LoopReport) -> list[str]:
-    """Say of a drift that it may be such a state."""
-    plain = (e for e in report.effects if e.name == DRIFT and len(e.term.free_symbols) == 1)
-    drifting = dict.fromkeys(one.state for one in plain)
+    """Say that a drift that was found may be a slow state that nobody measured."""
+    drifts = (
+        effect
+        for effect in report.effects
+        if effect.name == DRIFT and len(effect.term.free_symbols) == 1
+    )
+    states = dict.fromkeys(drift.state for drift in drifts)
     return [
-        f"The drift of {state} may also be a state that nobody measured and that follows slowly, "
-        f"over more than {_longest(report)}, an eighth of the record: {QUICKER}"
-        for state in drifting
+        f"The drift of {state} may also be a state that nobody measured and that responds slowly, "
+        f"in more than {_longest(report)} (an eighth of the record): {FASTER_ONLY}"
+        for state in states
     ]
 
 
 def slow_rest(report: LoopReport) -> str:
-    """Say of what is left that it may be such a state, if most of it is slow; else nothing."""
+    """Say that the residual may come from a slow state, if most of it is slow; else nothing."""
     model = report.after.model
-    shares = np.mean([_slow_share(residual_of(model, one)) for one in report.train], axis=0)
-    slow = [f"d{model.states[k]}/dt" for k in np.flatnonzero(shares > MOST)]
-    if not slow:
+    shares = np.mean([_slow_share(residual_of(model, record)) for record in report.train], axis=0)
+    names = [f"d{model.states[k]}/dt" for k in np.flatnonzero(shares > MAIN_SHARE)]
+    if not names:
         return ""
     return (
-        f" Most of what is left of {' and '.join(slow)} changes over more than {_longest(report)}, "
-        "an eighth of the record, like a wandering sensor or force, or a state that nobody "
-        f"measured: {QUICKER}"
+        f" Most of what is left of {' and '.join(names)} changes over more than "
+        f"{_longest(report)} (an eighth of the record), like a wandering sensor or force, or a "
+        f"state that nobody measured: {FASTER_ONLY}"
     )
 
 
 def _longest(report: LoopReport) -> str:
+    """Return the longest relaxation time that the loop looks for, units of t."""
     return format_number(max(longest_relaxation(record) for record in report.train))
 
 
-def _slow_share(left: np.ndarray) -> np.ndarray:
-    """Return how much of residuals (n_samples, n_states) is slower than an eighth of them."""
-    power = dct(left, axis=0, norm="ortho") ** 2
-    return np.asarray(power[:SLOWEST].sum(axis=0) / np.maximum(power.sum(axis=0), TINY))
+def _slow_share(residual: np.ndarray) -> np.ndarray:
+    """Return the share of residuals (n_samples, n_states) slower than an eighth of the record."""
+    power = dct(residual, axis=0, norm="ortho") ** 2
+    return np.asarray(power[:N_SLOW].sum(axis=0) / np.maximum(power.sum(axis=0), TINY))

@@ -1,4 +1,4 @@
-"""By how much the noise of the first states moves the free runs over held-out data."""
+"""Effect of the noise in the first state on a free run."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ __all__ = ["moved_by_starts"]
 
 
 def moved_by_starts(equations: Equations, records: Sequence[Record]) -> np.ndarray:
-    """Return the standard deviation of runs that begin where noisy sensors say.
+    """Return the standard deviation of free runs due to sensor noise in their first state.
 
     Parameters
     ----------
     equations : Equations
         The model.
     records : sequence of Record
-        What it runs over. Of a record that was not made from raw data, the noise is not known, and
-        counts as none.
+        Records to run over. For one that was not made from raw data the noise is not known, and
+        counts as zero.
 
     Returns
     -------
@@ -38,16 +38,17 @@ def moved_by_starts(equations: Equations, records: Sequence[Record]) -> np.ndarr
         for state in range(record.n_states):
             noise = noise_of(record, state)
             if noise > 0.0:
-                up, down = (_run(equations, record, state, way * noise) for way in (1.0, -1.0))
+                up, down = (_run(equations, record, state, sign * noise) for sign in (1.0, -1.0))
                 squares += (0.5 * (up - down)) ** 2
         moved.append(np.sqrt(squares))
     percent = nrmse(np.concatenate(moved), np.concatenate([record.x for record in records]))
     return np.nan_to_num(percent, nan=np.inf)
 
 
-def _run(equations: Equations, record: Record, state: int, further: float) -> np.ndarray:
+def _run(equations: Equations, record: Record, state: int, shift: float) -> np.ndarray:
+    """Run the model freely with a shift in one first state; NaN after it diverges."""
     x = np.array(record.x)
-    x[0, state] += further
-    begun = replace(record, x=x)
-    run = free_run(equations, begun, on_divergence="nan", tolerance=1e-7)
+    x[0, state] += shift
+    shifted = replace(record, x=x)
+    run = free_run(equations, shifted, on_divergence="nan", tolerance=1e-7)
     return np.asarray(run[:, : record.n_states])

@@ -1,4 +1,4 @@
-"""The printed report: read once by somebody who knows the machine but not the code."""
+"""The report as text and as Markdown, for readers who know the machine but not the code."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def verdict_of(report: LoopReport) -> str:
     """Return the verdict in a sentence."""
     if report.verdict == "complete" and unexplained(report):
         return MUCH_LEFT if report.rules.max_effects else NOT_LOOKED
-    missed = float(np.max(report.after.simulation_error)) >= NOTABLE
-    if report.verdict == "traced" and missed and unexplained(report):
+    runs_off = float(np.max(report.after.simulation_error)) >= NOTABLE
+    if report.verdict == "traced" and runs_off and unexplained(report):
         return IN_PART
     if report.leaves_structure:
         return NOT_ALL
@@ -68,8 +68,8 @@ def as_text(report: LoopReport) -> str:
         "Declared model, fitted\n" + indent(_model(report.before), "    "),
     ]
     if report.effects:
-        said = "\n".join([_model(report.after), *added_up(report), *readings(report)])
-        parts.append("Corrected model\n" + indent(said, "    "))
+        lines = "\n".join([_model(report.after), *added_up(report), *readings(report)])
+        parts.append("Corrected model\n" + indent(lines, "    "))
     parts.append(_table(report))
     symbols = report.equations.inner_symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
@@ -79,58 +79,58 @@ def as_text(report: LoopReport) -> str:
 
 def _model(errors: Errors) -> str:
     """Return the equations and, below them, the free parameters."""
-    said = free_parameters(errors)
+    parameters = free_parameters(errors)
     equations = [
         fill(line, 96, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
         for line in format_equations(errors.model).splitlines()
     ]
-    lines = [*equations, fill(said, 92, subsequent_indent="  ")]
+    lines = [*equations, fill(parameters, 92, subsequent_indent="  ")]
     return "\n".join(line for line in lines if line)
 
 
 def added_up(report: LoopReport) -> list[str]:
-    """Say it where an effect does not stand in the equations as it is printed by itself.
+    """Say so where the equations do not show an effect as it is printed below, but a sum.
 
-    Over an inertia with waves nothing does, which that effect says.
+    With a varying inertia they show none as printed; the line of that effect says so.
     """
     if any(effect.written for effect in report.effects):
         return []
     before, after = report.before.model, report.after.model
     declared = {(before.states[k], before.terms[j]) for k, j in np.argwhere(before.coef != 0.0)}
     sides = dict(zip(after.states, map(as_hinges, after.sums), strict=True))
-    brought = {
+    added = {
         (effect.state, product)
         for effect in report.effects
         for expression in (() if effect.quantities else effect.expressions)
         for _, product in as_hinges(expression).parts
     }
     shown = {(state, product) for state, side in sides.items() for _, product in side.parts}
-    said = "Where an effect below holds one of the same terms, the equations show the sum."
-    return [said] if report.after.parameters and (declared & brought or brought - shown) else []
+    said = "Where an effect below has a term in common with the rest, the equations show the sum."
+    return [said] if report.after.parameters and (declared & added or added - shown) else []
 
 
 def readings(report: LoopReport) -> list[str]:
-    """Return what sensors show that do not show their state everywhere, a line each."""
-    read = (effect for effect in report.effects if effect.of_sensor)
-    return [f"The sensor of {one.state} shows {format_expression(one.term)}" for one in read]
+    """Return a line for each sensor that clips."""
+    clipped = (effect for effect in report.effects if effect.of_sensor)
+    return [f"The sensor of {one.state} shows {format_expression(one.term)}" for one in clipped]
 
 
 def free_parameters(errors: Errors) -> str:
-    """Return the fitted values of what was free, so that no misspelled name hides among them.
+    """Return the free parameters with their values; a misspelled name would show among them.
 
-    The terms of a SINDy model are free without a name: nothing is said of them.
+    Nothing for a SINDy model, whose coefficients have no names.
     """
     if not all(name.isidentifier() for name in errors.parameters):
         return ""
-    sure = errors.parameter_intervals
-    shown = (
-        f"{name} = {value_within(value, *sure[name])} ({ends(*sure[name])})"
-        if name in sure
+    intervals = errors.parameter_intervals
+    texts = (
+        f"{name} = {value_within(value, *intervals[name])} ({ends(*intervals[name])})"
+        if name in intervals
         else f"{name} = {format_number(value)}"
         for name, value in errors.parameters.items()
     )
-    what = "Free parameters, with 95 % intervals" if sure else "Free parameters"
-    return f"{what}: {', '.join(shown) or 'none'}"
+    what = "Free parameters, with 95 % intervals" if intervals else "Free parameters"
+    return f"{what}: {', '.join(texts) or 'none'}"
 
 
 HEADLINE = "Errors on held-out data, % of the standard deviation (NRMSE)"
@@ -140,17 +140,17 @@ def _table(report: LoopReport) -> str:
     """Return both errors before and after every step, one column for each state."""
     head, rows = table_cells(report)
     width = max(len(name) for name, _ in rows) + 4
-    wide = [max(16, len(title) + 2) for title in head]
+    widths = [max(16, len(title) + 2) for title in head]
     lines = [HEADLINE]
     for name, cells in [("", head), *rows]:
-        shown = (f"{cell:>{n}}" for cell, n in zip(cells, wide, strict=True))
-        lines.append(f"    {name:<{width}}" + "".join(shown))
+        texts = (f"{cell:>{n}}" for cell, n in zip(cells, widths, strict=True))
+        lines.append(f"    {name:<{width}}" + "".join(texts))
     return "\n".join(lines)
 
 
 def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str]]]]:
     """Return the titles of the columns, and name and values of each row."""
-    states = report.before.model.states  # hidden ones are not measured
+    states = report.before.model.states  # without hidden ones, which have no measured error
     stages = [("declared", report.before)]
     for _, group in groupby(report.steps, key=lambda step: id(step.errors)):
         added = list(group)
@@ -167,19 +167,21 @@ def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str
     return head, rows
 
 
-def _is_rated(report: LoopReport, state: int) -> bool:
-    """Leave out equations such as q' = v, whose error is zero by definition."""
-    return bool(report.before.derivative_error[state] > 0.0)
+def _is_rated(report: LoopReport, index: int) -> bool:
+    """Tell whether an equation has an error; one such as q' = v has none by definition."""
+    return bool(report.before.derivative_error[index] > 0.0)
 
 
 def p_of_rivals(report: LoopReport) -> list[str]:
-    """Say what the p of alternatives is; another form of an effect itself is shown without."""
-    named = any(rival.name != effect.name for effect in report.effects for rival in effect.rivals)
+    """Explain the p-value of alternatives, if any has one; another form of an effect has none."""
+    has_rivals = any(
+        rival.name != effect.name for effect in report.effects for rival in effect.rivals
+    )
     said = (
         "p of an alternative: how often chance alone would count against it as strongly if it were "
         "the true cause."
     )
-    return [said] if named else []
+    return [said] if has_rivals else []
 
 
 def as_markdown(report: LoopReport) -> str:
@@ -189,8 +191,8 @@ def as_markdown(report: LoopReport) -> str:
         f"Declared model, fitted:\n\n{_code(_model(report.before))}",
     ]
     if report.effects:
-        said = "\n".join([_model(report.after), *added_up(report), *readings(report)])
-        parts.append(f"Corrected model:\n\n{_code(said)}")
+        text = "\n".join([_model(report.after), *added_up(report), *readings(report)])
+        parts.append(f"Corrected model:\n\n{_code(text)}")
     head, rows = table_cells(report)
     lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
     lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
@@ -208,6 +210,7 @@ def as_markdown(report: LoopReport) -> str:
 
 
 def _twins(effect: Effect) -> str:
+    """Return how the score of an effect compares with those of twins."""
     middle, high = np.quantile(effect.twin_scores, [0.5, 1.0])
     if effect.is_limit:
         return (
@@ -220,9 +223,9 @@ def _twins(effect: Effect) -> str:
     )
 
 
-def _shielded(text: str) -> str:
-    """Return text in which no sign is taken for one of Markdown."""
-    return text.replace("|", "\\|").replace("_", "\\_").replace("^", "\\^")
+def _shielded(plain: str) -> str:
+    """Return text with the characters escaped that Markdown would interpret."""
+    return plain.replace("|", "\\|").replace("_", "\\_").replace("^", "\\^")
 
 
 def _code(text: str) -> str:

@@ -1,4 +1,4 @@
-"""How much of the derivative a model leaves that the noise of the sensors does not explain."""
+"""The residual of a derivative that the noise of the sensors does not explain."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ if TYPE_CHECKING:
 
 __all__ = ["unexplained"]
 
-LEAST = 5.0  # percent of the standard deviation, that is left of a derivative
-FOLLOWED = 2.0  # percent that a free run misses at most, where nothing of weight can be missing
-TIMES = 3.0  # what the noise of the sensors leaves of it; less may be an error of its estimate
-SEED = 0  # of the noise that is drawn: a report always says the same
+# Errors in percent of the standard deviation.
+LEAST_ERROR = 5.0  # of a derivative; smaller ones are not reported
+RUN_FOLLOWS = 2.0  # of a free run; below it nothing that matters can be missing
+NOISE_RATIO = 3.0  # least ratio to the error that sensor noise causes, which is estimated roughly
+SEED = 0  # for the simulated noise, so that a report always says the same
 
 
 def unexplained(report: LoopReport) -> list[str]:
-    """Name the derivative of which the corrected model leaves most beside the noise.
+    """Name the derivative whose residual exceeds the effect of sensor noise by the largest factor.
 
     Parameters
     ----------
@@ -33,27 +34,28 @@ def unexplained(report: LoopReport) -> list[str]:
     Returns
     -------
     list of str
-        Two sentences, or none; none where the free run over the held-out data stays with it.
+        Two sentences; none if noise explains the residuals, or the free run over the held-out data
+        follows it.
     """
     model = report.after.model
-    if np.max(report.after.simulation_error) < FOLLOWED:
+    if np.max(report.after.simulation_error) < RUN_FOLLOWS:
         return []
     if model.n_algebraic or any(record.preparation is None for record in report.train):
         return []
-    missed = percent_left(model, report.train)
+    errors = percent_left(model, report.train)
     by_noise = in_percent(_noise(report), report.train)
-    worst = int(np.argmax(np.where(missed > LEAST, missed / np.maximum(by_noise, 1e-9), 0.0)))
-    if not missed[worst] > max(LEAST, TIMES * by_noise[worst]):  # so too where there is no share
+    worst = int(np.argmax(np.where(errors > LEAST_ERROR, errors / np.maximum(by_noise, 1e-9), 0.0)))
+    if not errors[worst] > max(LEAST_ERROR, NOISE_RATIO * by_noise[worst]):  # also false for NaN
         return []
-    left_of, by = f"{percent(missed[worst])} of d{model.states[worst]}/dt", percent(by_noise[worst])
+    left, by = f"{percent(errors[worst])} of d{model.states[worst]}/dt", percent(by_noise[worst])
     return [
-        f"In the training data the model leaves {left_of}, where the noise of the sensors leaves "
-        f"{by}. A cutoff so low that it takes off a part of the motion leaves more, too."
+        f"In the training data the model leaves {left}, where the noise of the sensors leaves "
+        f"{by}. A cutoff so low that it removes a part of the motion also leaves more."
     ]
 
 
 def _noise(report: LoopReport) -> np.ndarray:
-    """Return what the noise of the sensors leaves, (n_samples, n_states) of all records."""
+    """Return the residual that sensor noise alone causes, all records stacked, (n, n_states)."""
     model, rng = report.after.model, np.random.default_rng(SEED)
     drawn = (noise_alone(*as_acting(model, record), rng) for record in report.train)
     return np.concatenate([columns for columns in drawn if columns is not None])

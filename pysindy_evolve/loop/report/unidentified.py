@@ -1,4 +1,4 @@
-"""Declared parameters that the records do not tell: terms that are alike there, or zero."""
+"""Declared parameters that the records do not determine: their terms are collinear, or zero."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ..given.rows import variables_of
 
 __all__ = ["unidentified", "unidentified_sentences"]
 
-ALIKE = 1e-7  # of the size of terms, that a combination of them may leave
-PART = 1e-3  # of such a combination, that a term must be to take part in it
+COLLINEAR = 1e-7  # singular value of the normalized terms, relative to the largest, taken as zero
+PARTICIPATES = 1e-3  # entry of the projector on their null space from which terms are coupled
 
 
 def unidentified(design: Design, records: Sequence[Record]) -> list[tuple[str, ...]]:
-    """Return groups of parameters of which the records tell no single one.
+    """Return groups of parameters that the records do not determine.
 
     Parameters
     ----------
@@ -31,28 +31,28 @@ def unidentified(design: Design, records: Sequence[Record]) -> list[tuple[str, .
     Returns
     -------
     list of tuple of str
-        Names: one alone where its term is zero on all rows, several where other values of all of
-        them fit as well.
+        Names in each group: a single one if its term is zero on all rows, several if a combination
+        of their terms vanishes, so that other values of them fit as well.
     """
     if not design.columns:
         return []
     variables = np.concatenate([variables_of(record) for record in records])
     terms = np.column_stack([column.evaluate(variables).ravel() for column in design.columns])
-    size = np.linalg.norm(terms, axis=0)
-    idle = size == 0.0
-    free = null_space(np.linalg.qr(terms / np.where(idle, 1.0, size), mode="r"), rcond=ALIKE)
-    together = np.abs(free @ free.T) > PART
-    _, groups = connected_components(together)
-    lost = np.flatnonzero(together.diagonal())
+    norm = np.linalg.norm(terms, axis=0)
+    is_zero = norm == 0.0
+    null = null_space(np.linalg.qr(terms / np.where(is_zero, 1.0, norm), mode="r"), rcond=COLLINEAR)
+    coupled = np.abs(null @ null.T) > PARTICIPATES
+    _, groups = connected_components(coupled)
+    undetermined = np.flatnonzero(coupled.diagonal())
     names = [column.name for column in design.columns]
     return [
-        tuple(names[k] for k in lost if groups[k] == group)
-        for group in dict.fromkeys(groups[lost].tolist())
+        tuple(names[k] for k in undetermined if groups[k] == group)
+        for group in dict.fromkeys(groups[undetermined].tolist())
     ]
 
 
 def unidentified_sentences(design: Design, records: Sequence[Record]) -> list[str]:
-    """Say which declared parameters the records do not tell.
+    """Name the declared parameters that the records do not determine.
 
     Parameters
     ----------
@@ -62,18 +62,18 @@ def unidentified_sentences(design: Design, records: Sequence[Record]) -> list[st
     Returns
     -------
     list of str
-        Sentences.
+        A sentence or two for each group.
     """
-    said = []
+    sentences = []
     for *others, last in unidentified(design, records):
         if others:
-            said.append(
-                f"The records do not tell {', '.join(others)} from {last}: their terms are alike "
-                "there, so that other values fit as well."
+            sentences.append(
+                f"The records do not tell {', '.join(others)} from {last}: their terms are "
+                "linearly dependent there, so that other values fit as well."
             )
         else:
-            said.append(
-                f"The records say nothing of {last}: its term is zero on all of them. "
+            sentences.append(
+                f"The records say nothing about {last}: its term is zero on all of them. "
                 "Excite it, or give its value as known."
             )
-    return said
+    return sentences

@@ -1,4 +1,4 @@
-"""Labels with the user's units; without them a name stands alone."""
+"""Numbers and axis labels with the user's units, and percentages."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 
 __all__ = ["check_units", "label", "percent", "percent_cell", "rate_label", "with_unit"]
 
-ROUND = 99.5  # percent, from which two digits would be written as 1e+02
-TENFOLD = 999.5  # percent, from which a factor says more
-MANY = 1e3  # times, of which nobody asks how many more
+ROUND = 99.5  # percent; from here on the format .2g would print 1e+02
+TENFOLD = 999.5  # percent; from here on a factor is printed
+MANY = 1e3  # larger factors are printed as "over 1000 times"
 
 
 def with_unit(value: float, name: str, units: Mapping[str, str] | None) -> str:
@@ -20,14 +20,14 @@ def with_unit(value: float, name: str, units: Mapping[str, str] | None) -> str:
 
 
 def percent(value: float) -> str:
-    """Return percent of a standard deviation with two digits, and as a factor from tenfold on."""
+    """Return percent of a standard deviation with two digits; from tenfold on, as a factor."""
     if value >= TENFOLD:
         return f"{_times(value)} the standard deviation"
     return f"{value:.0f} %" if value >= ROUND else f"{value:.2g} %"
 
 
 def percent_cell(value: float) -> str:
-    """Return the same for a table whose head says of what; what is not finite is a divergence."""
+    """Return the same for a table, whose head says of what; "diverges" if it is not finite."""
     if not np.isfinite(value):
         return "diverges"
     return _times(value) if value >= TENFOLD else f"{value:.3g}"

@@ -22,7 +22,7 @@ def said(*effects):
 def test_two_effects_that_enter_alike_with_one_number_are_one_force():
     (sentence,) = said(effect("w1", -0.37, -0.33), effect("w2", -0.36, -0.34))
     assert sentence.startswith("Coulomb friction in the equations of w1 and w2 acts as if u2 were")
-    assert sentence.endswith("it is one force, and moves both.")
+    assert sentence.endswith("it is one force that acts in both equations.")
 
 
 @pytest.mark.parametrize(

@@ -295,7 +295,7 @@ def test_twins_that_show_an_effect_as_good_agree_with_the_p_value(complete):
     tried = replace(best, p_value=0.035, twin_scores=np.zeros(199), level=0.05 / 3)
     said = " ".join(str(replace(complete, rejected=tried)).split())
     assert "6 of 199 twins, in which nothing is missing, show an effect as good (p = 0.035;" in said
-    assert "as there are several looks, each asks for 0.017)." in said
+    assert "several looks share the significance, and this one asks for 0.017)." in said
     assert "it would remove" not in said  # what chance would do
 
 
@@ -408,7 +408,7 @@ def test_an_effect_whose_interval_holds_zero_is_the_most_doubtful(report):
 
 
 def test_only_a_corrected_model_is_said_to_leave_structure(report, complete):
-    said = "What the corrected model leaves still depends on what was measured"
+    said = "The residual of the corrected model still depends on the measured variables"
     assert said not in str(report)
     left = str(replace(report, chance_left=0.001))
     assert said in left
@@ -439,7 +439,7 @@ def softened():
 
 
 def test_a_declared_term_that_an_effect_holds_too_is_mentioned(report, softened):
-    assert "Where an effect below holds one of the same terms" in str(softened)
+    assert "Where an effect below has a term in common with the rest" in str(softened)
     assert "Where an effect below holds" not in str(report)
 
 
