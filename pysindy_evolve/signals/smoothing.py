@@ -83,7 +83,7 @@ def time_step(x: Array, x_dot: Array) -> float | None:
     -------
     float or None
         Units of t; None if x_dot is not the slope of x from row to row, as where rows are out of
-        order, or not sampled uniformly.
+        order, or not sampled uniformly, and if no derivative varies.
     """
     n = len(x)
     fading = _faded(np.ones(n))
@@ -96,6 +96,8 @@ def time_step(x: Array, x_dot: Array) -> float | None:
         for state, rate in zip(x.T, x_dot.T, strict=True)
         if np.ptp(rate) > 0.0 and np.ptp(state) > 0.0
     ]
+    if not pairs:
+        return None
     loud_bins = [_loud_bins(rate) for _, rate, _ in pairs]
     if any(np.median(_omega(n)[bins]) > MAX_OMEGA for bins in loud_bins):
         return None

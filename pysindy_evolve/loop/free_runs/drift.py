@@ -157,7 +157,9 @@ def gains_of_models(drift: Drift, models: Sequence[Model]) -> np.ndarray:
     for row, whitener in zip(gains, drift.views, strict=True):
         before = _log_errors(drift.trial, None, whitener, unsigned)[0]
         for k, trial in enumerate(trials):
-            row[k] = before - _log_errors(trial, None, whitener, unsigned)[0]
+            after = _log_errors(trial, None, whitener, unsigned)[0]
+            if np.isfinite(after):
+                row[k] = before - after
     return gains
 
 

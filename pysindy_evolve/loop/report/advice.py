@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from textwrap import fill
 from typing import TYPE_CHECKING
@@ -139,7 +140,7 @@ def _reached(experiment: Experiment, units: Mapping[str, str] | None) -> str:
     """Return the largest value of each variable in the proposed motion, and in this record."""
     parts = []
     for name, (now, proposed, _) in experiment.reach.items():
-        change = "as here" if abs(proposed / now - 1.0) < 1e-6 else f"here {now:.3g}"
+        change = "as here" if math.isclose(proposed, now, rel_tol=1e-6) else f"here {now:.3g}"
         parts.append(f"|{name}| up to {with_unit(proposed, name, units)} ({change})")
     return ": " + ", ".join(parts) if parts else ""
 

@@ -80,6 +80,8 @@ def _entry(design: Design, finding: Finding) -> str:
     terms, state = finding.candidate.terms, finding.candidate.state
     if finding.candidate.name == INERTIA:
         return "in the inertia, whose mean counts as one and divides all forces"
+    if finding.candidate.acts_at is not None and len(finding.candidate.acts_at[0]) > 1:
+        return _at_several(design, *finding.candidate.acts_at)
     place = entered(design, state, terms[0]) if len(terms) == 1 and finding.columns else None
     if place is None:
         return ""
@@ -93,6 +95,16 @@ def _entry(design: Design, finding: Finding) -> str:
     if force == OFFSET:
         return number
     return f"{number} times {format_expression(force.to_sympy(design.symbols))}"
+
+
+def _at_several(design: Design, places: Sequence[int], force: Sequence[Sum]) -> str:
+    """Say where an effect acts that is the same force at several places."""
+    names = [
+        f"the damping of {design.names[i]}" if i < len(design.states) else design.names[i]
+        for i in places
+    ]
+    acting = format_expression(force[0].to_sympy(design.symbols))
+    return f"where {' and '.join(names)} act, as this number times {acting}"
 
 
 def total(

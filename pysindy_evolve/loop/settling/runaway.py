@@ -58,10 +58,13 @@ def last_runaway(
     if last is None:
         return None
     for record in records:
-        before, after = (simulation_errors(e, [record]).max() for e in (declared, corrected))
-        if before < CLOSE and after > LOST:  # the machine itself is stable then
+        after = simulation_errors(corrected, [record]).max()
+        if after <= LOST:  # that of the declared model may be wild, and take long
+            continue
+        before = simulation_errors(declared, [record]).max()
+        if before < CLOSE:  # the machine itself is stable then
             return last
-        if _is_lost(before, after):
+        if before < FOLLOWS or before < AWAY <= after:  # lost, or far away only now
             return None if _is_unstable(corrected, record) else last
     return None
 
@@ -77,11 +80,6 @@ def last_free(findings: Sequence[Finding], declared: Equations) -> Finding | Non
         and not is_needed(one, excluding(findings, one))
     )
     return next(free, None)
-
-
-def _is_lost(before: float, after: float) -> bool:
-    """Tell whether a run no longer follows its record, or is far away only now."""
-    return (before < FOLLOWS and after > LOST) or (before < AWAY <= after)
 
 
 def _is_unstable(equations: Equations, record: Record) -> bool:

@@ -21,7 +21,9 @@ LATE = Memory("input delay", 0, (0.02,))
 @pytest.fixture(scope="module")
 def start():
     record = FRICTION.record(duration=8.0)
-    return Found(FRICTION.model.design(), [record], segments([record]), Rules(0.05, 59, 0.05, 4), ())
+    return Found(
+        FRICTION.model.design(), [record], segments([record]), Rules(0.05, 59, 0.05, 4), ()
+    )
 
 
 def offset(start, equation):
