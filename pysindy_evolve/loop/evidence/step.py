@@ -70,33 +70,69 @@ def find(
         return Look()
     rules = rules.at(len(design.columns) - len(declared.columns))
     equations = quick_fit(design, part)
-    proposed = proposer(design, equations, part)
-    searched = score(design, part, proposed)
-    proposed = sharpened(design, part, proposed)
-    scores = score(design, part, proposed)
-    shares = Shares(declared, design, part, proposed)
-    zeros = zeros_of(standing(design) - standing(declared), len(design.states))
-    improving = [s for s in scores if s.value > 0.0]
-    worthy = [s for s in improving if _is_one_of(zeros, s) or _matters(s, shares, rules)]
-    top = improving[:1]
+    scored = _scored(declared, design, part, proposer(design, equations, part))
+    worthy, top = scored.worthy(rules), scored.improving[:1]
     names = (*design.states, *design.inputs, "t")
     # The first look is tested even if its best effect is too small: "complete" needs evidence.
     if not worthy and (design.columns != declared.columns or not top):
-        weak = [Rejected(s, shares.of(s), variables=names) for s in top]
+        weak = [Rejected(s, scored.shares.of(s), variables=names) for s in top]
         return Look(rejected=weak[0] if weak else None)
-    best = _without_numbers(plainest(worthy or top), worthy, shares)
-    # Off the grid an effect may gain far more. Only then the twins are tuned too, which takes long;
-    # otherwise the score on the grid is compared with theirs.
-    tunes = best.value >= searched[0].value + ERROR_HALVED
+    best = _without_numbers(plainest(worthy or top), worthy, scored.shares)
+    tunes, observed = scored.statistic_of(best)
     statistic = partial(_best_score, design=design, proposer=proposer, tunes=tunes)
-    observed = best.value if tunes else min(best.value, searched[0].value)
     p_value, twins = chance_of(observed, statistic, design, equations, part, rules, rng)
     if p_value > rules.level or not worthy:
-        tested = Rejected(best, shares.of(best), p_value, twins, names, rules.level)
+        tested = Rejected(best, scored.shares.of(best), p_value, twins, names, rules.level)
         return Look(rejected=tested)
-    group = _tuned_group(best, design, proposed, part, rules, rng)
+    group = _tuned_group(best, design, scored.proposed, part, rules, rng)
     evidence = best.value, p_value, twins
     return Look(tuple(Finding(c, columns_of(c, design), *evidence) for c in group))
+
+
+@dataclass(frozen=True, eq=False)
+class _Scored:
+    """The candidates of a look with their scores, best first: on the grid, and tuned as well."""
+
+    proposed: Sequence[Candidate]
+    on_grid: Sequence[Score]
+    tuned: Sequence[Score]
+    shares: Shares
+    zeros: set[tuple[int, Sum]]  # offsets that need no minimum share
+
+    @property
+    def improving(self) -> list[Score]:
+        """The groups that reduce the error at all."""
+        return [s for s in self.tuned if s.value > 0.0]
+
+    def worthy(self, rules: Rules) -> list[Score]:
+        """Return the groups that remove enough of the error to matter."""
+        return [s for s in self.improving if self._is_zero(s) or self._matters(s, rules)]
+
+    def statistic_of(self, best: Score) -> tuple[bool, float]:
+        """Return whether candidates are tuned in the twins too, and the score to compare.
+
+        That takes long, so it is done only where the best effect gains far more off the grid.
+        Otherwise its score on the grid is compared with those of the twins on the grid.
+        """
+        on_grid = self.on_grid[0].value
+        tunes = best.value >= on_grid + ERROR_HALVED
+        return tunes, best.value if tunes else min(best.value, on_grid)
+
+    def _matters(self, score: Score, rules: Rules) -> bool:
+        return score.value >= ERROR_HALVED or self.shares.of(score) >= rules.min_share
+
+    def _is_zero(self, score: Score) -> bool:
+        terms = {(c.state, term) for c in score.group for term in c.terms}
+        return len(score.group) == 1 and terms <= self.zeros
+
+
+def _scored(declared: Design, design: Design, part: Segments, proposed: list[Candidate]) -> _Scored:
+    on_grid = score(design, part, proposed)
+    proposed = sharpened(design, part, proposed)
+    tuned_scores = score(design, part, proposed)
+    shares = Shares(declared, design, part, proposed)
+    zeros = zeros_of(standing(design) - standing(declared), len(design.states))
+    return _Scored(proposed, on_grid, tuned_scores, shares, zeros)
 
 
 def _tuned_group(
@@ -115,11 +151,6 @@ def _tuned_group(
             candidate = justified(candidate, beside, proposed, part, rules, rng)
         group.append(tuned(candidate, beside, part))
     return group
-
-
-def _matters(score: Score, shares: Shares, rules: Rules) -> bool:
-    """Tell whether a group removes enough of the error to matter."""
-    return score.value >= ERROR_HALVED or shares.of(score) >= rules.min_share
 
 
 def _without_numbers(best: Score, worthy: Sequence[Score], shares: Shares) -> Score:
@@ -145,11 +176,6 @@ def _is_plainer(score: Score, candidate: Candidate) -> bool:
     if len(group) > 1:
         return False
     return all(c.variables == candidate.variables and c.size < candidate.size for c in group)
-
-
-def _is_one_of(zeros: set[tuple[int, Sum]], score: Score) -> bool:
-    """Tell whether a group is one of these offsets, which need no minimum share."""
-    return len(score.group) == 1 and {(c.state, t) for c in score.group for t in c.terms} <= zeros
 
 
 def _beside(design: Design, group: Sequence[Candidate], candidate: Candidate) -> Design:
