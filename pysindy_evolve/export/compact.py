@@ -50,12 +50,17 @@ def compact(expression: Any) -> Any:
     (p - q)**2
     >>> compact(p**3 - 3*p**2*q + 3*p*q**2 - q**3)
     (p - q)**3
+    >>> compact(p**2 + 0.6*p + 0.09)
+    (p + 0.3)**2
     >>> compact(p**2 + q)
     p**2 + q
     >>> compact(p*abs(p - q) - q*abs(p - q))
     (p - q)*Abs(p - q)
+    >>> compact(sympy.exp(-p**2 + 2*p*q - q**2))
+    exp(-(p - q)**2)
     """
     expression = sympy.sympify(expression)
+    expression = expression.replace(sympy.exp, lambda power: sympy.exp(compact(power)))
     common = sympy.factor_terms(expression)
     if common.is_Mul and any(isinstance(factor, sympy.Abs) for factor in common.args):
         return common
@@ -65,6 +70,14 @@ def compact(expression: Any) -> Any:
     factor, power = factored.as_coeff_Mul()
     if not power.is_Pow:
         return expression
-    if factor == -1 and power.exp.is_odd:  # else two signs may stand in a row
-        return sympy.Pow(sympy.expand(-power.base), power.exp)
-    return factored
+    base, exponent = power.args
+    lead = sympy.Poly(base).LC()
+    factor, base = factor * lead**exponent, sympy.expand(base / lead)
+    if factor == -1 and exponent.is_odd:  # else two signs may stand in a row
+        factor, base = 1, sympy.expand(-base)
+    return _as_decimals(factor) * sympy.Pow(_as_decimals(base), exponent)
+
+
+def _as_decimals(expression: Any) -> Any:
+    fractions = (n for n in sympy.sympify(expression).atoms(sympy.Rational) if n.q > 1)
+    return sympy.sympify(expression).xreplace({n: sympy.Float(n) for n in fractions})
