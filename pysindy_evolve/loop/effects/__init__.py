@@ -12,7 +12,7 @@ shaping            the numbers inside an effect, such as a rate, prepared for tu
 partners           effects in several equations that share the same inner numbers
 forces
 entries            forces that enter through an inverse mass matrix
-links              the weight of a link of an arm, which acts at several joints
+links              weights and Coriolis forces of the links of an arm, at several joints
 inertia            inertias that vary with an angle
 angles             forces of rotating bodies, periodic in angles or their difference
 radial             forces along or against a motion in a plane or in space

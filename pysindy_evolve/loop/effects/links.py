@@ -1,8 +1,13 @@
-"""The weight of a link of an arm, or of what it carries: a torque at every joint that lifts it.
+"""Forces of the links of an arm, which act at several joints with one number.
 
 A link points where the angles of the joints before it add up to. Its weight has the potential
-m g l sin(q1 + q2), so it pulls with m g l cos(q1 + q2) at both joints, and through the inverse mass
-matrix each of these torques acts in all equations.
+m g l sin(q1 + q2), so it pulls with m g l cos(q1 + q2) at both joints. Links that move relative to
+each other exchange Coriolis and centrifugal forces. Through the inverse mass matrix each of these
+torques acts in all equations.
+
+References
+----------
+Siciliano, Sciavicco, Villani, Oriolo, "Robotics" (2009), chapter 7: the arm with two links.
 """
 
 from __future__ import annotations
@@ -10,18 +15,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
-from itertools import combinations
+from itertools import combinations, permutations, product
 
 import numpy as np
 
-from ...terms import Sum, add, call, constant, mul, variable
+from ...operators import BUILTIN
+from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
 from .angles import RADIAN, WAVES, bends, swing_of
 from .candidate import Candidate, CandidateMaker
 from .entries import Entry
-from .names import GRAVITY
+from .names import COUPLING, GRAVITY
 
-__all__ = ["link_weights"]
+__all__ = ["link_couplings", "link_weights"]
 
 
 def link_weights(
@@ -62,6 +68,57 @@ def link_weights(
                 weight = call(wave, direction)
                 candidate = effect(GRAVITY, mul(factor, weight), never_paired=True)
                 yield replace(candidate, acts_at=(force, (weight,)))
+
+
+def link_couplings(
+    effect: CandidateMaker, design: Design, entries: Sequence[Entry], turning: frozenset[int]
+) -> Iterator[Candidate]:
+    """Yield the Coriolis and centrifugal forces between two joints, in the equation of one.
+
+    Parameters
+    ----------
+    effect, design, entries, turning
+        As in `link_weights`.
+
+    Yields
+    ------
+    Candidate
+        Each is one force at both joints.
+    """
+    for first, second in permutations(entries, 2):
+        for one, other in product(first.velocities, second.velocities):
+            if one != other:
+                for forces in _exchanged(design, one, other, turning):
+                    factors = (_torque_factor(entry, design) for entry in (first, second))
+                    whole = add(*map(mul, factors, forces))
+                    candidate = effect(COUPLING, whole, never_paired=True)
+                    yield replace(candidate, acts_at=((first.beside, second.beside), forces))
+
+
+def _exchanged(
+    design: Design, one: int, other: int, turning: frozenset[int]
+) -> Iterator[tuple[Sum, Sum]]:
+    """Yield the forces at two joints, by their velocities, for one unit of the moving mass.
+
+    The second joint is an elbow, whose angle is that between the links; or both angles are counted
+    from a fixed direction; or the second joint is a slide, along which the mass is carried round.
+    """
+    w, w_other = variable(one), variable(other)
+    squares = power(w, 2), power(w_other, 2)
+    angle, position = design.position_of(one), design.position_of(other)
+    if position is None:
+        return
+    along = add(mul(constant(2.0), mul(w, w_other)), squares[1])
+    if position in turning:
+        for wave in WAVES:
+            bent = call(wave, variable(position))
+            yield mul(bent, along), mul(constant(-1.0), mul(bent, squares[0]))
+    else:
+        r = variable(position)
+        yield mul(constant(-2.0), mul(r, mul(w, w_other))), mul(r, squares[0])
+    if angle is not None and {angle, position} <= turning and angle < position:
+        apart = call(BUILTIN["sin"], sub(variable(angle), variable(position)))
+        yield mul(constant(-1.0), mul(apart, squares[1])), mul(apart, squares[0])
 
 
 def _chains(

@@ -37,7 +37,7 @@ from .differences import (
 )
 from .entries import Entry, entries_of
 from .hysteresis import remembering, rounded, yields
-from .links import link_weights
+from .links import link_couplings, link_weights
 from .names import (
     ASYMMETRIC_FRICTION,
     CONSTANT_OFFSET,
@@ -159,6 +159,7 @@ def _of_rate(
     entries = entries_of(design, state)
     yield from _at_joints(effect, design, entries, scales, turning)
     yield from link_weights(effect, design, entries, scales, middle, turning)
+    yield from link_couplings(effect, design, entries, turning)
     yield from varying(effect, design)
     yield from saturating(effect, design, scales, middle)
     yield from throttled(effect, design, scales, middle)

@@ -66,9 +66,13 @@ def posing_as_offset(
     list of (int, int)
     """
     offsets = {candidates[i].state: i for i in new if candidates[i].terms == (OFFSET,)}
-    posing = [i for i in new if candidates[i].parents == (OFFSET,)]
-    lacking = (i for i in posing if (candidates[i].state, OFFSET) not in present)
-    return [(offsets[candidates[i].state], i) for i in lacking if candidates[i].state in offsets]
+    lacking = ((candidates[i].state, i) for i in new if _lacks_offset_alone(candidates[i], present))
+    return [(offsets[state], i) for state, i in lacking if state in offsets]
+
+
+def _lacks_offset_alone(candidate: Candidate, present: Keys) -> bool:
+    lacking = _parents(candidate) - present - _terms(candidate)
+    return lacking == {(candidate.state, OFFSET)}
 
 
 def _of_one_force(candidates: Sequence[Candidate], able: Sequence[int]) -> list[tuple[int, ...]]:

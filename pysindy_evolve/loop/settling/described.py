@@ -9,7 +9,7 @@ import numpy as np
 
 from ...checks import TINY
 from ...export import format_expression
-from ...export.compact import as_written
+from ...export.compact import as_written, compact
 from ...hidden_states.memory import remembered
 from ...signals import Record
 from ...terms import Sum, mul
@@ -103,8 +103,8 @@ def _at_several(design: Design, places: Sequence[int], force: Sequence[Sum]) -> 
         f"the damping of {design.names[i]}" if i < len(design.states) else design.names[i]
         for i in places
     ]
-    acting = format_expression(force[0].to_sympy(design.symbols))
-    return f"where {' and '.join(names)} act, as this number times {acting}"
+    acting = [format_expression(compact(part.to_sympy(design.symbols))) for part in force]
+    return f"where {' and '.join(names)} act, as this number times {' and '.join(acting)}"
 
 
 def total(
