@@ -12,7 +12,7 @@ from ..operators import Operator, resolve
 from ..signals import Record
 from ..threads import one_thread
 from ..warn import warn
-from .evidence.witness import witnessed
+from .evidence.witness import pieces_to_score
 from .fitting.aliases import without_aliases
 from .free_runs.state_limits import may_stop_itself
 from .given.checked import checked_model_and_records
@@ -120,7 +120,7 @@ def close_loop(
         given = replace(given, train=train, test=test, wide=wide)
     if may_stop_itself(given.design, given.train, rules, rng):
         given = given.with_clipping_as_true()
-    segments = witnessed(given.design, given.wide)
+    segments = pieces_to_score(given.design, given.wide)
     n_sought = max_effects if given.shows_motion else 0
     rules = replace(rules, by_trajectory=segments.by_trajectory, max_effects=n_sought)
     basis = resolve(operators, "close_loop") if operators else ()

@@ -28,9 +28,9 @@ __all__ = [
     "candidates",
     "fitted",
     "for_trajectories",
+    "offsets_setting_zeros",
     "standing",
     "with_parents",
-    "zeros_of",
 ]
 
 
@@ -148,7 +148,7 @@ def beside(candidate: Candidate, design: Design) -> Candidate:
     return replace(candidate, parents=kept)
 
 
-def zeros_of(found: Iterable[tuple[int, Sum]], n_states: int) -> set[tuple[int, Sum]]:
+def offsets_setting_zeros(found: Iterable[tuple[int, Sum]], n_states: int) -> set[tuple[int, Sum]]:
     """Return the offsets that would set the zeros of states that were added.
 
     A leak k (p - p0) is found as k p first, whose size hides how much the offset matters.

@@ -31,7 +31,7 @@ from ..twins.drifting import DriftingTwins
 from ..twins.twins import TwinMaker
 from ..twins.values import Statistic, twin_values
 
-__all__ = ["chance_of", "freed_of_noise"]
+__all__ = ["chance_of", "without_noise_shift"]
 
 N_TWINS = 8  # twins that show by how much noise shifts the coefficients
 N_STEPS = 3  # corrections of the fit to free runs, each of which halves its error
@@ -80,7 +80,7 @@ def chance_of(
     p_value = p_value_of(observed, twins)
     if p_value > rules.level or isinstance(maker, DriftingTwins):
         return p_value, twins
-    unshifted = freed_of_noise(maker, design, part, rng.spawn(1)[0])
+    unshifted = without_noise_shift(maker, design, part, rng.spawn(1)[0])
     if unshifted is None:
         return p_value, twins
     others = twin_values(
@@ -89,7 +89,7 @@ def chance_of(
     return max((p_value, twins), (p_value_of(observed, others), others), key=lambda pair: pair[0])
 
 
-def freed_of_noise(
+def without_noise_shift(
     maker: TwinMaker, design: Design, part: Segments, rng: np.random.Generator
 ) -> Equations | None:
     """Return the model whose twins have the fit of the record, where noise shifts that fit.

@@ -19,7 +19,7 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .drifting_rivals import leads_over, twin_chance
 from .encompassing import chance, explained
-from .same_model import hold
+from .same_model import span
 from .scoring import columns_of
 from .spectral import spectral_grams
 from .trace import fold_errors
@@ -142,7 +142,7 @@ def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:
     """
     added = columns_of(option, bare)
     with_option = [*bare.columns, *added]
-    return not hold(bare.columns, added) and not hold(with_option, columns_of(candidate, bare))
+    return not span(bare.columns, added) and not span(with_option, columns_of(candidate, bare))
 
 
 def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate:

@@ -16,7 +16,7 @@ from ...breeding.poles import has_pole
 from ...operators import Operator
 from ...terms import variable
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import candidates, fitted, standing, zeros_of
+from ..effects.missing import candidates, fitted, offsets_setting_zeros, standing
 from ..effects.names import CONSTANT_OFFSET, EVOLVED
 from ..effects.stops import is_stop
 from ..evidence.findings import Finding, with_columns
@@ -177,7 +177,7 @@ class TermGrower:
 def _zeros_beside(names: Sequence[Candidate], design: Design) -> list[Candidate]:
     """Return the offsets that named effects still lack, for states with arbitrary zeros."""
     terms = {(c.state, term) for c in names for term in c.terms}
-    zeros = zeros_of(terms, len(design.states)) - terms - standing(design)
+    zeros = offsets_setting_zeros(terms, len(design.states)) - terms - standing(design)
     return [Candidate(CONSTANT_OFFSET, state, (term,)) for state, term in zeros]
 
 

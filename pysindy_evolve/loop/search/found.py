@@ -22,7 +22,7 @@ from ..evidence.findings import (
     next_step,
     with_findings,
 )
-from ..evidence.offers import awaited
+from ..evidence.offers import after_settling
 from ..evidence.rejected import Rejected
 from ..evidence.structure import structure_chance
 from ..fitting.unfolding import paths_of
@@ -97,7 +97,7 @@ class Found:
 
         Rows in which a hidden state has not settled yet carry no weight.
         """
-        return awaited(self.design, self.pieces_with(self.findings))
+        return after_settling(self.design, self.pieces_with(self.findings))
 
     @cached_property
     def design(self) -> Design:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..evidence.findings import Finding, excluding, memories_in
-from ..evidence.offers import awaited
+from ..evidence.offers import after_settling
 from ..memories.chains import untraded
 from ..memories.find import find_with_memories, resettled
 from ..revision.beginnings import settled_beginning
@@ -106,7 +106,7 @@ def _or_grown(
 
 def _begun(found: Found, findings: list[Finding]) -> Found:
     """Take up memories, in records that begin where their first rows say."""
-    part = awaited(found.with_findings(findings).design, found.pieces)
+    part = after_settling(found.with_findings(findings).design, found.pieces)
     begun = settled_beginning(found.declared, findings, found.records, part)
     return found.begun(begun.plain, begun.wide).with_findings(begun.findings)
 
@@ -133,7 +133,7 @@ def _if_needed(found: Found, known: Found) -> Found:
 def _tuned(found: Found) -> Found:
     if not memories_in(found.findings):
         return found
-    part = awaited(found.design, found.pieces)
+    part = after_settling(found.design, found.pieces)
     return found.with_findings(resettled(found.findings, found.design, part))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..effects.names import EVOLVED
-from ..evidence.offers import awaited
+from ..evidence.offers import after_settling
 from ..free_runs.comparison import held_against
 from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of
@@ -94,7 +94,7 @@ def hold_against_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]
 
 def _of_kinds_again(found: Found, rng: np.random.Generator) -> Found:
     """Ask of what kind the memories are that were found before what runs showed."""
-    part = awaited(found.design, found.pieces)
+    part = after_settling(found.design, found.pieces)
     level = found.rules.significance
     return found.with_findings(of_kinds_again(found.findings, found.design, part, level, rng))
 

@@ -11,7 +11,7 @@ from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, limits_in, memories_in, with_findings
-from ..evidence.offers import awaited
+from ..evidence.offers import after_settling
 from ..given.held import held_like
 from ..given.limits import off_limits
 from ..given.resampled import widened
@@ -146,7 +146,7 @@ def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:
     acted = found.pieces.of(
         [remembered(record, memories_in(findings)) for record in found.wide_records]
     )
-    acted = awaited(found.design, off_limits(acted, limits_in(findings)))
+    acted = after_settling(found.design, off_limits(acted, limits_in(findings)))
     child = rng.spawn(1)[0]
     rivals = contested(design, findings, acted, rules.significance, child, found.grown.terms)
     if found.runs_tell_more and not found.remembers_states:
@@ -155,5 +155,5 @@ def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:
     named = with_products_named(design, on_steep_side(design, told, acted))
     if found.pieces.by_trajectory:
         return named
-    whole = awaited(with_findings(design, named), found.pieces)
+    whole = after_settling(with_findings(design, named), found.pieces)
     return polished(design, named, found.records, whole, child.spawn(1)[0])

@@ -19,7 +19,7 @@ from ...hidden_states.memory import remembered
 from ...signals import Record
 from ..effects.candidate import Shape
 from ..effects.partners import joined, shares_number
-from ..effects.shaping import HALF_SATURATION, told_shape
+from ..effects.shaping import HALF_SATURATION, tuned_shape
 from ..evidence.findings import Finding, memories_in
 from ..fitting.fit import fit
 from ..free_runs.shape_tuning import slopes_of
@@ -87,7 +87,7 @@ def _shape_in(finding: Finding, design: Design, known: Set[float]) -> Shape | No
     if not finding.columns:
         return None
     remembers = len(design.dropping(finding.columns).paths) < len(design.paths)
-    return finding.candidate.shape if remembers else told_shape(finding.candidate, known)
+    return finding.candidate.shape if remembers else tuned_shape(finding.candidate, known)
 
 
 def _sharing(findings: Sequence[Finding], shapes: Sequence[Shape | None]) -> list[list[int]]:

@@ -13,7 +13,7 @@ from pysindy_evolve.loop.effects.stops import stops
 from pysindy_evolve.loop.evidence.encompassing import chance, explained
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import _is_outdone, _with_offset, rivals_of
-from pysindy_evolve.loop.evidence.same_model import hold
+from pysindy_evolve.loop.evidence.same_model import span
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
@@ -193,10 +193,10 @@ def test_an_effect_with_an_offset_beside_it_is_no_alternative_of_itself():
 def test_columns_hold_what_is_their_sum_in_the_same_equation():
     q, v = variable(0), variable(1)
     beside = [in_state("between", add(q, mul(constant(-1.0), v)), 1, 2), in_state("own", q, 1, 2)]
-    assert hold(beside, [in_state("other", mul(constant(-2.0), v), 1, 2)])
-    assert not hold(beside[:1], [in_state("other", v, 1, 2)])
-    assert not hold(beside, [in_state("elsewhere", v, 0, 2)])
-    assert not hold([], beside)
+    assert span(beside, [in_state("other", mul(constant(-2.0), v), 1, 2)])
+    assert not span(beside[:1], [in_state("other", v, 1, 2)])
+    assert not span(beside, [in_state("elsewhere", v, 0, 2)])
+    assert not span([], beside)
 
 
 COUPLED = Hidden(
