@@ -30,7 +30,7 @@ from ..given.ranges import Ranges
 from ..given.rows import variables_of
 from ..given.rules import Rules
 from ..given.segments import Segments
-from .naming import named, shifted
+from .naming import has_arbitrary_zero, named
 from .seeds import small_terms
 
 __all__ = ["find_small", "is_better"]
@@ -111,7 +111,7 @@ def _proposed(
     known, present = candidates(design, ranges), fitted(design)
     found = []
     for state in design.open_states:
-        shiftable = shifted(design, state, ranges.signed)
+        shiftable = has_arbitrary_zero(design, state, ranges.signed)
         grown = [named(term, state, known, rows[:, :-1], shiftable) for term in terms]
         found += [c for c in grown if c.name == EVOLVED and (state, c.terms[0]) not in present]
     return [replace(c, parents=(), shape=shape_of(c), never_paired=True) for c in found]

@@ -22,11 +22,11 @@ from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .chains import Chain, Traded, chains_in
-from .effect_or_memory import memory_instead, outdoes_memories
+from .effect_or_memory import beats_tuned_memories, memory_instead
 from .probes import MemoryCandidate, Probes, grid_of, users_of
 from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
 
-__all__ = ["find_with_memories", "of_kinds_again", "resettled"]
+__all__ = ["find_with_memories", "resettled", "with_kinds_rechosen"]
 
 
 def find_with_memories(
@@ -60,7 +60,7 @@ def find_with_memories(
     offer = offer_for(design, part, relaxing=relaxing, springs=springs)
     if not memories:
         return find(declared, design, offer.part, rules, rng, offer.propose)
-    if offer.relaxes and not outdoes_memories(offer.ways, design, offer.part, memories):
+    if offer.relaxes and not beats_tuned_memories(offer.ways, design, offer.part, memories):
         offer = offer_for(design, part, relaxing=False, springs=springs)
     part = offer.part
     probes = Probes(design, tuple(memories))
@@ -163,7 +163,7 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
     return kept
 
 
-def of_kinds_again(
+def with_kinds_rechosen(
     findings: Sequence[Finding],
     design: Design,
     part: Segments,

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..evidence.findings import Finding, excluding, memories_in
 from ..evidence.offers import after_settling
-from ..memories.chains import untraded
+from ..memories.chains import with_trades_done
 from ..memories.find import find_with_memories, resettled
 from ..revision.beginnings import settled_beginning
 from ..revision.hidden_numbers import needed_by_runs, smooth_in, with_numbers
@@ -45,7 +45,7 @@ def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
             found, kept = without_holds(found, new)
             if not kept:  # it was how the input was recorded, and no memory of the machine
                 continue
-            found = _begun(found, untraded([*found.findings, *kept]))
+            found = _begun(found, with_trades_done([*found.findings, *kept]))
         else:
             found = found.with_findings([*found.findings, *new])
             if not _relaxes(found, known):

@@ -17,8 +17,8 @@ from ..free_runs.sensor_limits import clipped_sensors
 from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs
 from ..free_runs.two_for_one import two_for_one
 from ..free_runs.unnamed import find_unnamed
-from ..memories.chains import untraded
-from ..memories.find import of_kinds_again
+from ..memories.chains import with_trades_done
+from ..memories.find import with_kinds_rechosen
 from ..revision.errors_in_inputs import without_errors_in_inputs
 from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
 from ..revision.noise_in_runs import without_noise_in_runs
@@ -63,7 +63,7 @@ def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
         if not new:  # it was how the input was recorded
             yield from find_in_runs(found, rng)
             return
-        findings = untraded([*found.findings, *new])
+        findings = with_trades_done([*found.findings, *new])
         found = (found.after(pasts) if pasts else found).with_findings(findings)
         found = _of_kinds_again(found, child)
     yield found
@@ -96,7 +96,7 @@ def _of_kinds_again(found: Found, rng: np.random.Generator) -> Found:
     """Ask of what kind the memories are that were found before what runs showed."""
     part = after_settling(found.design, found.pieces)
     level = found.rules.significance
-    return found.with_findings(of_kinds_again(found.findings, found.design, part, level, rng))
+    return found.with_findings(with_kinds_rechosen(found.findings, found.design, part, level, rng))
 
 
 def _with_unnamed(found: Found, rng: np.random.Generator) -> Found:

@@ -26,7 +26,7 @@ from pysindy_evolve.loop.fitting.shooting import gains_of_runs
 from pysindy_evolve.loop.fitting.unfolding import square_left, unfolded, with_paths
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.memories.effect_or_memory import outdoes_memories
+from pysindy_evolve.loop.memories.effect_or_memory import beats_tuned_memories
 from pysindy_evolve.loop.memories.probes import grid_of
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.substitution import substituted
@@ -291,7 +291,7 @@ def test_what_is_remembered_must_lead_late_inputs():
     for one, leads in ((record, True), (replace(other, u=np.roll(other.u, 9, axis=0)), False)):
         part = segments([one], (1,))
         ways, memories = followers_for(design, [one]), grid_of(design, part)
-        assert outdoes_memories(ways, design, part, memories) is leads
+        assert beats_tuned_memories(ways, design, part, memories) is leads
 
 
 def test_what_is_remembered_must_oppose_what_it_follows():
