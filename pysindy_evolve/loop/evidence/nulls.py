@@ -22,7 +22,7 @@ from ...equations import Equations
 from ..fitting.linear import solve_gram, square_of
 from ..fitting.residual import derivative_grams
 from ..fitting.shooting import fit_to_runs
-from ..fitting.unfolding import square_left, unfolded, with_paths
+from ..fitting.unfolding import records_with_hidden_states, square_left, with_hidden_states
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -119,7 +119,9 @@ def without_noise_shift(
         return None
     records = maker.records
     loss = partial(square_left, design, records)
-    found = fit_to_runs(unfolded(design), coef, with_paths(design, records), loss)
+    found = fit_to_runs(
+        with_hidden_states(design), coef, records_with_hidden_states(design, records), loss
+    )
     if found is None:
         return None
     for _ in range(N_STEPS):

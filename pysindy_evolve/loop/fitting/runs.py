@@ -14,7 +14,7 @@ from ...signals import Record
 from ...simulation import simulate
 from ..given.rows import scale_of
 from ..given.sensor import limits_of_states, missed, shown
-from .past import begun, first_state, hidden_on
+from .past import first_state, hidden_on, with_estimated_past
 
 __all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 
@@ -53,7 +53,7 @@ def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any)
 
     The inputs before the record were not measured, and are estimated from its first rows.
     """
-    record, hidden = begun(equations, record), []
+    record, hidden = with_estimated_past(equations, record), []
     for memory in equations.memories:
         if memory.has_state:
             hidden.append(memory.state(record))

@@ -127,7 +127,7 @@ def drift_of(
         with np.errstate(over="ignore"):  # where runs diverge
             missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
         if rows is not None and np.all(missed < FAITHFUL * part.state_scale):
-            misses = rows.freed(rows.of(trial.miss))
+            misses = rows.without_starts(rows.of(trial.miss))
             trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
             stride = max(1, round(0.5 / (part.cutoff * part.dt * rows.keep)))
             whitener = Whitener.of(misses.reshape(len(misses), -1, part.n_states), stride)

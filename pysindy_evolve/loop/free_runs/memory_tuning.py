@@ -148,7 +148,7 @@ def intervals_by_runs(
         rows.of((run.x - trial.x) / step) for run, step in zip(runs, numbers.steps, strict=True)
     ]
     miss = rows.of(trial.miss)
-    all_columns = rows.freed(np.concatenate([rows.response, *slopes, miss], axis=2))
+    all_columns = rows.without_starts(np.concatenate([rows.response, *slopes, miss], axis=2))
     grams = np.swapaxes(all_columns, 1, 2) @ all_columns
     draws = rng.integers(len(grams), size=(N_RESAMPLES, len(grams)))
     changes = np.array([solve_gram(grams[draw].sum(axis=0)) for draw in draws])

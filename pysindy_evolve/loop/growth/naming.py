@@ -47,10 +47,8 @@ def small_candidates(
     known = candidates(design, part.ranges)
     found = []
     for state in design.open_states:
-        acting, shiftable = (
-            _acting(design, state),
-            has_arbitrary_zero(design, state, part.ranges.signed),
-        )
+        acting = _acting(design, state)
+        shiftable = has_arbitrary_zero(design, state, part.ranges.signed)
         usable = (term for term in terms if term.variables <= acting)
         found += [named(term, state, known, variables, shiftable) for term in usable]
     return found

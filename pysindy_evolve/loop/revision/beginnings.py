@@ -18,7 +18,7 @@ from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
 from ..evidence.scoring import quick_fit
-from ..fitting.past import begun
+from ..fitting.past import with_estimated_past
 from ..given.design import Design
 from ..given.segments import Segments
 from ..memories.find import resettled
@@ -75,20 +75,20 @@ def settled_beginning(
         equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
         model = with_memories(equations, memories)
         elsewhere = [not _begins_alike(*both) for both in zip(part.records, wide, strict=True)]
-        previous, wide = wide, _begun(model, wide, elsewhere)
+        previous, wide = wide, _with_estimated_pasts(model, wide, elsewhere)
         if all(_begins_alike(*both) for both in zip(previous, wide, strict=True)):
             break
-        plain = _begun(model, plain, elsewhere)
+        plain = _with_estimated_pasts(model, plain, elsewhere)
         found = resettled(found, design, part.begun(wide))
     return Beginning(tuple(found), plain, wide)
 
 
-def _begun(
+def _with_estimated_pasts(
     model: Equations, records: Sequence[Record], elsewhere: Sequence[bool]
 ) -> tuple[Record, ...]:
     """Estimate past inputs again; where they are known to differ, errors need not exceed noise."""
     pairs = zip(records, elsewhere, strict=True)
-    return tuple(begun(model, record, doubted=is_known) for record, is_known in pairs)
+    return tuple(with_estimated_past(model, record, doubted=is_known) for record, is_known in pairs)
 
 
 def _begins_alike(record: Record, other: Record) -> bool:

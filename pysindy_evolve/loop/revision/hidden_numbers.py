@@ -24,7 +24,13 @@ from ..evidence.findings import Finding, excluding, with_findings
 from ..evidence.scoring import LEAD, tuned
 from ..fitting.fit import refit
 from ..fitting.shooting import fit_to_runs, gains_of_runs
-from ..fitting.unfolding import paths_of, retuned, square_left, unfolded, with_paths
+from ..fitting.unfolding import (
+    paths_of,
+    records_with_hidden_states,
+    retuned,
+    square_left,
+    with_hidden_states,
+)
 from ..given.design import Design
 from ..given.segments import Segments
 from .revise import exchange
@@ -98,7 +104,8 @@ def with_numbers_of_runs(
         tuned_design = with_findings(declared, at(coef))
         return square_left(tuned_design, records, coef[: len(design.columns)])
 
-    coef = fit_to_runs(unfolded(design, free=True), initial, with_paths(design, records), loss)
+    many, shown = with_hidden_states(design, free=True), records_with_hidden_states(design, records)
+    coef = fit_to_runs(many, initial, shown, loss)
     return list(findings) if coef is None else at(coef)
 
 

@@ -92,4 +92,4 @@ def _error(record: Record, rng: np.random.Generator, inputs: frozenset[int]) -> 
 
 def _power(rows: Rows, missed: np.ndarray) -> float:
     """Return the power of misses, (n_stretches, n, n_states), that changed starts leave."""
-    return float(np.mean(rows.freed(rows.of(missed)) ** 2))
+    return float(np.mean(rows.without_starts(rows.of(missed)) ** 2))

@@ -45,7 +45,7 @@ def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
             found, kept = without_holds(found, new)
             if not kept:  # it was how the input was recorded, and no memory of the machine
                 continue
-            found = _begun(found, with_trades_done([*found.findings, *kept]))
+            found = _with_settled_beginning(found, with_trades_done([*found.findings, *kept]))
         else:
             found = found.with_findings([*found.findings, *new])
             if not _relaxes(found, known):
@@ -104,7 +104,7 @@ def _or_grown(
     return found.with_findings([*known.findings, *(replace(one, step=step) for one in grown)])
 
 
-def _begun(found: Found, findings: list[Finding]) -> Found:
+def _with_settled_beginning(found: Found, findings: list[Finding]) -> Found:
     """Take up memories, in records that begin where their first rows say."""
     part = after_settling(found.with_findings(findings).design, found.pieces)
     begun = settled_beginning(found.declared, findings, found.records, part)

@@ -23,7 +23,11 @@ from pysindy_evolve.loop.evidence.offers import offer_for
 from pysindy_evolve.loop.evidence.scoring import score
 from pysindy_evolve.loop.fitting.past import first_state, rates_on
 from pysindy_evolve.loop.fitting.shooting import gains_of_runs
-from pysindy_evolve.loop.fitting.unfolding import square_left, unfolded, with_paths
+from pysindy_evolve.loop.fitting.unfolding import (
+    records_with_hidden_states,
+    square_left,
+    with_hidden_states,
+)
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.effect_or_memory import beats_tuned_memories
@@ -172,15 +176,15 @@ def test_simulated_hidden_state_agrees_with_the_operator():
     assert full.along(run[:, :2], None, T)[:, 0] == pytest.approx(run[:, 2], abs=1e-3)
 
 
-def test_unfolded_design_has_the_rates_of_the_hidden_state(exact):
+def test_design_with_hidden_states_has_their_rates(exact):
     record, _ = exact
     design = design_of(TRUE, [record])
     full = with_memories(design.equations(NUMBERS), ())
-    (own,) = with_paths(design, [record])
+    (own,) = records_with_hidden_states(design, [record])
     expected = full.evaluate(own.x, own.u, own.t)
-    plain = unfolded(design).equations(NUMBERS)
+    plain = with_hidden_states(design).equations(NUMBERS)
     assert plain.evaluate(own.x, own.u, own.t) == pytest.approx(expected)
-    free = unfolded(design, free=True).equations([*NUMBERS, 1.0 / TIME])
+    free = with_hidden_states(design, free=True).equations([*NUMBERS, 1.0 / TIME])
     assert free.evaluate(own.x, own.u, own.t) == pytest.approx(expected)
 
 
@@ -190,7 +194,7 @@ def test_first_rows_say_where_the_hidden_state_began(exact):
     equations = design.equations(NUMBERS)
     start = first_state(with_memories(equations, ()), record)
     assert start == pytest.approx([*record.x[0], h[0]], abs=0.005)
-    (own,) = with_paths(design, [record], NUMBERS)
+    (own,) = records_with_hidden_states(design, [record], NUMBERS)
     assert own.x[:, 2] == pytest.approx(h, abs=0.005)
     assert rates_on(equations, record) == pytest.approx(record.x_dot, abs=0.1)
 
