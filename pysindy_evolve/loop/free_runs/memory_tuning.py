@@ -45,7 +45,7 @@ def tuned_memories(drift: Drift, model: Model) -> Model:
     numbers = _Numbers.of(model, drift.records)
     if not len(numbers.start):
         return model
-    initial = drift.begun(numbers.at(numbers.start))
+    initial = drift.trial_of(numbers.at(numbers.start))
     (current,), place = converged([initial]), numbers.start
     for _ in range(MAX_STEPS):
         tried = _steps(drift, current, numbers, place) if np.isfinite(current.error) else []
@@ -142,7 +142,7 @@ def intervals_by_runs(
     if drift is None or rows is None:
         return np.full((last, 2), np.nan)
     trial = drift.trial
-    started = [drift.begun(numbers.at(numbers.start + step)) for step in np.diag(numbers.steps)]
+    started = [drift.trial_of(numbers.at(numbers.start + step)) for step in np.diag(numbers.steps)]
     runs = runs_of([*started, trial])[:-1]
     slopes = [
         rows.of((run.x - trial.x) / step) for run, step in zip(runs, numbers.steps, strict=True)

@@ -169,7 +169,7 @@ class Segments:
             self, z=z, x_dot=x_dot, weight=weight, records=new_records, seen=seen, band=band
         )
 
-    def begun(self, records: Sequence[Record]) -> Segments:
+    def with_pasts_of(self, records: Sequence[Record]) -> Segments:
         """Return the same pieces of records that differ only in what came before them."""
         new_records = tuple(records)
         band = None if self.band is None else replace(self.band, records=new_records)

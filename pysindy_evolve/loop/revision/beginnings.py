@@ -79,7 +79,7 @@ def settled_beginning(
         if all(_begins_alike(*both) for both in zip(previous, wide, strict=True)):
             break
         plain = _with_estimated_pasts(model, plain, elsewhere)
-        found = resettled(found, design, part.begun(wide))
+        found = resettled(found, design, part.with_pasts_of(wide))
     return Beginning(tuple(found), plain, wide)
 
 

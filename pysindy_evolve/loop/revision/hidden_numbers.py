@@ -35,7 +35,7 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .revise import exchange
 
-__all__ = ["needed_by_runs", "smooth_in", "with_numbers", "with_numbers_of_runs"]
+__all__ = ["filter_like_paths", "needed_by_runs", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
 # Hidden states without the jumps of a friction; a filter of the record may look like them.
@@ -109,7 +109,7 @@ def with_numbers_of_runs(
     return list(findings) if coef is None else at(coef)
 
 
-def smooth_in(design: Design) -> tuple[Call, ...]:
+def filter_like_paths(design: Design) -> tuple[Call, ...]:
     """Return the hidden states of a design that may only imitate a filter."""
     return tuple(path for path in design.paths if path.operator in SMOOTH)
 
@@ -139,7 +139,7 @@ def needed_by_runs(
     for finding in findings:
         rest = excluding(kept, finding)
         few, many = (with_findings(declared, effects) for effects in (rest, kept))
-        new = set(smooth_in(many)) - set(smooth_in(few))
+        new = set(filter_like_paths(many)) - set(filter_like_paths(few))
         sound = all(is_sound(path, longest) for path in new)
         if new and not (
             sound and _opposes(finding, many, records) and _better_runs(few, many, records)

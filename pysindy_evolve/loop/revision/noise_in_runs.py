@@ -68,7 +68,7 @@ def _is_noise(
     rows = None if drift is None else drift.trial.rows()
     if drift is None or rows is None:
         return False
-    (with_it,) = converged([drift.begun(model_of(declared, [*rest, finding]))])
+    (with_it,) = converged([drift.trial_of(model_of(declared, [*rest, finding]))])
     inputs = frozenset(v - len(declared.states) for v in finding.candidate.variables)
     drawn = [_moved_by_noise(drift, inputs, child) for child in rng.spawn(N_DRAWS)]
     removed = _power(rows, drift.trial.miss) - _power(rows, with_it.miss)

@@ -190,15 +190,15 @@ class Found:
         late = {one.column: one.values[0] / step for one in memories_in(self.findings)}
         return self.with_findings([]).with_held(late, hold)
 
-    def begun(self, records: Sequence[Record], wide: Sequence[Record]) -> Found:
+    def with_pasts_of(self, records: Sequence[Record], wide: Sequence[Record]) -> Found:
         """Return the same with records that differ in what came before them."""
-        return replace(self, records=records, pieces=self.pieces.begun(wide), grown=Grown())
+        return replace(self, records=records, pieces=self.pieces.with_pasts_of(wide), grown=Grown())
 
     def after(self, pasts: Sequence[Sequence[float]]) -> Found:
         """Return the same with inputs before the first sample of each record."""
         sides = (self.records, self.wide_records)
         records, wide = (list(map(preceded, side, pasts)) for side in sides)
-        return self.begun(records, wide)
+        return self.with_pasts_of(records, wide)
 
     def emptied(self) -> Found:
         """Return the records as they are read by now, without findings."""

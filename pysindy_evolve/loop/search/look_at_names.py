@@ -12,7 +12,7 @@ from ..evidence.offers import after_settling
 from ..memories.chains import with_trades_done
 from ..memories.find import find_with_memories, resettled
 from ..revision.beginnings import settled_beginning
-from ..revision.hidden_numbers import needed_by_runs, smooth_in, with_numbers
+from ..revision.hidden_numbers import filter_like_paths, needed_by_runs, with_numbers
 from ..revision.revise import exchange, merged, prune
 from ..revision.sharing import with_shared_numbers
 from .found import Found
@@ -107,8 +107,8 @@ def _or_grown(
 def _with_settled_beginning(found: Found, findings: list[Finding]) -> Found:
     """Take up memories, in records that begin where their first rows say."""
     part = after_settling(found.with_findings(findings).design, found.pieces)
-    begun = settled_beginning(found.declared, findings, found.records, part)
-    return found.begun(begun.plain, begun.wide).with_findings(begun.findings)
+    start = settled_beginning(found.declared, findings, found.records, part)
+    return found.with_pasts_of(start.plain, start.wide).with_findings(start.findings)
 
 
 def _exchanged(found: Found) -> Found:
@@ -147,5 +147,5 @@ def _pruned(found: Found) -> Found:
 
 def _relaxes(found: Found, known: Found) -> bool:
     """Tell whether a relaxation or a spring came in, which needs more proof than others."""
-    now, then = (len(smooth_in(side.design)) for side in (found, known))
+    now, then = (len(filter_like_paths(side.design)) for side in (found, known))
     return now > then

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..effects.names import EVOLVED
 from ..evidence.offers import after_settling
-from ..free_runs.comparison import held_against
+from ..free_runs.comparison import exchanged_by_runs
 from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of
 from ..free_runs.named_effects import find_by_runs
@@ -23,7 +23,7 @@ from ..revision.errors_in_inputs import without_errors_in_inputs
 from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
 from ..revision.noise_in_runs import without_noise_in_runs
 from ..revision.revise import exchange, merged, prune
-from ..revision.superseded import without_outlived
+from ..revision.superseded import without_superseded
 from ..revision.thinning import thinned
 from .found import Found
 from .holding import without_holds
@@ -122,7 +122,7 @@ def _without_superfluous(found: Found, rng: np.random.Generator) -> Found:
     findings = exchange(found.declared, found.findings, found.corrected_pieces)
     kept = prune(found.declared, findings, found.corrected_pieces)
     if not found.remembers_states:
-        kept = without_outlived(found.declared, kept, found.records, found.wide_records)
+        kept = without_superseded(found.declared, kept, found.records, found.wide_records)
     left = found.with_findings(kept)
     return left.with_findings(thinned(left.declared, kept, left.corrected_pieces))
 
@@ -140,7 +140,7 @@ def _held_against_rivals(found: Found, rng: np.random.Generator) -> Found:
     pool = Pool(grown, found.small_terms(), part, rules.notable_gain)
     findings = one_for_several(model, findings, pool, records)
     findings = two_for_one(model, findings, records, part, rules)
-    findings = held_against(model, findings, pool, records, rules)
+    findings = exchanged_by_runs(model, findings, pool, records, rules)
     findings = shared_by_runs(model, findings, records)  # what won may have partners
     return found.with_findings(prune(declared, findings, part))
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 from ...signals import Record
 from ..evidence.findings import Finding, excluding
 from ..fitting.trial import converged
-from ..free_runs.contenders import begun_with, steady_drift
+from ..free_runs.contenders import steady_drift, trial_with
 from ..free_runs.judging import EXCESS, model_of, over_noise
 from ..free_runs.shape_tuning import Contender, tuned_by_runs
 from ..given.design import Design
@@ -54,8 +54,8 @@ def _unrefuted(
     if drift is None or over_noise(drift) > EXCESS:
         return finding
     rivals = [rival.candidate for rival in finding.rivals]
-    begun = [begun_with(rest, [rival], drift) for rival in rivals]
-    own, *trials = converged([drift.trial, *begun])
+    started = [trial_with(rest, [rival], drift) for rival in rivals]
+    own, *trials = converged([drift.trial, *started])
     fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
     tuned = tuned_by_runs(fitted, rest, drift)
     pairs = zip(finding.rivals, tuned, strict=True)

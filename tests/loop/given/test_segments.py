@@ -30,8 +30,8 @@ def test_the_same_pieces_of_other_records_hold_those(record):
 def test_records_that_began_otherwise_have_the_same_rows(record):
     part = segments([record], (1,))
     elsewhere = preceded(record, [7.0])
-    begun = part.begun([elsewhere])
-    assert begun.records == (elsewhere,)
-    assert begun.band.records is begun.records
-    assert begun.z is part.z
-    assert begun.weight is part.weight
+    moved = part.with_pasts_of([elsewhere])
+    assert moved.records == (elsewhere,)
+    assert moved.band.records is moved.records
+    assert moved.z is part.z
+    assert moved.weight is part.weight
