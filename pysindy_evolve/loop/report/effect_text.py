@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from .effect import Alternative, Effect
 
 __all__ = [
-    "called",
     "evidence",
+    "name_of_alternative",
     "named_together",
     "numbers_inside",
     "sentence",
@@ -154,13 +154,13 @@ def alternative(rival: Alternative, effect: Effect) -> str:
 
     Another form of the effect itself was not tested, and has no p-value.
     """
-    name = called(rival, effect, "the same in the form")
+    name = name_of_alternative(rival, effect, "the same in the form")
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
     p_text = "" if rival.name == effect.name else f" (p = {rival.p_value:.2g})"
     return f"{name} {format_expression(rival.force)}{where}{p_text}"
 
 
-def called(rival: Alternative, effect: Effect, as_form: str) -> str:
+def name_of_alternative(rival: Alternative, effect: Effect, as_form: str) -> str:
     """Return the name of an alternative; `as_form` if it is the effect in another form."""
     if rival.name != effect.name:
         return rival.name
