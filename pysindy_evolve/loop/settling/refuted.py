@@ -18,12 +18,12 @@ from ..free_runs.judging import EXCESS, model_of, over_noise
 from ..free_runs.shape_tuning import Contender, tuned_by_runs
 from ..given.design import Design
 
-__all__ = ["unrefuted"]
+__all__ = ["without_refuted_rivals"]
 
 FARTHER = 2.0  # times the squares that the runs of an effect miss
 
 
-def unrefuted(
+def without_refuted_rivals(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
     """Return findings with the alternatives only that runs do not refute.
@@ -41,10 +41,10 @@ def unrefuted(
     -------
     list of Finding
     """
-    return [_unrefuted(declared, findings, one, records) for one in findings]
+    return [_without_refuted_rivals(declared, findings, one, records) for one in findings]
 
 
-def _unrefuted(
+def _without_refuted_rivals(
     declared: Design, findings: Sequence[Finding], finding: Finding, records: Sequence[Record]
 ) -> Finding:
     if not finding.rivals:

@@ -19,7 +19,7 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.settling.contest import contested
+from pysindy_evolve.loop.settling.contest import with_rivals
 from pysindy_evolve.loop.twins.chance import draws_for, p_value_of
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import add, call, constant, mul, power, variable
@@ -291,8 +291,8 @@ def test_an_effect_that_another_one_needs_has_no_rivals():
         for name in ("Coulomb friction", "asymmetric Coulomb friction")
     )
     rng = np.random.default_rng(0)
-    (alone,) = contested(design, [friction], part, 1e-3, rng)
-    beside, _ = contested(design, [friction, slanted], part, 1e-3, rng)
+    (alone,) = with_rivals(design, [friction], part, 1e-3, rng)
+    beside, _ = with_rivals(design, [friction, slanted], part, 1e-3, rng)
     assert alone.rivals
     assert beside.rivals == ()
 
