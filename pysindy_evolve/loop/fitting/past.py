@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...equations import Equations, stack
-from ...hidden_states.memory import preceded, remembered
+from ...hidden_states.memory import with_memories_applied, with_past_inputs
 from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...hidden_states.path_states import hidden_along, kind_of
 from ...signals import Record
@@ -77,7 +77,7 @@ def _with_estimated_input(
     def at(value: float) -> Record:
         past = raw[0].copy()
         past[column] = value
-        return preceded(record, past.tolist())
+        return with_past_inputs(record, past.tolist())
 
     def miss(value: float) -> float:
         acts = at(value)
@@ -163,7 +163,7 @@ def derivative_residual(equations: Equations, record: Record) -> np.ndarray:
         Units of x_dot.
     """
     memories = equations.memories if isinstance(equations, MemoryEquations) else ()
-    acted = remembered(with_estimated_past(equations, record), memories)
+    acted = with_memories_applied(with_estimated_past(equations, record), memories)
     return record.x_dot - rates_on(equations, acted)
 
 

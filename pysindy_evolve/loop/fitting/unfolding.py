@@ -18,10 +18,10 @@ from ...hidden_states.memory_equations import with_memories
 from ...hidden_states.path_states import (
     hidden_along,
     kind_of,
-    moved,
     n_hidden_of,
     own_states,
     path_rates,
+    with_replaced_arguments,
 )
 from ...signals import Record
 from ...substitution import substituted
@@ -65,7 +65,10 @@ def with_hidden_states(design: Design, *, free: bool = False) -> Design:
     after_hidden = range(n, design.time + 1)  # inputs and time, numbered after the hidden states
     places: dict[int | Call, Sum] = {place: variable(place + m) for place in after_hidden}
     hidden = [variable(k) for k in range(n, n + m)]
-    placed = [(path, moved(path, places), own_states(hidden, paths, path)) for path in paths]
+    placed = [
+        (path, with_replaced_arguments(path, places), own_states(hidden, paths, path))
+        for path in paths
+    ]
     written = places | {
         path: kind_of(path).term(shifted, states) for path, shifted, states in placed
     }

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
@@ -72,7 +72,8 @@ def settled_beginning(
     plain, wide = tuple(plain), part.records
     for _ in range(N_ROUNDS):
         memories = memories_in(found)
-        equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
+        acted = part.of([with_memories_applied(record, memories) for record in wide])
+        equations = quick_fit(design, acted)
         model = with_memories(equations, memories)
         elsewhere = [not _begins_alike(*both) for both in zip(part.records, wide, strict=True)]
         previous, wide = wide, _with_estimated_pasts(model, wide, elsewhere)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...hidden_states.memory import preceded, remembered
+from ...hidden_states.memory import with_memories_applied, with_past_inputs
 from ...operators import Operator
 from ...signals import Record
 from ...signals.zero_order_hold import hold
@@ -160,7 +160,7 @@ class Found:
         """Return the pieces as they are with memories and limits, and inputs that may be held."""
         memories, limits = memories_in(findings), limits_in(findings)
         held = [held_where_it_may_be(record, late) for record in self.wide_records]
-        part = self.pieces.of([remembered(record, memories) for record in held])
+        part = self.pieces.of([with_memories_applied(record, memories) for record in held])
         return off_limits(part, limits) if findings else part
 
     def with_findings(self, findings: Sequence[Finding]) -> Found:
@@ -197,7 +197,7 @@ class Found:
     def after(self, pasts: Sequence[Sequence[float]]) -> Found:
         """Return the same with inputs before the first sample of each record."""
         sides = (self.records, self.wide_records)
-        records, wide = (list(map(preceded, side, pasts)) for side in sides)
+        records, wide = (list(map(with_past_inputs, side, pasts)) for side in sides)
         return self.with_pasts_of(records, wide)
 
     def emptied(self) -> Found:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
 from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, limits_in, memories_in, with_findings
@@ -144,7 +144,7 @@ def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:
     """Return what was found, each with what could stand in its place."""
     findings, design, rules = found.findings, found.declared, found.rules
     acted = found.pieces.of(
-        [remembered(record, memories_in(findings)) for record in found.wide_records]
+        [with_memories_applied(record, memories_in(findings)) for record in found.wide_records]
     )
     acted = after_settling(found.design, off_limits(acted, limits_in(findings)))
     child = rng.spawn(1)[0]

@@ -15,7 +15,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
 from ..effects.candidate import Shape
 from ..effects.partners import joined, shares_number
@@ -67,7 +67,7 @@ def with_numbers_known(
     groups = _sharing(findings, shapes)
     if not groups:
         return report
-    acted = [remembered(record, memories_in(findings)) for record in report.train]
+    acted = [with_memories_applied(record, memories_in(findings)) for record in report.train]
     changes = [_changes(group, findings, shapes, report.effects, design) for group in groups]
     flat = [change for those in changes for change in those]
     half = _half_widths(design, flat, acted, rules, rng)

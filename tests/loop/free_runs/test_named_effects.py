@@ -7,7 +7,7 @@ import pytest
 from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden_states.memory import Memory, remembered
+from pysindy_evolve.hidden_states.memory import Memory, with_memories_applied
 from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding, LimitFinding, MemoryFinding
@@ -264,7 +264,8 @@ def test_a_run_begins_with_the_hidden_state_that_the_first_rows_show(seed):
     assert float(found.preparation.u[0, 0]) == pytest.approx(acted, abs=0.3)
     assert np.array_equal(found.preparation.u[1:], record.preparation.u[1:])
     away = free_run(truth, record)[:, 0] - record.x[:, 0]
-    balanced = free_run(truth.inner, remembered(record, truth.memories))[:, 0] - record.x[:, 0]
+    acted = with_memories_applied(record, truth.memories)
+    balanced = free_run(truth.inner, acted)[:, 0] - record.x[:, 0]
     assert np.sqrt(np.mean(away**2)) < 0.5 * np.sqrt(np.mean(balanced**2))
 
 

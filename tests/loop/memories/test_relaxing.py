@@ -14,7 +14,7 @@ from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden_states.boucwen import yielding
 from pysindy_evolve.hidden_states.memory_equations import with_memories
-from pysindy_evolve.hidden_states.path_states import sayings
+from pysindy_evolve.hidden_states.path_states import path_sentences
 from pysindy_evolve.hidden_states.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, rewritten
 from pysindy_evolve.loop.effects.followers import followers_for
@@ -148,10 +148,10 @@ def test_what_is_remembered_is_said_in_words():
         relaxing(variable(0), variable(2), 0.4),
         yielding(variable(0), variable(1), 0.05, 2.0),
     )
-    assert sayings([path, path], ("q", "v", "t")) == ["q_relax: relaxation time 0.4"]
-    (said,) = sayings([mul(variable(1), friction)], ("q", "v", "t"))
+    assert path_sentences([path, path], ("q", "v", "t")) == ["q_relax: relaxation time 0.4"]
+    (said,) = path_sentences([mul(variable(1), friction)], ("q", "v", "t"))
     assert said == "q_yield: builds up over a length of 0.05, unloads 2 times as fast"
-    assert sayings([variable(0)], ("q", "v", "t")) == []
+    assert path_sentences([variable(0)], ("q", "v", "t")) == []
 
 
 def test_relaxation_of_a_first_order_state_has_the_same_form():
