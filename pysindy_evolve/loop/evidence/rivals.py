@@ -12,7 +12,7 @@ import numpy as np
 from ...terms import Call, Sum, add, as_sum, constant, mul, power
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
-from ..effects.missing import candidates, for_trajectories, standing, with_parents
+from ..effects.missing import candidates, for_trajectories, terms_in, with_parents
 from ..effects.names import EVOLVED
 from ..effects.shaping import with_units
 from ..given.design import Design
@@ -88,7 +88,7 @@ def rivals_of(
         The best form of each name, the least refuted first; other forms of the effect itself
         count as well.
     """
-    known = standing(design)
+    known = terms_in(design)
     proposed = candidates(design, part.ranges)
     if part.by_trajectory:
         proposed = for_trajectories(proposed)

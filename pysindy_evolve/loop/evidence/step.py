@@ -10,7 +10,7 @@ import numpy as np
 
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import offsets_setting_zeros, standing
+from ..effects.missing import offsets_setting_zeros, terms_in
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -75,7 +75,7 @@ def find(
     proposed = sharpened(design, part, proposed)
     scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
-    zeros = offsets_setting_zeros(standing(design) - standing(declared), len(design.states))
+    zeros = offsets_setting_zeros(terms_in(design) - terms_in(declared), len(design.states))
     improving = [s for s in scores if s.value > 0.0]
     worthy = [s for s in improving if _is_one_of(zeros, s) or _matters(s, shares, rules)]
     top = improving[:1]

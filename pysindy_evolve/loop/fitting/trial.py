@@ -81,7 +81,7 @@ class Trial:
     @lazily
     def miss(self) -> np.ndarray:
         """Target minus runs, both as the sensors show them."""
-        return self.part.missed(self.x)
+        return self.part.miss_of(self.x)
 
     @lazily
     def error(self) -> float:

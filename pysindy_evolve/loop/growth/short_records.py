@@ -18,7 +18,7 @@ from ...equations import Equations
 from ...operators import Operator
 from ...terms import Product, mul, only_term, variable
 from ..effects.candidate import Candidate
-from ..effects.missing import candidates, fitted
+from ..effects.missing import candidates, fitted_terms
 from ..effects.names import EVOLVED
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, with_columns
@@ -108,7 +108,7 @@ def _proposed(
     terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: (term.size, term.constants))
     terms = terms[: MOST // len(design.open_states)]
     ranges = Ranges.of(rows)
-    known, present = candidates(design, ranges), fitted(design)
+    known, present = candidates(design, ranges), fitted_terms(design)
     found = []
     for state in design.open_states:
         shiftable = has_arbitrary_zero(design, state, ranges.signed)

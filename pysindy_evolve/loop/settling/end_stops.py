@@ -12,7 +12,7 @@ import numpy as np
 
 from ...terms import variable
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import fitted
+from ..effects.missing import fitted_terms
 from ..effects.stops import begun_at_same, is_stop
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import quick_fit
@@ -63,7 +63,9 @@ def _is_open(candidate: Candidate, design: Design) -> bool:
     if len(candidate.variables) != 1:
         return False
     (position,) = candidate.variables
-    return {(candidate.state, OFFSET), (candidate.state, variable(position))} <= fitted(design)
+    return {(candidate.state, OFFSET), (candidate.state, variable(position))} <= fitted_terms(
+        design
+    )
 
 
 def _is_on_steep_side(candidate: Candidate, end: float, design: Design, part: Segments) -> bool:
