@@ -18,7 +18,7 @@ ROUNDING = 1e-9  # singular values of unit rows: smaller ones count as zero
 
 
 def span(columns: Sequence[Column], others: Sequence[Column]) -> bool:
-    """Tell whether others are linear combinations of columns.
+    """Tell whether columns span others, so that these are linear combinations of them.
 
     Parameters
     ----------

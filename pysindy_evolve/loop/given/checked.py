@@ -62,7 +62,7 @@ def checked_model_and_records(
     train: Record | Sequence[Record],
     test: Record | Sequence[Record] | None,
 ) -> Given:
-    """Check what `close_loop` is given.
+    """Return what `close_loop` is given, checked and brought to one form.
 
     Parameters
     ----------

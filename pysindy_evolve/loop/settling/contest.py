@@ -28,7 +28,7 @@ def with_rivals(
     rng: np.random.Generator,
     grown: Sequence[Candidate] = (),
 ) -> list[Finding]:
-    """Note with each effect those that could stand in its place beside all the others.
+    """Return findings, each with the effects that could stand in its place beside all the others.
 
     Of a grown term, others that grew are among them. One that a later effect needs has no rivals:
     both would have to go.
@@ -47,7 +47,7 @@ def with_rivals(
 
 
 def with_plainest_effect(finding: Finding, design: Design, significance: float) -> Finding:
-    """Put the plainest effect that the record allows in the place of one.
+    """Return a finding with the plainest effect that the record allows in its place.
 
     On a short trajectory most things change with each other and with the time. What depends on the
     time says nothing about the next record, and what depends on several states is bent by how they
