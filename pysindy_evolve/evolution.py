@@ -23,13 +23,13 @@ import numpy as np
 from .breeding.constants import tune_beside, tune_constants
 from .breeding.dictionary import Dictionary, Problem, Project, build_dictionary
 from .breeding.elastic_net import solve_elastic_net
-from .breeding.fitness import rate
+from .breeding.fitness import rate_terms
 from .breeding.generation import Evolution, Generation, Settings
 from .breeding.genetics import Genetics
 from .breeding.plain import plain_terms, sizes
 from .breeding.plateau import Plateau
 from .breeding.refit import refit
-from .breeding.relatives import relatives
+from .breeding.relatives import product_alternatives
 from .breeding.watch import watch
 from .operators import Operator
 from .sparse.parsimony import PERFECT
@@ -139,7 +139,7 @@ def generations(
             dictionary, survivors, best, settings.max_terms, smooth=genetics.smooth
         )
         best = tuple(dictionary.terms[j] for j in found.best)
-        fitness, partners = rate(dictionary, found.front, found.n_effective)
+        fitness, partners = rate_terms(dictionary, found.front, found.n_effective)
 
         ranking = _unique([*best, *_sorted(dictionary, fitness)])[:FINALISTS]
         plain = [leaf for leaf in leaves if leaf in dictionary.terms]  # always weighed at the end
@@ -181,7 +181,7 @@ def vary(
     operators: Sequence[Operator],
     settings: Settings,
 ) -> list[Product]:
-    """Make the new population by crossover and mutation, and add relatives of the best terms."""
+    """Make the new population by crossover and mutation, and add products as alternatives."""
     children = genetics.offspring(
         parents,
         fitness,
@@ -189,7 +189,7 @@ def vary(
         crossover_rate=settings.crossover_rate,
         mutation_rate=settings.mutation_rate,
     )
-    return children + relatives(best, operators)
+    return children + product_alternatives(best, operators)
 
 
 def _sorted(dictionary: Dictionary, fitness: np.ndarray) -> list[Product]:

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["forget", "note_pair", "note_shape", "repeated", "target"]
+__all__ = ["forget", "input_repeated_by_sindy", "note_pair", "note_shape", "target"]
 
 
 @dataclass
@@ -63,7 +63,7 @@ def note_pair(library: Any, x: Any, x_dot: Any) -> None:
         notes.pairs.append((np.asarray(x), np.asarray(x_dot)))
 
 
-def repeated(library: Any) -> np.ndarray | None:
+def input_repeated_by_sindy(library: Any) -> np.ndarray | None:
     """Return an input that ``SINDy`` repeated for each sample of x because of its other length.
 
     A 1-D u that cannot be a column beside x is taken for constant inputs, one for each number.

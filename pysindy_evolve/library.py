@@ -194,7 +194,7 @@ class EvolvingLibrary(TermColumns):
     @one_thread()
     def _grow(self, x_full: list[Any], y: Any) -> Rows:
         """Grow the terms; return the rows that they were grown on."""
-        same_samples(None if y is not None else handover.repeated(self))
+        same_samples(None if y is not None else handover.input_repeated_by_sindy(self))
         noted = None if y is not None else handover.target(self, x_full)
         handover.forget(self)
         x, targets = training_data(x_full, noted if y is None else y)

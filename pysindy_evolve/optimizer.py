@@ -208,8 +208,8 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         price = partial(default_penalty, whole)
         support = select(whole, proposed, price, left, whole.yy).best
         if len(blocks) > 1:
-            support = parsimony.stable(whole, folds, support)
-        return parsimony.material(whole, support)
+            support = parsimony.drop_unstable(whole, folds, support)
+        return parsimony.drop_immaterial(whole, support)
 
     def _support_at(self, theta: np.ndarray, y: np.ndarray, lambda1: float) -> np.ndarray:
         """Return the support at given weights, by scikit-learn's form of equation (11)."""

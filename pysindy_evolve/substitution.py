@@ -25,7 +25,7 @@ from .terms import (
     variable,
 )
 
-__all__ = ["acting", "substituted"]
+__all__ = ["substituted", "without_unused_inputs"]
 
 Replacements = Mapping[int, Sum] | Mapping[int | Call, Sum]
 
@@ -55,7 +55,7 @@ def substituted(expression: Sum, replacements: Replacements) -> Sum:
     return reduce(add, parts, Sum(()))
 
 
-def acting(equations: Equations) -> tuple[Equations, list[int]]:
+def without_unused_inputs(equations: Equations) -> tuple[Equations, list[int]]:
     """Leave out the inputs that no term depends on.
 
     Parameters

@@ -6,8 +6,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pysindy_evolve.breeding.constants import tune
-from pysindy_evolve.breeding.dictionary import Problem, build_dictionary, price, written_out
-from pysindy_evolve.breeding.fitness import rate
+from pysindy_evolve.breeding.dictionary import Problem, build_dictionary, n_nodes_expanded, price
+from pysindy_evolve.breeding.fitness import rate_terms
 from pysindy_evolve.breeding.generation import Settings
 from pysindy_evolve.datasets import duffing
 from pysindy_evolve.evolution import evolve
@@ -232,14 +232,14 @@ def test_fitness_prefers_the_term_that_replaces_many(data):
     problem = Problem(x, y, np.empty((len(x), 0)))
     dictionary = build_dictionary(problem, [term(v), *powers, short])
     many = np.array([dictionary.terms.index(t) for t in (term(v), *powers)])
-    fitness, _ = rate(dictionary, [many, many[:2], many[:0]], float(len(y)))
+    fitness, _ = rate_terms(dictionary, [many, many[:2], many[:0]], float(len(y)))
     assert dictionary.terms[int(np.argmin(fitness))] == short
 
 
 def test_powers_and_constants_have_their_price():
     q = variable(0)
     ninth, sine = term(power(q, 9)), term(call(BUILTIN["sin"], q))
-    assert written_out(ninth) > written_out(sine)
+    assert n_nodes_expanded(ninth) > n_nodes_expanded(sine)
     saturating = term(div(q, add(constant(0.5), q)))
     costs = price([sine, saturating], 1000.0)
     assert costs[1] - costs[0] > np.log(1000.0)

@@ -14,13 +14,15 @@ import numpy as np
 from ..terms import Cache, Product
 from .dictionary import Problem
 
-__all__ = ["blurred_power"]
+__all__ = ["least_explained_power"]
 
 SHARE = 0.3  # of the movement's power; false terms on simulated rigs explained less than 0.2
 ROWS = 10_000  # rows that the mean is taken over
 
 
-def blurred_power(problem: Problem, terms: Sequence[Product], coef: Sequence[float]) -> float:
+def least_explained_power(
+    problem: Problem, terms: Sequence[Product], coef: Sequence[float]
+) -> float:
     """Return the sum of squares that a term must explain.
 
     Parameters

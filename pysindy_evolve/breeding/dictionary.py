@@ -234,7 +234,7 @@ def _different(projected: Gram, terms: Sequence[Product]) -> list[int]:
     return keep
 
 
-def written_out(term: Product) -> int:
+def n_nodes_expanded(term: Product) -> int:
     """Return the number of nodes with powers written out: q^9 is not as simple as sin(q)."""
     return term.size + sum(abs(n) - 1 for _, n in term.factors)
 
@@ -249,7 +249,7 @@ def price(terms: Sequence[Product], n_effective: float) -> np.ndarray:
     frequencies = np.array([_n_frequencies(term) for term in terms], dtype=float)
     numbers = 1.0 + np.array([len(term.constants) for term in terms])
     numbers += (FREQUENCY - 1.0) * frequencies
-    nodes = np.array([written_out(term) for term in terms], dtype=float)
+    nodes = np.array([n_nodes_expanded(term) for term in terms], dtype=float)
     return np.asarray(numbers * np.log(max(n_effective, 2.0)) + NODE * nodes)
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from ..sparse.elimination import gains
 from .dictionary import Dictionary, price
 
-__all__ = ["rate"]
+__all__ = ["rate_terms"]
 
 
-def rate(
+def rate_terms(
     dictionary: Dictionary, front: Sequence[np.ndarray], n_effective: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the fitness of each term, and the index of the equation in which it serves best.

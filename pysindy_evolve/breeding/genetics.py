@@ -20,7 +20,7 @@ from ..operators import BUILTIN, CURVED, Operator
 from ..terms import Atom, Call, Product, Sum, Variable, constant, simplified, variable
 from .prefix import Memo, from_prefix, to_prefix
 
-__all__ = ["Genetics", "is_mask"]
+__all__ = ["Genetics", "is_even_power_of_sgn"]
 
 MAX_SPLIT = 6  # terms; a tree that splits into more is dropped
 NODES_PER_LEVEL = 4  # nodes that a term may have for each level of `max_depth`
@@ -187,7 +187,7 @@ class Genetics:
         small = term.size <= NODES_PER_LEVEL * self.max_depth and term.depth <= self.max_depth
         if not small or not term.variables or (self._curves and _is_nested(term)):
             return False
-        return not any(map(is_mask, term.factors))
+        return not any(map(is_even_power_of_sgn, term.factors))
 
     def _expression(self, tree: gp.PrimitiveTree) -> Sum:
         return from_prefix([self._meaning(node) for node in tree], self._memo)
@@ -228,7 +228,7 @@ def _is_sign(atom: Atom) -> bool:
     return isinstance(atom, Call) and atom.operator == BUILTIN["sgn"]
 
 
-def is_mask(factor: tuple[Atom, int]) -> bool:
+def is_even_power_of_sgn(factor: tuple[Atom, int]) -> bool:
     """Tell whether a factor is sgn(v)^2 or like it: 1 except at v = 0, it hides single samples."""
     atom, n = factor
     return _is_sign(atom) and n % 2 == 0

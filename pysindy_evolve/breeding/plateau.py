@@ -22,14 +22,14 @@ from ..sparse.parsimony import PERFECT
 from ..terms import Product
 from .dictionary import Problem
 
-__all__ = ["Plateau", "likeness"]
+__all__ = ["Plateau", "share_common_to_neighbors"]
 
 PATIENCE_IF_DONE = 2  # generations to wait for a shorter form once only noise or rounding is left
 ROWS = 10_000  # with ten neighbors each, 1 % of the residual's power is two standard errors
 SHARP = 0.005  # largest standard error of the test; too few rows give a larger one
 N_NEIGHBORS = 10
-CLOSE = 0.9  # least likeness of the fitted values; below it, neighbors are too far apart to judge
-CHANCE = 2.0  # standard errors; a residual of no larger likeness is taken for noise
+CLOSE = 0.9  # least share of the fitted values; below it, neighbors are too far apart to judge
+CHANCE = 2.0  # standard errors; a residual with no larger share is taken for noise
 
 
 class _Found(Protocol):
@@ -86,8 +86,8 @@ class Plateau:
             theta, y = sample.regression(generation.terms)
             basis = np.linalg.qr(theta)[0]
             fitted = basis @ (basis.T @ y)
-            of_fit, _ = likeness(fitted - fitted.mean(), neighbors)
-            of_rest, error = likeness(y - fitted, neighbors)
+            of_fit, _ = share_common_to_neighbors(fitted - fitted.mean(), neighbors)
+            of_rest, error = share_common_to_neighbors(y - fitted, neighbors)
             self._judged[shapes] = of_fit >= CLOSE and error <= SHARP and of_rest <= CHANCE * error
         return self._judged[shapes]
 
@@ -101,7 +101,7 @@ class Plateau:
         return sample, neighbors[:, 1:]
 
 
-def likeness(values: np.ndarray, neighbors: np.ndarray) -> tuple[float, float]:
+def share_common_to_neighbors(values: np.ndarray, neighbors: np.ndarray) -> tuple[float, float]:
     """Measure how much of a signal neighbors have in common.
 
     Parameters

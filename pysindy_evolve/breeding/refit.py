@@ -16,7 +16,7 @@ from ..sparse.parsimony import MIN_ROWS, N_BLOCKS
 from ..sparse.proposals import supports
 from ..sparse.selection import select
 from ..terms import Product, of_term
-from .blur import blurred_power
+from .blur import least_explained_power
 from .constants import tune
 from .dictionary import Problem, price
 from .poles import has_pole, keeps_sign
@@ -77,11 +77,11 @@ def refit(
     )
     support = chosen.best
     if folds:
-        support = parsimony.stable(whole, folds, support)
-    least = blurred_power(problem, *_equation(terms, whole, support, scale))
-    support = parsimony.material(whole, support, least)
+        support = parsimony.drop_unstable(whole, folds, support)
+    least = least_explained_power(problem, *_equation(terms, whole, support, scale))
+    support = parsimony.drop_immaterial(whole, support, least)
     n_free = np.array([len(term.constants) for term in terms])
-    support = parsimony.plainer(whole, support, chosen.cost, n_free)
+    support = parsimony.exchange_for_simpler(whole, support, chosen.cost, n_free)
     kept = sorted(support, key=lambda j: terms[j].size)
     return _equation(terms, whole, kept, scale)
 

@@ -12,15 +12,17 @@ from itertools import combinations_with_replacement
 
 from ..operators import Operator
 from ..terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul
-from .genetics import is_mask
+from .genetics import is_even_power_of_sgn
 
-__all__ = ["relatives"]
+__all__ = ["product_alternatives"]
 
 DEGREE = 3  # atoms in a product, as in q^2 sgn(v) or in a cubic spring
 MOST_ATOMS = 6  # they make 83 products; an equation with more atoms has not settled yet
 
 
-def relatives(equation: Sequence[Product], operators: Sequence[Operator]) -> list[Product]:
+def product_alternatives(
+    equation: Sequence[Product], operators: Sequence[Operator]
+) -> list[Product]:
     """Return the products of the atoms of an equation, if one of its terms has a sum inside.
 
     Parameters
@@ -85,4 +87,4 @@ def _is_variable(argument: Sum) -> bool:
 
 def _is_trivial(term: Product) -> bool:
     """Tell whether a term is 1, or has a factor that is 1 except at zero."""
-    return term == ONE or any(map(is_mask, term.factors))
+    return term == ONE or any(map(is_even_power_of_sgn, term.factors))

@@ -118,7 +118,7 @@ class Hysteresis:
         """Return zero: the initial value fades over a length of path, not over a time."""
         return 0.0
 
-    def said(self, path: Call, sure: Sequence[str]) -> str:
+    def describe(self, path: Call, sure: Sequence[str]) -> str:
         """Return length and rate of unloading in words."""
         length, unloading = self.numbers(path)
         text = f"builds up over a length of {length:.4g}{sure[0]}"

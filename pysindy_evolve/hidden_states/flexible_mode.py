@@ -131,7 +131,7 @@ class FlexibleMode:
         frequency, damping = self.numbers(path)
         return FADED / (damping * frequency)
 
-    def said(self, path: Call, sure: Sequence[str]) -> str:
+    def describe(self, path: Call, sure: Sequence[str]) -> str:
         """Return frequency and damping in words."""
         frequency, damping = self.numbers(path)
         text = f"swings at {frequency:.4g} radians per unit of t{sure[0]}"

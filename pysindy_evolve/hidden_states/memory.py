@@ -14,8 +14,8 @@ overflow arrives where the outlet leads.
 
 The static gain is one below a brim, so the coefficients of a model keep their meaning. Before a
 record begins, the input is taken as constant at its first value, with the hidden state in balance;
-`preceded` puts another value there. A memory changes only the inputs of a record, so any function
-of a record works on the result.
+`with_past_inputs` puts another value there. A memory changes only the inputs of a record, so any
+function of a record works on the result.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from ..terms import Sum, add, call, constant, mul, power, sub
 if TYPE_CHECKING:
     from ..signals import Record
 
-__all__ = ["DELAY", "LAG", "VESSEL", "Memory", "acting", "balance", "preceded", "rate"]
-__all__ += ["remembered"]
+__all__ = ["DELAY", "LAG", "VESSEL", "Memory", "balance", "output_of", "rate", "with_past_inputs"]
+__all__ += ["with_memories_applied"]
 
 DELAY, LAG, VESSEL = "input delay", "actuator lag", "hidden state"
 REFINEMENT = 4  # steps per sample for a lag; the input is straight within each
@@ -120,14 +120,14 @@ class Memory:
         return self.kind != DELAY
 
 
-def remembered(record: Record, memories: Sequence[Memory]) -> Record:
-    """Apply memories to a record, one after the other."""
+def with_memories_applied(record: Record, memories: Sequence[Memory]) -> Record:
+    """Return a record with memories applied to its inputs, one after the other."""
     for memory in memories:
         record = memory.apply(record)
     return record
 
 
-def preceded(record: Record, past: Sequence[float]) -> Record:
+def with_past_inputs(record: Record, past: Sequence[float]) -> Record:
     """Return a record before which the inputs were constant at other values than their first ones.
 
     These replace the first raw sample, whose value a memory takes for the time before the record.
@@ -145,7 +145,7 @@ def rate(memory: Memory, state: Sum, source: Sum) -> Sum:
     return mul(constant(1.0 / memory.values[0]), sub(source, leaving))
 
 
-def acting(memory: Memory, state: Sum) -> Sum:
+def output_of(memory: Memory, state: Sum) -> Sum:
     """Return the output of a memory as an expression of its hidden state."""
     arriving = memory.values[2] if memory.has_brim else 0.0
     return add(_outflow(memory, state), mul(constant(arriving), _overflow(memory, state)))

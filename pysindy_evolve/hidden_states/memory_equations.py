@@ -13,9 +13,15 @@ from ..equations import Equations, collected, stack
 from ..signals import Record
 from ..substitution import substituted
 from ..terms import Call, Sum, variable
-from .memory import Memory, balance, rate, remembered
-from .memory import acting as acting_of
-from .path_states import hidden_along, kind_of, moved, n_hidden_of, path_rates, paths_in
+from .memory import Memory, balance, output_of, rate, with_memories_applied
+from .path_states import (
+    hidden_along,
+    kind_of,
+    n_hidden_of,
+    path_rates,
+    paths_in,
+    with_replaced_arguments,
+)
 
 __all__ = ["MemoryEquations", "as_acting", "with_memories"]
 
@@ -157,14 +163,14 @@ def with_memories(equations: Equations, memories: Sequence[Memory]) -> Equations
         state, source = variable(n + k), outputs[memory.column]
         rates.append(rate(memory, state, source))
         rests.append(balance(memory, source))
-        outputs[memory.column] = acting_of(memory, state)
+        outputs[memory.column] = output_of(memory, state)
         names.insert(n + k, _new_name(f"{equations.inputs[memory.column]}_{memory.suffix}", names))
     places: dict[int | Call, Sum] = dict(
         enumerate([*outputs, variable(n_total + n_inputs)], start=n)
     )
     replacements = dict(places)
     for path in paths:
-        kind, shifted, place = kind_of(path), moved(path, places), n + len(rates)
+        kind, shifted, place = kind_of(path), with_replaced_arguments(path, places), n + len(rates)
         states = [variable(k) for k in range(place, place + kind.order)]
         rates += path_rates(shifted, states)
         rests += kind.rests(shifted)
@@ -189,7 +195,7 @@ def as_acting(equations: Equations, record: Record) -> tuple[Equations, Record]:
     """Return equations without memories, and a record with the memories applied to its inputs."""
     if not isinstance(equations, MemoryEquations):
         return equations, record
-    return equations.inner, remembered(record, equations.memories)
+    return equations.inner, with_memories_applied(record, equations.memories)
 
 
 def _delays(memories: Sequence[Memory], n_inputs: int) -> tuple[float, ...]:

@@ -31,8 +31,15 @@ from .flexible_mode import FLEXIBLE_MODE, FlexibleMode
 from .relaxing import RELAXING, Relaxation
 from .wen_spring import WEN_SPRING, SpringHysteresis
 
-__all__ = ["PathKind", "hidden_along", "kind_of", "moved", "n_hidden_of", "own_states"]
-__all__ += ["path_rates", "paths_in", "paths_within", "sayings", "source_of"]
+__all__ = [
+    "PathKind",
+    "hidden_along",
+    "kind_of",
+    "n_hidden_of",
+    "own_states",
+    "with_replaced_arguments",
+]
+__all__ += ["path_rates", "path_sentences", "paths_in", "paths_within", "source_of"]
 
 
 class PathKind(Protocol):
@@ -73,7 +80,7 @@ class PathKind(Protocol):
         """Return the time after which the initial states no longer matter; 0 if it is not known."""
         ...
 
-    def said(self, path: Call, sure: Sequence[str]) -> str:
+    def describe(self, path: Call, sure: Sequence[str]) -> str:
         """Return the numbers in words for the report; `sure` holds the interval of each as text."""
         ...
 
@@ -125,7 +132,7 @@ def paths_within(expressions: Sequence[Sum]) -> tuple[Call, ...]:
     return tuple(dict.fromkeys(a for p in products for a, _ in p.factors if _is_path(a)))
 
 
-def sayings(
+def path_sentences(
     expressions: Sequence[Sum], names: Sequence[str], sure: Sequence[str] = ()
 ) -> list[str]:
     """Return a sentence on the numbers of each path in expressions, with the names of variables.
@@ -133,7 +140,7 @@ def sayings(
     `sure` holds the text that follows each number, such as its interval.
     """
     return [
-        f"{source_of(path).name(names)}_{kind.suffix}: {kind.said(path, sure or NO_INTERVALS)}"
+        f"{source_of(path).name(names)}_{kind.suffix}: {kind.describe(path, sure or NO_INTERVALS)}"
         for path, kind in ((path, kind_of(path)) for path in paths_within(expressions))
     ]
 
@@ -165,7 +172,9 @@ def own_states(hidden: Sequence[Any], paths: Sequence[Call], path: Call) -> Sequ
     return hidden[first : first + kind_of(path).order]
 
 
-def moved(path: Call, replacements: Mapping[int, Sum] | Mapping[int | Call, Sum]) -> Call:
+def with_replaced_arguments(
+    path: Call, replacements: Mapping[int, Sum] | Mapping[int | Call, Sum]
+) -> Call:
     """Return a path with variables replaced in its arguments; the path itself is not replaced."""
     return Call(path.operator, tuple(substituted(a, replacements) for a in path.args))
 

@@ -141,7 +141,7 @@ class Relaxation:
         """Return the time after which 2 % of the initial d are left."""
         return FADED * self.numbers(path)[0]
 
-    def said(self, path: Call, sure: Sequence[str]) -> str:
+    def describe(self, path: Call, sure: Sequence[str]) -> str:
         """Return the relaxation time in words."""
         return f"relaxation time {self.numbers(path)[0]:.4g}{sure[0]}"
 

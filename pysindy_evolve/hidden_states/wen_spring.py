@@ -96,7 +96,7 @@ class SpringHysteresis(Hysteresis):
         by_velocity = mul(v, call(BUILTIN["abs"], state))
         return add(v, by_velocity), sub(constant(0.0), add(by_speed, by_velocity))
 
-    def said(self, path: Call, sure: Sequence[str]) -> str:
+    def describe(self, path: Call, sure: Sequence[str]) -> str:
         """Return length and loss in words."""
         length, loss = self.numbers(path)
         change = "stiffer" if loss < 0.5 else "softer"

@@ -12,10 +12,10 @@ from ..operators import Operator, resolve
 from ..signals import Record
 from ..threads import one_thread
 from ..warn import warn
-from .evidence.witness import witnessed
+from .evidence.witness import pieces_to_score
 from .fitting.aliases import without_aliases
 from .free_runs.state_limits import may_stop_itself
-from .given.checked import checked
+from .given.checked import checked_model_and_records
 from .given.declared import DeclaredModel
 from .given.rules import Rules, generator
 from .growth.genetic_search import OPERATORS
@@ -111,7 +111,7 @@ def close_loop(
     ('traced', 'constant offset')
     """
     rules = Rules(significance, n_twins, min_share, max_effects, n_jobs, progress, refine)
-    given = checked(declared, train, test)
+    given = checked_model_and_records(declared, train, test)
     rng = generator(random_state)
     if given.design.algebraic:  # nothing is simulated
         rules = replace(rules, refine="derivative")
@@ -119,8 +119,8 @@ def close_loop(
         train, test, wide = without_aliases(given.design, given.train, given.test, given.wide)
         given = replace(given, train=train, test=test, wide=wide)
     if may_stop_itself(given.design, given.train, rules, rng):
-        given = given.believed()
-    segments = witnessed(given.design, given.wide)
+        given = given.with_clipping_as_true()
+    segments = pieces_to_score(given.design, given.wide)
     n_sought = max_effects if given.shows_motion else 0
     rules = replace(rules, by_trajectory=segments.by_trajectory, max_effects=n_sought)
     basis = resolve(operators, "close_loop") if operators else ()

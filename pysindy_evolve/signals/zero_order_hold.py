@@ -28,7 +28,15 @@ from .acting import InputFunction
 from .record import Record
 from .spectral import Array
 
-__all__ = ["HALF", "acting_through", "acts_as", "averaged", "changed", "hold", "rates_of"]
+__all__ = [
+    "HALF",
+    "acting_through",
+    "acts_as",
+    "apply_to_effective_input",
+    "averaged",
+    "hold",
+    "rates_of",
+]
 
 HALF = 0.5  # sampling times by which a held input is late
 MARGIN = 8  # samples added before and after a record, with the input constant there
@@ -60,7 +68,9 @@ def hold(record: Record, late: Mapping[int, float]) -> Record:
     def as_acting(_: Array, u: Array) -> Array:
         acting = u.copy()
         for column, share in new.items():
-            acting[:, column] = changed(record, column, partial(response, late=share), u[:, column])
+            acting[:, column] = apply_to_effective_input(
+                record, column, partial(response, late=share), u[:, column]
+            )
         return acting
 
     return replace(_with_steps(record, new).with_inputs(as_acting), held={**record.held, **new})
@@ -99,7 +109,9 @@ def acting_through(record: Record, functions: Mapping[int, InputFunction]) -> Re
     return hold(record_through.with_inputs(as_recorded), delayed)
 
 
-def changed(record: Record, column: int, change: Callable[[Array], Array], u: Array) -> Array:
+def apply_to_effective_input(
+    record: Record, column: int, change: Callable[[Array], Array], u: Array
+) -> Array:
     """Apply a linear operation to an input, or to the function through which it acts.
 
     Parameters

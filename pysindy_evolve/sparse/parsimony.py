@@ -13,7 +13,15 @@ import numpy as np
 from .elimination import gains
 from .gram import Gram, inverse, least_squares, rss
 
-__all__ = ["MIN_ROWS", "N_BLOCKS", "PERFECT", "frugal", "material", "plainer", "stable"]
+__all__ = [
+    "MIN_ROWS",
+    "N_BLOCKS",
+    "PERFECT",
+    "drop_immaterial",
+    "drop_unstable",
+    "exchange_for_simpler",
+    "prefer_smaller",
+]
 
 N_BLOCKS = 12  # parts of the record that a coefficient must agree on
 MIN_ROWS = 20  # least rows of such a part
@@ -24,7 +32,7 @@ DOMINANT = 1e-2  # share of the target's power that no chance correlation explai
 REMAINDER = 1e-2  # a term below `MATERIAL` still counts if it cuts the error to this share
 
 
-def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
+def prefer_smaller(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Drop equations of a front where a smaller one fits within the accuracy of a derivative.
 
     Parameters
@@ -37,7 +45,7 @@ def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
     Returns
     -------
     list of ndarray of int
-        The rest of the front; see `material` for the reason and the limit.
+        The rest of the front; see `drop_immaterial` for the reason and the limit.
     """
     errors = [rss(gram, least_squares(gram, support)) for support in front]
     limit = max(errors[0], MATERIAL * gram.yy)
@@ -48,7 +56,9 @@ def frugal(gram: Gram, front: Sequence[np.ndarray]) -> list[np.ndarray]:
     return list(front[chosen:])
 
 
-def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0) -> np.ndarray:
+def drop_immaterial(
+    gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0
+) -> np.ndarray:
     """Drop terms too small to be distinguished from the error of a derivative.
 
     Parameters
@@ -85,7 +95,7 @@ def material(gram: Gram, support: Sequence[int] | np.ndarray, least: float = 0.0
     return support
 
 
-def plainer(
+def exchange_for_simpler(
     gram: Gram, support: Sequence[int] | np.ndarray, cost: np.ndarray, n_free: np.ndarray
 ) -> np.ndarray:
     """Exchange terms for cheaper ones that fit as well.
@@ -111,8 +121,8 @@ def plainer(
     Where q is small, noise in the variables makes v/(1 + q v) fit a little better than v. A cheaper
     term takes its place if the error rises by at most a hundredth of itself and of the gain of the
     term. A free constant also fits the smooth error of a finite difference, so a term with fewer
-    constants only has to fit within the accuracy of a derivative, see `material`. An equation that
-    leaves nothing but rounding is kept as it is.
+    constants only has to fit within the accuracy of a derivative, see `drop_immaterial`. An
+    equation that leaves nothing but rounding is kept as it is.
     """
     chosen = list(support)
     for j in sorted(support, key=lambda column: -cost[column]):
@@ -137,7 +147,7 @@ def _total_price(gram: Gram, support: Sequence[int], cost: np.ndarray) -> float:
     return float(np.sum(cost[support] + 2.0 * np.log(np.maximum(size, 1.0))))
 
 
-def stable(
+def drop_unstable(
     whole: Gram,
     folds: Sequence[Gram],
     support: Sequence[int] | np.ndarray,

@@ -13,7 +13,7 @@ import numpy as np
 from .elimination import front
 from .gram import Gram
 from .independence import effective_size
-from .parsimony import PERFECT, frugal
+from .parsimony import PERFECT, prefer_smaller
 
 __all__ = ["Selection", "select"]
 
@@ -79,7 +79,7 @@ def select(
         cost = price(n_effective)
         if propose is not None:
             proposals = [*proposals, *propose(cost, n_effective)]
-        supports = frugal(gram, front(gram, proposals, cost, n_effective, max_terms))
+        supports = prefer_smaller(gram, front(gram, proposals, cost, n_effective, max_terms))
         remainder = residual(supports[0])
         if remainder @ remainder <= PERFECT * power:
             break  # the residual is rounding

@@ -5,7 +5,7 @@ import pytest
 
 from pysindy_evolve.breeding.dictionary import Problem
 from pysindy_evolve.breeding.generation import Generation
-from pysindy_evolve.breeding.plateau import Plateau, likeness
+from pysindy_evolve.breeding.plateau import Plateau, share_common_to_neighbors
 from pysindy_evolve.terms import Product, Variable
 
 Q, V = (Product(((Variable(i), 1),)) for i in range(2))
@@ -80,8 +80,8 @@ def test_likeness_is_the_share_of_power_that_is_a_function_of_place():
     neighbors = (np.arange(5000)[:, None] + [1, 2]) % 5000
     smooth = np.sin(np.arange(5000) * 2 * np.pi / 5000)
     noise = rng.normal(size=5000) * (1 + np.abs(smooth))
-    assert likeness(smooth, neighbors)[0] == pytest.approx(1.0, abs=1e-4)
-    share, error = likeness(noise, neighbors)
+    assert share_common_to_neighbors(smooth, neighbors)[0] == pytest.approx(1.0, abs=1e-4)
+    share, error = share_common_to_neighbors(noise, neighbors)
     assert abs(share) < 3 * error
     assert error == pytest.approx(1 / np.sqrt(5000), rel=0.3)
-    assert likeness(np.zeros(5000), neighbors) == (0.0, 0.0)
+    assert share_common_to_neighbors(np.zeros(5000), neighbors) == (0.0, 0.0)

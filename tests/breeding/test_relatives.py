@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pysindy_evolve.breeding.relatives import relatives
+from pysindy_evolve.breeding.relatives import product_alternatives
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.terms import add, call, constant, div, mul, power, variable
 
@@ -17,7 +17,9 @@ def term(expression):
 
 
 def names(equation, operators=OPERATORS):
-    return [one.name(["q", "v"]) for one in relatives([term(e) for e in equation], operators)]
+    return [
+        one.name(["q", "v"]) for one in product_alternatives([term(e) for e in equation], operators)
+    ]
 
 
 def test_a_quotient_of_a_sum_brings_the_products_it_stands_for():

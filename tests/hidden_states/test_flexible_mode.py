@@ -10,7 +10,7 @@ from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden_states.flexible_mode import flexible_mode, stretch_along
 from pysindy_evolve.hidden_states.memory_equations import with_memories
-from pysindy_evolve.hidden_states.path_states import hidden_along, kind_of, sayings
+from pysindy_evolve.hidden_states.path_states import hidden_along, kind_of, path_sentences
 from pysindy_evolve.terms import variable
 
 T = np.arange(0.0, 20.0, 0.005)
@@ -97,5 +97,5 @@ def test_numbers_come_back_from_weights_and_are_said_in_words():
     kind = kind_of(path)
     assert kind.numbers_from(np.array(kind.weights(path))) == pytest.approx((FREQUENCY, DAMPING))
     expression = flexible_mode(variable(0), variable(1), variable(2), FREQUENCY, DAMPING)
-    (said,) = sayings([expression], ("q", "v", "t"))
+    (said,) = path_sentences([expression], ("q", "v", "t"))
     assert said == "q_mode: swings at 6 radians per unit of t, damping ratio 0.05"

@@ -26,11 +26,11 @@ from .vocabulary import of_equation
 __all__ = [
     "beside",
     "candidates",
-    "fitted",
+    "fitted_terms",
     "for_trajectories",
-    "standing",
+    "offsets_setting_zeros",
+    "terms_in",
     "with_parents",
-    "zeros_of",
 ]
 
 
@@ -110,16 +110,16 @@ def _taken(design: Design, one_signed: set[int]) -> set[tuple[int, Sum]]:
     falling = {
         s for s in design.open_states if s in one_signed and design.position_of(s) is not None
     }
-    weights = {(s, term) for s, term in standing(design) if term == OFFSET and s in falling}
-    return fitted(design) | weights
+    weights = {(s, term) for s, term in terms_in(design) if term == OFFSET and s in falling}
+    return fitted_terms(design) | weights
 
 
-def fitted(design: Design) -> set[tuple[int, Sum]]:
+def fitted_terms(design: Design) -> set[tuple[int, Sum]]:
     """Return equation and expression of all with a free coefficient, without the coefficient."""
-    return standing(replace(design, fixed=(Sum(()),) * len(design.states)))
+    return terms_in(replace(design, fixed=(Sum(()),) * len(design.states)))
 
 
-def standing(design: Design) -> set[tuple[int, Sum]]:
+def terms_in(design: Design) -> set[tuple[int, Sum]]:
     """Return equation and expression of all that stands in a design, without its coefficient.
 
     Terms that share a coefficient, such as q and p in k (q - p), are one expression: a spring to
@@ -134,7 +134,7 @@ def standing(design: Design) -> set[tuple[int, Sum]]:
 
 def with_parents(offered: Iterable[Candidate], design: Design) -> list[Candidate]:
     """Return the candidates whose parents all stand in the design."""
-    present = standing(design)
+    present = terms_in(design)
     return [c for c in offered if all((c.state, parent) in present for parent in c.parents)]
 
 
@@ -143,12 +143,12 @@ def beside(candidate: Candidate, design: Design) -> Candidate:
 
     Free runs have shown that it needs no others; it may have taken their place.
     """
-    present = standing(design)
+    present = terms_in(design)
     kept = tuple(parent for parent in candidate.parents if (candidate.state, parent) in present)
     return replace(candidate, parents=kept)
 
 
-def zeros_of(found: Iterable[tuple[int, Sum]], n_states: int) -> set[tuple[int, Sum]]:
+def offsets_setting_zeros(found: Iterable[tuple[int, Sum]], n_states: int) -> set[tuple[int, Sum]]:
     """Return the offsets that would set the zeros of states that were added.
 
     A leak k (p - p0) is found as k p first, whose size hides how much the offset matters.

@@ -13,7 +13,7 @@ from ...terms import Atom, Call, Product, Sum, constant, mul, of_term, simplifie
 from .angles import UNITS
 from .candidate import OFFSET, Candidate, Shape
 
-__all__ = ["HALF_SATURATION", "shape_of", "told_shape", "with_units"]
+__all__ = ["HALF_SATURATION", "shape_of", "tuned_shape", "with_units"]
 
 HALF_SATURATION = "half-saturation constant"  # c of x/(c + |x|), which is built from 1/c
 INNER = "inner constant"
@@ -54,7 +54,7 @@ def shape_of(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | N
     return Shape(tuple(np.abs(numbers).tolist()), (build, *(_offset for _ in rest)))
 
 
-def told_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | None:
+def tuned_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | None:
     """Return the numbers inside an effect that were tuned to a record, with their meanings.
 
     Parameters

@@ -22,7 +22,7 @@ from ...equations import Equations
 from ..fitting.linear import solve_gram, square_of
 from ..fitting.residual import derivative_grams
 from ..fitting.shooting import fit_to_runs
-from ..fitting.unfolding import square_left, unfolded, with_paths
+from ..fitting.unfolding import records_with_hidden_states, square_left, with_hidden_states
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -31,7 +31,7 @@ from ..twins.drifting import DriftingTwins
 from ..twins.twins import TwinMaker
 from ..twins.values import Statistic, twin_values
 
-__all__ = ["chance_of", "freed_of_noise"]
+__all__ = ["chance_of", "without_noise_shift"]
 
 N_TWINS = 8  # twins that show by how much noise shifts the coefficients
 N_STEPS = 3  # corrections of the fit to free runs, each of which halves its error
@@ -80,7 +80,7 @@ def chance_of(
     p_value = p_value_of(observed, twins)
     if p_value > rules.level or isinstance(maker, DriftingTwins):
         return p_value, twins
-    unshifted = freed_of_noise(maker, design, part, rng.spawn(1)[0])
+    unshifted = without_noise_shift(maker, design, part, rng.spawn(1)[0])
     if unshifted is None:
         return p_value, twins
     others = twin_values(
@@ -89,7 +89,7 @@ def chance_of(
     return max((p_value, twins), (p_value_of(observed, others), others), key=lambda pair: pair[0])
 
 
-def freed_of_noise(
+def without_noise_shift(
     maker: TwinMaker, design: Design, part: Segments, rng: np.random.Generator
 ) -> Equations | None:
     """Return the model whose twins have the fit of the record, where noise shifts that fit.
@@ -119,7 +119,9 @@ def freed_of_noise(
         return None
     records = maker.records
     loss = partial(square_left, design, records)
-    found = fit_to_runs(unfolded(design), coef, with_paths(design, records), loss)
+    found = fit_to_runs(
+        with_hidden_states(design), coef, records_with_hidden_states(design, records), loss
+    )
     if found is None:
         return None
     for _ in range(N_STEPS):

@@ -24,7 +24,7 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .scoring import LEAD, propose, quick_fit, score, sharpened, takes_energy
 
-__all__ = ["Offer", "awaited", "leading", "offer_for"]
+__all__ = ["Offer", "after_settling", "leading", "offer_for"]
 
 SETTLING = 0.125  # share of a record until the unknown start of a relaxation is forgotten
 
@@ -168,7 +168,7 @@ def _worth_it(ways: Sequence[Candidate], design: Design, part: Segments) -> list
     return found
 
 
-def awaited(design: Design, part: Segments) -> Segments:
+def after_settling(design: Design, part: Segments) -> Segments:
     """Return pieces with weight only where the start of a design's followers is forgotten."""
     return _late(part) if followers_of(design) else part
 

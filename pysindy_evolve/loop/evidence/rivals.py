@@ -12,14 +12,14 @@ import numpy as np
 from ...terms import Call, Sum, add, as_sum, constant, mul, power
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
-from ..effects.missing import candidates, for_trajectories, standing, with_parents
+from ..effects.missing import candidates, for_trajectories, terms_in, with_parents
 from ..effects.names import EVOLVED
 from ..effects.shaping import with_units
 from ..given.design import Design
 from ..given.segments import Segments
 from .drifting_rivals import leads_over, twin_chance
 from .encompassing import chance, explained
-from .same_model import hold
+from .same_model import span
 from .scoring import columns_of
 from .spectral import spectral_grams
 from .trace import fold_errors
@@ -88,7 +88,7 @@ def rivals_of(
         The best form of each name, the least refuted first; other forms of the effect itself
         count as well.
     """
-    known = standing(design)
+    known = terms_in(design)
     proposed = candidates(design, part.ranges)
     if part.by_trajectory:
         proposed = for_trajectories(proposed)
@@ -142,7 +142,7 @@ def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:
     """
     added = columns_of(option, bare)
     with_option = [*bare.columns, *added]
-    return not hold(bare.columns, added) and not hold(with_option, columns_of(candidate, bare))
+    return not span(bare.columns, added) and not span(with_option, columns_of(candidate, bare))
 
 
 def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate:

@@ -12,13 +12,13 @@ import numpy as np
 
 from ..given.design import Column
 
-__all__ = ["hold"]
+__all__ = ["span"]
 
 ROUNDING = 1e-9  # singular values of unit rows: smaller ones count as zero
 
 
-def hold(columns: Sequence[Column], others: Sequence[Column]) -> bool:
-    """Tell whether others are linear combinations of columns.
+def span(columns: Sequence[Column], others: Sequence[Column]) -> bool:
+    """Tell whether columns span others, so that these are linear combinations of them.
 
     Parameters
     ----------

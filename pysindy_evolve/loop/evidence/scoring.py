@@ -12,7 +12,7 @@ from ...equations import Equations
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
-from ..effects.missing import candidates, for_trajectories, standing
+from ..effects.missing import candidates, for_trajectories, terms_in
 from ..effects.names import order_of
 from ..effects.periodic import (
     N_LINES,
@@ -137,7 +137,7 @@ def score(
     """Score candidates on segments, each refitted together with the columns of the design."""
     extra = [column for candidate in proposed for column in columns_of(candidate, design)]
     n_fixed = len(design.columns)
-    columns, present = [*design.columns, *extra], standing(design)
+    columns, present = [*design.columns, *extra], terms_in(design)
     if part.by_trajectory:
         tracks = Trajectories(part.records, design, columns)
         return ranked(tracks.errors, tracks.total(0), n_fixed, proposed, present, pairs=pairs)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import standing, zeros_of
+from ..effects.missing import offsets_setting_zeros, terms_in
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -131,7 +131,7 @@ def _scored(declared: Design, design: Design, part: Segments, proposed: list[Can
     proposed = sharpened(design, part, proposed)
     tuned_scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
-    zeros = zeros_of(standing(design) - standing(declared), len(design.states))
+    zeros = offsets_setting_zeros(terms_in(design) - terms_in(declared), len(design.states))
     return _Scored(proposed, on_grid, tuned_scores, shares, zeros)
 
 

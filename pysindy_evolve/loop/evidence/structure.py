@@ -29,7 +29,7 @@ from ..twins.colored import ColoredTwins
 from ..twins.twins import TwinMaker
 from ..twins.values import twin_values
 from .noise_floor import EXCESS, NoiseFloor
-from .nulls import chance_of, freed_of_noise
+from .nulls import chance_of, without_noise_shift
 from .scoring import quick_fit
 from .shares import is_exact
 from .spectral import spectral_grams
@@ -99,8 +99,8 @@ def structure_chance(
     if not _exceeds_noise(equations, design, part, rng.spawn(1)[0]):
         return 1.0
     maker = TwinMaker.of(equations, part.records)
-    freed = freed_of_noise(maker, design, part, rng.spawn(1)[0])
-    if freed is not None and not _exceeds_noise(freed, design, part, rng.spawn(1)[0]):
+    unshifted = without_noise_shift(maker, design, part, rng.spawn(1)[0])
+    if unshifted is not None and not _exceeds_noise(unshifted, design, part, rng.spawn(1)[0]):
         return 1.0
     statistic = partial(generic_gain, design, models)
     chance = chance_of(observed, statistic, design, equations, part, rules, rng)[0]

@@ -23,10 +23,10 @@ from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
 from .spectral import n_frequencies
 
-__all__ = ["witnessed"]
+__all__ = ["pieces_to_score"]
 
 
-def witnessed(design: Design, records: Sequence[Record]) -> Segments:
+def pieces_to_score(design: Design, records: Sequence[Record]) -> Segments:
     """Cut records into pieces, and say whether candidates are scored by their trajectories.
 
     Parameters

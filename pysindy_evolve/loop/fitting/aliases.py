@@ -29,7 +29,7 @@ from scipy.optimize import minimize_scalar
 from ...equations import Equations
 from ...hidden_states.memory import DELAY, LAG, Memory
 from ...signals import Record
-from ...signals.zero_order_hold import acts_as, averaged, changed, rates_of
+from ...signals.zero_order_hold import acts_as, apply_to_effective_input, averaged, rates_of
 from ..given.design import Design
 from .fit import derivative_fit_errors, refit
 
@@ -149,7 +149,7 @@ class _Way:
         def shown(t: np.ndarray, u: np.ndarray) -> np.ndarray:
             acting = u.copy()
             for column in record.held:
-                acting[:, column] = changed(
+                acting[:, column] = apply_to_effective_input(
                     record, column, partial(_sampled, through.get(column), t), u[:, column]
                 )
             return acting
@@ -170,7 +170,9 @@ def _with_means(record: Record) -> Record:
         for column, late in record.held.items():
             if column in record.through:  # from the steps, as a root may end at zero
                 mean, source = partial(averaged, late=late), record.recorded_u
-                acting[:, column] = changed(record, column, mean, source[:, column])
+                acting[:, column] = apply_to_effective_input(
+                    record, column, mean, source[:, column]
+                )
             else:  # from what samples of an integral show of the steps
                 acting[:, column] = averaged(averaged(u[:, column], 0.0), 0.0)
         return acting
@@ -222,6 +224,8 @@ def _gain(equations: Equations, record: Record, column: int) -> np.ndarray:
     sides = []
     for step in (-nudge, nudge):
         nudged = u.copy()
-        nudged[:, column] = changed(record, column, partial(np.add, step), u[:, column])
+        nudged[:, column] = apply_to_effective_input(
+            record, column, partial(np.add, step), u[:, column]
+        )
         sides.append(equations.evaluate(record.x, nudged, record.t))
     return np.nan_to_num((sides[1] - sides[0]) / (2.0 * nudge))  # zero where the model has no value

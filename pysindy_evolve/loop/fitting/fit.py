@@ -19,7 +19,7 @@ from ...terms import Cache
 from ..given.design import Design
 from ..given.rows import scale_of, variables_of
 from ..given.segments import places_of, segments
-from ..given.sticking import may_rest, moving
+from ..given.sticking import may_rest, weights_in_motion
 from .bootstrap import block_intervals
 from .linear import solve_gram, square_of
 from .past import rates_on, settled_rows
@@ -196,7 +196,8 @@ def _rows(design: Design, record: Record, windows: Windows, scale: np.ndarray) -
     cache: Cache = {}
     target = record.x_dot - design.known(variables)
     values = [column.evaluate(variables, cache) for column in design.columns]
-    stacked, weights = [], moving(record, may_rest(design, [record])) * settled_rows(design, record)
+    stacked = []
+    weights = weights_in_motion(record, may_rest(design, [record])) * settled_rows(design, record)
     for state in design.open_states:
         columns = np.column_stack([*(v[:, state] for v in values), target[:, state]])
         stacked.append(project(columns * weights[:, state, None], windows) / scale[state])
@@ -224,7 +225,7 @@ def derivative_errors(
         error = record.x_dot - rates_on(equations, record)
         valued = np.isfinite(error)
         has_rows |= valued.any(axis=0)
-        weight = moving(record, may_rest(design, [record])) * valued
+        weight = weights_in_motion(record, may_rest(design, [record])) * valued
         error = np.where(valued, error, 0.0)
         squares.append(project(error * weight, wide) ** 2)
         samples.append(project(record.x_dot, wide))

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...equations import Equations, stack
-from ...hidden_states.memory import preceded, remembered
+from ...hidden_states.memory import with_memories_applied, with_past_inputs
 from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...hidden_states.path_states import hidden_along, kind_of
 from ...signals import Record
@@ -16,7 +16,14 @@ from ..given.design import Design
 from ..given.rows import scale_of
 from ..given.sticking import noise_of
 
-__all__ = ["begun", "first_state", "hidden_on", "missed_on", "rates_on", "settled_rows"]
+__all__ = [
+    "derivative_residual",
+    "first_state",
+    "hidden_on",
+    "rates_on",
+    "settled_rows",
+    "with_estimated_past",
+]
 
 LONGEST = 8  # at most one eighth of a record is used to estimate how it began
 PAST_HALVES = 4.0  # factor by which another past must lower the mean square: it halves the error
@@ -26,7 +33,7 @@ MOST_WAIT = 0.25  # largest share of a record to leave out until hidden states h
 _SHORTEST = 2  # rows: a record holds no less
 
 
-def begun(equations: Equations, record: Record, *, doubted: bool = False) -> Record:
+def with_estimated_past(equations: Equations, record: Record, *, doubted: bool = False) -> Record:
     """Return a record with the inputs before it as its first rows suggest.
 
     The hidden part of the state in which a run begins was not measured. By default the inputs are
@@ -52,11 +59,13 @@ def begun(equations: Equations, record: Record, *, doubted: bool = False) -> Rec
     clear = 0.0 if doubted else CLEAR
     for memory in equations.memories:
         if memory.has_state:
-            record = _begun_in(equations, record, memory.column, memory.values[0], clear)
+            record = _with_estimated_input(
+                equations, record, memory.column, memory.values[0], clear
+            )
     return record
 
 
-def _begun_in(
+def _with_estimated_input(
     equations: MemoryEquations, record: Record, column: int, time_constant: float, clear: float
 ) -> Record:
     raw = record.raw_u
@@ -68,7 +77,7 @@ def _begun_in(
     def at(value: float) -> Record:
         past = raw[0].copy()
         past[column] = value
-        return preceded(record, past.tolist())
+        return with_past_inputs(record, past.tolist())
 
     def miss(value: float) -> float:
         acts = at(value)
@@ -138,7 +147,7 @@ def rates_on(equations: Equations, record: Record) -> np.ndarray:
     return np.asarray(full.evaluate(x, record.u, record.t)[:, : record.n_states])
 
 
-def missed_on(equations: Equations, record: Record) -> np.ndarray:
+def derivative_residual(equations: Equations, record: Record) -> np.ndarray:
     """Return the residual of the derivative, initial hidden states taken from the first rows.
 
     Parameters
@@ -154,7 +163,8 @@ def missed_on(equations: Equations, record: Record) -> np.ndarray:
         Units of x_dot.
     """
     memories = equations.memories if isinstance(equations, MemoryEquations) else ()
-    return record.x_dot - rates_on(equations, remembered(begun(equations, record), memories))
+    acted = with_memories_applied(with_estimated_past(equations, record), memories)
+    return record.x_dot - rates_on(equations, acted)
 
 
 def hidden_on(equations: MemoryEquations, record: Record) -> np.ndarray:

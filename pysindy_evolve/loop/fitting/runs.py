@@ -13,8 +13,8 @@ from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...signals import Record
 from ...simulation import simulate
 from ..given.rows import scale_of
-from ..given.sensor import limits_of_states, missed, shown
-from .past import begun, first_state, hidden_on
+from ..given.sensor import limits_of_states, miss_of_run, shown
+from .past import first_state, hidden_on, with_estimated_past
 
 __all__ = ["free_run", "nrmse", "simulation_errors", "stretch_misses"]
 
@@ -53,7 +53,7 @@ def _run_with_memory(equations: MemoryEquations, record: Record, **options: Any)
 
     The inputs before the record were not measured, and are estimated from its first rows.
     """
-    record, hidden = begun(equations, record), []
+    record, hidden = with_estimated_past(equations, record), []
     for memory in equations.memories:
         if memory.has_state:
             hidden.append(memory.state(record))
@@ -68,7 +68,7 @@ def simulation_errors(equations: Equations, records: Sequence[Record]) -> np.nda
     errors, values = [], []
     for record in records:
         run = free_run(equations, record, on_divergence="nan", tolerance=1e-7)
-        errors.append(missed(record.x, run[:, : record.n_states], limits, record.seen))
+        errors.append(miss_of_run(record.x, run[:, : record.n_states], limits, record.seen))
         values.append(shown(record.x, limits))
     return np.nan_to_num(nrmse(np.concatenate(errors), np.concatenate(values)), nan=np.inf)
 
@@ -94,6 +94,6 @@ def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches:
         for rows in np.array_split(np.arange(len(record)), n_stretches):
             piece = record[int(rows[0]) : int(rows[-1]) + 1]
             run = free_run(equations, piece, on_divergence="nan", tolerance=1e-7)
-            miss = missed(piece.x, run[:, : piece.n_states], limits, piece.seen)
+            miss = miss_of_run(piece.x, run[:, : piece.n_states], limits, piece.seen)
             squares.append(np.sum((miss / scale) ** 2))
     return float(np.nan_to_num(np.sum(squares), nan=np.inf))

@@ -22,8 +22,8 @@ from ..given.sticking import may_rest
 from .fit import Fit, refit
 from .linear import log_ratio
 from .runs import free_run
-from .trial import Trial, bettered
-from .unfolding import square_left, unfolded, with_paths
+from .trial import Trial, after_gauss_newton
+from .unfolding import records_with_hidden_states, square_left, with_hidden_states
 
 __all__ = ["fit_by_shooting", "fit_to_runs", "gains_of_runs"]
 
@@ -55,7 +55,9 @@ def fit_by_shooting(design: Design, fitted: Fit, records: Sequence[Record]) -> F
         not improve the stretches in between.
     """
     loss = partial(square_left, design, records)
-    coef = fit_to_runs(unfolded(design), fitted.coef, with_paths(design, records), loss)
+    coef = fit_to_runs(
+        with_hidden_states(design), fitted.coef, records_with_hidden_states(design, records), loss
+    )
     if coef is None:
         return fitted
     intervals = fitted.intervals + (coef - fitted.coef)[:, None]
@@ -70,7 +72,7 @@ def fit_to_runs(
     Parameters
     ----------
     design : Design
-        The model, with p columns, unfolded.
+        The model, with p columns and hidden states in place of its paths.
     coef : ndarray of shape (p,)
         Initial coefficients.
     records : sequence of Record
@@ -86,7 +88,7 @@ def fit_to_runs(
     if not design.columns or sum(len(record) for record in records) > MAX_ROWS:
         return None
     records = _driven(records)
-    started = _begun(design, coef, records)
+    started = _longest_trial(design, coef, records)
     if started is None or not _holds(started, records, loss):
         return None
     return _settled(started, records).coef
@@ -112,12 +114,16 @@ def gains_of_runs(few: Design, many: Design, records: Sequence[Record]) -> tuple
     share = min(1.0, MAX_ROWS / sum(len(record) for record in records))
     records = [record[: int(share * len(record))] for record in records]
     sides = [
-        (unfolded(d), refit(d, records, "derivative"), _driven(with_paths(d, records)))
+        (
+            with_hidden_states(d),
+            refit(d, records, "derivative"),
+            _driven(records_with_hidden_states(d, records)),
+        )
         for d in (few, many)
     ]
     other_follows = False
     for n_stretches in N_STRETCHES:
-        started = [_begun(*side, (n_stretches,)) for side in sides]
+        started = [_longest_trial(*side, (n_stretches,)) for side in sides]
         trials = [trial for trial in started if trial is not None]
         other_follows = other_follows or started[1] is not None
         if len(trials) == len(sides):
@@ -142,7 +148,7 @@ def _square_missed(trial: Trial, n_states: int) -> float:
     return float(np.sum(misses**2))
 
 
-def _begun(
+def _longest_trial(
     design: Design,
     coef: np.ndarray,
     records: Sequence[Record],
@@ -184,7 +190,7 @@ def _holds(trial: Trial, records: Sequence[Record], loss: Loss) -> bool:
 
 def _settled(trial: Trial, records: Sequence[Record]) -> Trial:
     """Take steps until they gain nothing more."""
-    (found,) = bettered(
+    (found,) = after_gauss_newton(
         [trial], lambda moved: [_run(one, records) for one in moved], SETTLED, N_STEPS
     )
     return found

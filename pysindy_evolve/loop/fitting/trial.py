@@ -28,7 +28,7 @@ from ..given.sensor import is_observed
 from .residual import MAX_GROWTH, forces, jacobian, respond
 from .saltation import saltation
 
-__all__ = ["Rows", "Trial", "bettered", "converged", "runs_of"]
+__all__ = ["Rows", "Trial", "after_gauss_newton", "converged", "runs_of"]
 
 ROWS = 2000  # about how many rows of the runs a step uses
 N_STEPS = 6  # Gauss-Newton steps, shortened ones included
@@ -81,7 +81,7 @@ class Trial:
     @lazily
     def miss(self) -> np.ndarray:
         """Target minus runs, both as the sensors show them."""
-        return self.part.missed(self.x)
+        return self.part.miss_of(self.x)
 
     @lazily
     def error(self) -> float:
@@ -181,7 +181,7 @@ class Rows:
         """Return deviations of the states, (n_stretches, n, n_states), as (..., n_rows, 1)."""
         return picked((deviation / self.scale)[..., : self.n_seen], self.keep)
 
-    def freed(self, rows: np.ndarray) -> np.ndarray:
+    def without_starts(self, rows: np.ndarray) -> np.ndarray:
         """Project out of rows what the starts can explain."""
         return np.asarray(rows - self.basis @ (np.swapaxes(self.basis, 1, 2) @ rows))
 
@@ -202,7 +202,7 @@ class Rows:
         ndarray of shape (p,)
         """
         pair = (response, miss)
-        columns, target = (self.freed(part).reshape(-1, part.shape[-1]) for part in pair)
+        columns, target = (self.without_starts(part).reshape(-1, part.shape[-1]) for part in pair)
         size = np.maximum(np.linalg.norm(columns, axis=0), TINY)
         damped = np.vstack([columns / size, np.sqrt(damping) * np.eye(len(size))])
         wanted = np.append(target[:, 0], np.zeros(len(size)))
@@ -222,10 +222,10 @@ def picked(states: np.ndarray, keep: int) -> np.ndarray:
 
 def converged(trials: Sequence[Trial]) -> list[Trial]:
     """Run and fit coefficients and starts of all trials; those that diverge stay as they are."""
-    return bettered(runs_of(list(trials)))
+    return after_gauss_newton(runs_of(list(trials)))
 
 
-def bettered(
+def after_gauss_newton(
     trials: Sequence[Trial],
     run: Runner | None = None,
     least_gain: float = SETTLED,

@@ -18,10 +18,10 @@ from ...hidden_states.memory_equations import with_memories
 from ...hidden_states.path_states import (
     hidden_along,
     kind_of,
-    moved,
     n_hidden_of,
     own_states,
     path_rates,
+    with_replaced_arguments,
 )
 from ...signals import Record
 from ...substitution import substituted
@@ -31,7 +31,7 @@ from ..given.design import Column, Design, in_state
 from .fit import derivative_square
 from .past import first_state
 
-__all__ = ["paths_of", "retuned", "square_left", "unfolded", "with_paths"]
+__all__ = ["paths_of", "records_with_hidden_states", "retuned", "square_left", "with_hidden_states"]
 
 FARTHEST = 4.0  # factor by which runs may change a number; a larger change is rejected
 
@@ -43,7 +43,7 @@ def paths_of(design: Design) -> tuple[Call, ...]:
     return design.paths
 
 
-def unfolded(design: Design, *, free: bool = False) -> Design:
+def with_hidden_states(design: Design, *, free: bool = False) -> Design:
     """Return a design with hidden states in place of its paths.
 
     Parameters
@@ -65,7 +65,10 @@ def unfolded(design: Design, *, free: bool = False) -> Design:
     after_hidden = range(n, design.time + 1)  # inputs and time, numbered after the hidden states
     places: dict[int | Call, Sum] = {place: variable(place + m) for place in after_hidden}
     hidden = [variable(k) for k in range(n, n + m)]
-    placed = [(path, moved(path, places), own_states(hidden, paths, path)) for path in paths]
+    placed = [
+        (path, with_replaced_arguments(path, places), own_states(hidden, paths, path))
+        for path in paths
+    ]
     written = places | {
         path: kind_of(path).term(shifted, states) for path, shifted, states in placed
     }
@@ -91,7 +94,7 @@ def unfolded(design: Design, *, free: bool = False) -> Design:
     )
 
 
-def with_paths(
+def records_with_hidden_states(
     design: Design, records: Sequence[Record], coef: np.ndarray | None = None
 ) -> list[Record]:
     """Return records with hidden states, computed along the measured ones, as last states.
@@ -113,13 +116,15 @@ def with_paths(
     if not paths:
         return list(records)
     if coef is None:
-        return [_with_paths(paths, record, None) for record in records]
+        return [_with_hidden_states(paths, record, None) for record in records]
     full = with_memories(design.equations(coef), ())
     starts = [first_state(full, record)[record.n_states :].tolist() for record in records]
-    return [_with_paths(paths, r, start) for r, start in zip(records, starts, strict=True)]
+    return [_with_hidden_states(paths, r, start) for r, start in zip(records, starts, strict=True)]
 
 
-def _with_paths(paths: Sequence[Call], record: Record, starts: Sequence[float] | None) -> Record:
+def _with_hidden_states(
+    paths: Sequence[Call], record: Record, starts: Sequence[float] | None
+) -> Record:
     rows, n = stack(record.x, record.u, record.t), n_hidden_of(paths)
     hidden = hidden_along(paths, rows, starts)
     states = [variable(rows.shape[1] + k) for k in range(n)]
@@ -140,7 +145,9 @@ def square_left(design: Design, records: Sequence[Record], coef: np.ndarray) -> 
     Initial hidden states are estimated from the first rows: a wrong start that fades slowly would
     make a right model look wrong.
     """
-    return derivative_square(unfolded(design), with_paths(design, records, coef), coef)
+    return derivative_square(
+        with_hidden_states(design), records_with_hidden_states(design, records, coef), coef
+    )
 
 
 def retuned(candidate: Candidate, path: Call, weights: np.ndarray) -> Candidate:

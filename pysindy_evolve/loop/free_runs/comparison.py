@@ -31,14 +31,14 @@ from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE
 from ..fitting.trial import Trial, converged
 from ..given.rules import Rules
-from .contenders import Pool, begun_with, steady_drift
+from .contenders import Pool, steady_drift, trial_with
 from .shape_tuning import Contender
 from .variants import Model
 
-__all__ = ["held_against", "is_closer"]
+__all__ = ["exchanged_by_runs", "is_closer"]
 
 
-def held_against(
+def exchanged_by_runs(
     model: Model,
     findings: Sequence[Finding],
     pool: Pool,
@@ -94,7 +94,7 @@ def _winner(
     best = _best(tuned, pool.matter, rules.significance / max(len(tuned) - 1, 1))
     plain = with_units(best.candidate)
     if plain is not None:  # sin(q) replaces sin(0.99 q), unless that does clearly better
-        (trial,) = converged([begun_with(model, [plain], drift)])
+        (trial,) = converged([trial_with(model, [plain], drift)])
         best = Contender(plain, trial) if trial.error <= np.exp(pool.matter) * best.error else best
     return finding.with_candidate(beside(best.candidate, model.design), model.design)
 

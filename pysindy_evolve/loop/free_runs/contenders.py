@@ -25,7 +25,7 @@ from .quotients import as_quotients
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
-__all__ = ["Pool", "begun_with", "plainest", "steady_drift"]
+__all__ = ["Pool", "plainest", "steady_drift", "trial_with"]
 
 N_RIVALS = 5  # effects that score best in the spectral view
 STRETCHES = (16, 32, 64, 128)  # to try in this order; the first steady number is taken
@@ -86,7 +86,7 @@ class Pool:
         forms = [one for one in forms if have_values(one.terms, acted)]
         usable = _as_named([*closest, *leading, *forms, *members], model.design, self.part)
         rivals = [c for c in dict.fromkeys(usable) if c != own.candidate]
-        started = [begun_with(model, [rival], drift) for rival in rivals]
+        started = [trial_with(model, [rival], drift) for rival in rivals]
         # The effect was fitted in other units of the errors, so it is fitted again.
         first, *fitted_rivals = converged([own.trial, *started])
         fitted = [Contender(own.candidate, first, own.tied), *map(Contender, rivals, fitted_rivals)]
@@ -109,7 +109,7 @@ class Pool:
         new = [
             one for one in forms if one.terms not in known_terms and have_values(one.terms, acted)
         ]
-        trials = converged([begun_with(model, [one], drift) for one in new])
+        trials = converged([trial_with(model, [one], drift) for one in new])
         return tuned_by_runs(list(map(Contender, new, trials)), model, drift) if new else []
 
 
@@ -164,7 +164,7 @@ def _fitted_with(
     return with_effects, refit(with_effects.design, model.acted(records), "derivative")
 
 
-def begun_with(model: Model, effects: Sequence[Candidate], drift: Drift) -> Trial:
+def trial_with(model: Model, effects: Sequence[Candidate], drift: Drift) -> Trial:
     """Return a trial of a model with effects added, started from the fit to the derivative."""
     with_effects, coef = _fitted_with(model, effects, drift.records)
     return with_effects.trial(coef, drift.trial.scale, drift.part)

@@ -86,7 +86,7 @@ class Drift:
         """The trial with its own runs as target: the twin without noise."""
         return self.trial.aimed_at(self.trial.shown)
 
-    def begun(self, model: Model) -> Trial:
+    def trial_of(self, model: Model) -> Trial:
         """Return a trial of another model, with the coefficients and starts of this one."""
         old = self.trial
         coef = np.zeros(len(model.design.columns))
@@ -127,7 +127,7 @@ def drift_of(
         with np.errstate(over="ignore"):  # where runs diverge
             missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
         if rows is not None and np.all(missed < FAITHFUL * part.state_scale):
-            misses = rows.freed(rows.of(trial.miss))
+            misses = rows.without_starts(rows.of(trial.miss))
             trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
             stride = max(1, round(0.5 / (part.cutoff * part.dt * rows.keep)))
             whitener = Whitener.of(misses.reshape(len(misses), -1, part.n_states), stride)
@@ -152,7 +152,7 @@ def gains_of_models(drift: Drift, models: Sequence[Model]) -> np.ndarray:
         cannot be run.
     """
     unsigned = np.ones((1, len(drift.part.z)))
-    trials = converged([drift.begun(model) for model in models])
+    trials = converged([drift.trial_of(model) for model in models])
     gains = np.full((len(drift.views), len(models)), -np.inf)
     for row, whitener in zip(gains, drift.views, strict=True):
         before = _log_errors(drift.trial, None, whitener, unsigned)[0]
@@ -181,7 +181,7 @@ def chance_of_models(drift: Drift, models: Sequence[Model], signs: np.ndarray) -
     -------
     ndarray of shape (n_views, n_twins)
     """
-    started = [drift.begun(model).aimed_at(drift.trial.shown) for model in models]
+    started = [drift.trial_of(model).aimed_at(drift.trial.shown) for model in models]
     trials, misses = converged(started), drift.left
     largest = []
     for whitener in drift.views:

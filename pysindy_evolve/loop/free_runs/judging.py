@@ -41,7 +41,7 @@ __all__ = [
     "model_of",
     "named_terms",
     "over_noise",
-    "refused",
+    "rejection_of",
     "share_of_miss",
     "signs_for",
     "variants_of",
@@ -66,7 +66,7 @@ def signs_for(drift: Drift, rules: Rules, rng: np.random.Generator) -> np.ndarra
     return rng.choice([-1.0, 1.0], size=(n_draws, len(drift.part.z)))
 
 
-def refused(finding: Finding, declared: Design, drift: Drift, rules: Rules) -> Rejected | None:
+def rejection_of(finding: Finding, declared: Design, drift: Drift, rules: Rules) -> Rejected | None:
     """Return the report's entry for a finding that does not pass; None if it passes."""
     share = share_of_miss(finding, declared, drift)
     if finding.p_value <= rules.level_of_runs and matters(finding, share, rules):

@@ -45,7 +45,7 @@ def tuned_memories(drift: Drift, model: Model) -> Model:
     numbers = _Numbers.of(model, drift.records)
     if not len(numbers.start):
         return model
-    initial = drift.begun(numbers.at(numbers.start))
+    initial = drift.trial_of(numbers.at(numbers.start))
     (current,), place = converged([initial]), numbers.start
     for _ in range(MAX_STEPS):
         tried = _steps(drift, current, numbers, place) if np.isfinite(current.error) else []
@@ -142,13 +142,13 @@ def intervals_by_runs(
     if drift is None or rows is None:
         return np.full((last, 2), np.nan)
     trial = drift.trial
-    started = [drift.begun(numbers.at(numbers.start + step)) for step in np.diag(numbers.steps)]
+    started = [drift.trial_of(numbers.at(numbers.start + step)) for step in np.diag(numbers.steps)]
     runs = runs_of([*started, trial])[:-1]
     slopes = [
         rows.of((run.x - trial.x) / step) for run, step in zip(runs, numbers.steps, strict=True)
     ]
     miss = rows.of(trial.miss)
-    all_columns = rows.freed(np.concatenate([rows.response, *slopes, miss], axis=2))
+    all_columns = rows.without_starts(np.concatenate([rows.response, *slopes, miss], axis=2))
     grams = np.swapaxes(all_columns, 1, 2) @ all_columns
     draws = rng.integers(len(grams), size=(N_RESAMPLES, len(grams)))
     changes = np.array([solve_gram(grams[draw].sum(axis=0)) for draw in draws])

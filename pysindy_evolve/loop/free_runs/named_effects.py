@@ -21,7 +21,7 @@ from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import segments
 from .drift import Drift, chance_of_terms, gains_of_models, gains_of_terms
-from .judging import best_of, model_of, named_terms, refused, signs_for
+from .judging import best_of, model_of, named_terms, rejection_of, signs_for
 from .state_limits import drift_from, needed, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
 
@@ -78,7 +78,7 @@ def find_by_runs(
         best = _memory_or_term(drift, wide, rules, rng, must_be_clear=not new)
         if best is None:
             break
-        rejected = refused(best[0], declared, drift, rules)
+        rejected = rejection_of(best[0], declared, drift, rules)
         if rejected is not None:
             break
         new, pasts = _retuned([*new, best[0]], best[1]), best[1].pasts

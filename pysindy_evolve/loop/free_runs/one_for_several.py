@@ -19,7 +19,7 @@ from ..effects.names import EVOLVED
 from ..evidence.findings import Finding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, PRICE
 from ..fitting.trial import converged
-from .contenders import Pool, begun_with, plainest, steady_drift
+from .contenders import Pool, plainest, steady_drift, trial_with
 from .shape_tuning import Contender
 from .variants import Model
 
@@ -91,7 +91,7 @@ def _single(
     if drift is None:
         return None
     (trial,) = converged([drift.trial])
-    first_alone = Contender(first.candidate, begun_with(without, [first.candidate], drift))
+    first_alone = Contender(first.candidate, trial_with(without, [first.candidate], drift))
     bound, size = np.exp(MARGIN) * trial.error, sum(effect.size for effect in effects)
     as_good = [
         one

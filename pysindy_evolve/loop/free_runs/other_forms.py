@@ -14,7 +14,7 @@ import numpy as np
 
 from ...terms import Call, Product, Sum, mul, of_term, only_term, power
 from ..effects.candidate import OFFSET, Candidate, bare
-from ..effects.missing import standing
+from ..effects.missing import terms_in
 from ..effects.names import EVOLVED
 from ..effects.stops import is_stop, pressed
 from ..given.design import Design
@@ -54,7 +54,7 @@ def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Ca
     terms = [*candidate.terms, *_shorter(product), *_straight(product)]
     forms: list[tuple[Sum, ...]] = [(term,) for term in terms[1:]]
     forms += [(term, OFFSET) for term in terms if not _vanishes_at_rest(term, part.rows)]
-    known, state = standing(design), candidate.state
+    known, state = terms_in(design), candidate.state
     new = (terms for terms in forms if not any((state, term) in known for term in terms))
     return [Candidate(EVOLVED, state, terms) for terms in new]
 

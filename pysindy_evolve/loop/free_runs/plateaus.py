@@ -14,12 +14,12 @@ from ..given.rules import Rules
 from ..twins.chance import draws_for, p_value_of
 from ..twins.paths import follow
 
-__all__ = ["plateaus", "tested"]
+__all__ = ["limits_beyond_chance", "plateaus"]
 
 N_TWINS = 999  # cheap: all share one run, and differ in the noise
 
 
-def tested(
+def limits_beyond_chance(
     limits: Sequence[Limit],
     equations: Equations,
     records: Sequence[Record],

@@ -31,7 +31,7 @@ from ...terms import (
     variable,
 )
 from ..effects.candidate import OFFSET, Candidate, bare
-from ..effects.missing import standing
+from ..effects.missing import terms_in
 from ..effects.names import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments
@@ -75,7 +75,7 @@ def as_quotients(candidate: Candidate, design: Design, part: Segments) -> list[C
     place = _Place.of(product, candidate.state, design, part.rows)
     found = _closest(product, place, part.rows) if place.is_known else ()
     forms = dict.fromkeys(bare(term) for term in found if place.missed(term) <= CLOSE)
-    has_offset = (candidate.state, OFFSET) in standing(design)
+    has_offset = (candidate.state, OFFSET) in terms_in(design)
     offsets: list[tuple[Sum, ...]] = [()] if has_offset else [(), (OFFSET,)]
     return [
         Candidate(EVOLVED, candidate.state, (term, *offset)) for term in forms for offset in offsets

@@ -12,7 +12,7 @@ from ..evidence.findings import Finding, SensorFinding, next_step
 from ..fitting.fit import refit
 from ..given.limits import LIMITED, limits_of
 from ..given.rules import Rules
-from .plateaus import tested
+from .plateaus import limits_beyond_chance
 from .variants import Model
 
 __all__ = ["clipped_sensors"]
@@ -52,7 +52,8 @@ def clipped_sensors(
     acted, step = model.acted(records), next_step(findings)
     equations = model.whole.equations(refit(model.whole, acted, "derivative"))
     found: list[Finding] = []
-    for limit, length, p_value, lengths in tested(limits, equations, acted, rules, rng.spawn(1)[0]):
+    beyond = limits_beyond_chance(limits, equations, acted, rules, rng.spawn(1)[0])
+    for limit, length, p_value, lengths in beyond:
         candidate = Candidate(LIMITED, limit.state, (limit.reading,))
         evidence = float(length), p_value, lengths
         found.append(SensorFinding(candidate, (), *evidence, step=step, limit=limit))

@@ -17,7 +17,7 @@ from ..effects.partners import joined, partnerships
 from ..evidence.findings import Finding, at_numbers, with_columns
 from ..evidence.scoring import MARGIN
 from ..fitting.trial import converged
-from .contenders import begun_with, steady_drift
+from .contenders import steady_drift, trial_with
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
@@ -100,7 +100,7 @@ def _shared(
         return None
     initial = dict.fromkeys(c.shape.values for c in group if c.shape is not None)
     together = [unshared.at(values) for values in initial]
-    trials = [begun_with(model, [effect], drift) for effect in together]
+    trials = [trial_with(model, [effect], drift) for effect in together]
     # The effects with their own numbers were fitted in other units of the errors.
     separate, *fitted = converged([drift.trial, *trials])
     tuned = tuned_by_runs(list(map(Contender, together, fitted)), model, drift)

@@ -23,7 +23,7 @@ from ..given.rules import Rules
 from ..given.segments import segments
 from ..given.sticking import may_rest
 from .drift import Drift, drift_of, gains_of_models
-from .plateaus import tested
+from .plateaus import limits_beyond_chance
 from .variants import Model
 
 __all__ = ["drift_from", "may_stop_itself", "needed", "stops_of"]
@@ -45,7 +45,8 @@ def stops_of(
     acted = model.acted(records)
     equations = model.design.equations(refit(model.design, acted, "derivative"))
     found = []
-    for limit, length, p_value, lengths in tested(shown, equations, acted, rules, rng):
+    beyond = limits_beyond_chance(shown, equations, acted, rules, rng)
+    for limit, length, p_value, lengths in beyond:
         candidate = Candidate(LIMITED, limit.state, (limit.term,))
         evidence = float(length), p_value, lengths
         found.append(LimitFinding(candidate, (), *evidence, by_runs=True, limit=limit))

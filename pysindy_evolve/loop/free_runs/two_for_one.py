@@ -26,7 +26,7 @@ from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .comparison import is_closer
-from .contenders import begun_with, steady_drift
+from .contenders import steady_drift, trial_with
 from .variants import Model
 
 __all__ = ["two_for_one"]
@@ -98,7 +98,7 @@ def _closest(
     drift = steady_drift(model, [finding.candidate], records) if pairs else None
     if drift is None:
         return ()
-    started = [begun_with(model, pair, drift) for pair in pairs]
+    started = [trial_with(model, pair, drift) for pair in pairs]
     present, *of_pairs = converged([drift.trial, *started])
     best = min(range(len(pairs)), key=lambda k: of_pairs[k].error)
     effect, size = finding.candidate, sum(candidate.size for candidate in pairs[best])

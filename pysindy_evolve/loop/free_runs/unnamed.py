@@ -19,7 +19,7 @@ from ..evidence.step import Look
 from ..given.design import Design
 from ..given.rules import Rules
 from .drift import Drift, chance_of_terms, gains_of_terms
-from .judging import best_of, model_of, named_terms, refused, signs_for, variants_of
+from .judging import best_of, model_of, named_terms, rejection_of, signs_for, variants_of
 from .leading_terms import leading_terms
 from .state_limits import drift_from
 
@@ -66,7 +66,7 @@ def find_unnamed(
         finding = None if drift is None else _leading(drift, wide, small, rules, rng)
         if drift is None or finding is None:
             break
-        rejected = refused(finding, declared, drift, rules)
+        rejected = rejection_of(finding, declared, drift, rules)
         if rejected is not None:
             break
         found.append(replace(finding, step=next_step(found)))

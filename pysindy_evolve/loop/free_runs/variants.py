@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...hidden_states.memory import VESSEL, Memory, preceded, remembered
+from ...hidden_states.memory import VESSEL, Memory, with_memories_applied, with_past_inputs
 from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate
@@ -64,8 +64,10 @@ class Model:
     def acted(self, records: Sequence[Record]) -> list[Record]:
         """Return training records with their inputs as they act, after all memories."""
         if self.pasts:
-            records = [preceded(r, past) for r, past in zip(records, self.pasts, strict=True)]
-        return [remembered(record, self.memories) for record in records]
+            records = [
+                with_past_inputs(r, past) for r, past in zip(records, self.pasts, strict=True)
+            ]
+        return [with_memories_applied(record, self.memories) for record in records]
 
     def trial(self, coef: np.ndarray, scale: np.ndarray, part: Segments) -> Trial:
         """Return a trial with initial coefficients, on pieces of records before memories."""

@@ -11,7 +11,7 @@ import pysindy as ps
 from ...signals import Record
 from ...signals.zero_order_hold import hold
 from .algebraic import as_algebraic
-from .declared import DeclaredModel, design_of, doubted
+from .declared import DeclaredModel, design_of, with_contradicted
 from .design import Design
 from .held import held_inputs
 from .input_errors import as_held
@@ -21,7 +21,7 @@ from .resampled import at_one_step, undecimated, widened
 from .smoothing import with_own_slopes
 from .through import with_functions
 
-__all__ = ["Given", "checked"]
+__all__ = ["Given", "checked_model_and_records"]
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Given:
     wide: list[Record]
     shows_motion: bool = True
 
-    def believed(self) -> Given:
+    def with_clipping_as_true(self) -> Given:
         """Return the same with clipped readings taken as true values: the state itself stops."""
         train, test, wide = (
             [replace(record, seen=None) for record in records]
@@ -57,12 +57,12 @@ class Given:
         return replace(self, train=train, test=test, wide=wide)
 
 
-def checked(
+def checked_model_and_records(
     declared: DeclaredModel | ps.SINDy,
     train: Record | Sequence[Record],
     test: Record | Sequence[Record] | None,
 ) -> Given:
-    """Check what `close_loop` is given.
+    """Return what `close_loop` is given, checked and brought to one form.
 
     Parameters
     ----------
@@ -97,4 +97,4 @@ def checked(
     fit_on, judge_on = ([hold(r, held) for r in records] for records in resampled)
     acting = [as_held(record) for record in with_functions(design, fit_on, judge_on)]
     fit_on, judge_on = acting[: len(fit_on)], acting[len(fit_on) :]
-    return Given(doubted(design, fit_on), fit_on, judge_on, widened(fit_on), shows_motion)
+    return Given(with_contradicted(design, fit_on), fit_on, judge_on, widened(fit_on), shows_motion)

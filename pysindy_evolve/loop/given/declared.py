@@ -18,7 +18,7 @@ from .design import Column, Design
 from .kinematics import disagreement
 from .sindy_models import design_of_sindy
 
-__all__ = ["DeclaredModel", "design_of", "doubted"]
+__all__ = ["DeclaredModel", "design_of", "with_contradicted"]
 
 OWNER = "close_loop(declared=...)"
 CONTRADICTED = 0.1  # disagreement over the rate's spread; gains of two sensors differ by less
@@ -186,7 +186,7 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
     return design_of_sindy(declared, records, OWNER)
 
 
-def doubted(design: Design, records: Sequence[Record]) -> Design:
+def with_contradicted(design: Design, records: Sequence[Record]) -> Design:
     """Return a design that marks equations such as q' = v which the records contradict.
 
     Parameters

@@ -22,11 +22,11 @@ __all__ = [
     "as_held",
     "input_error",
     "is_held",
+    "jump_time_error",
     "jumps_at_once",
     "known_up_to",
     "may_be_held",
     "may_be_steps",
-    "untimely",
 ]
 
 STILL = 0.2  # an input is held if this share of its steps from sample to sample is small ...
@@ -113,7 +113,7 @@ def input_error(
     return record.lowpass((noise + _between(u)) * is_asked)
 
 
-def untimely(
+def jump_time_error(
     record: Record, columns: Sequence[int], rng: np.random.Generator | None = None
 ) -> np.ndarray | None:
     """Return the error of recorded inputs that jump at any time between two samples.

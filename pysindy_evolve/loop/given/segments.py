@@ -14,8 +14,8 @@ from .band import Band
 from .input_errors import known_up_to
 from .ranges import Ranges
 from .rows import scale_of, variables_of
-from .sensor import limits_of_states, missed
-from .sticking import moving
+from .sensor import limits_of_states, miss_of_run
+from .sticking import weights_in_motion
 
 __all__ = ["Segments", "places_of", "segments"]
 
@@ -169,15 +169,15 @@ class Segments:
             self, z=z, x_dot=x_dot, weight=weight, records=new_records, seen=seen, band=band
         )
 
-    def begun(self, records: Sequence[Record]) -> Segments:
+    def with_pasts_of(self, records: Sequence[Record]) -> Segments:
         """Return the same pieces of records that differ only in what came before them."""
         new_records = tuple(records)
         band = None if self.band is None else replace(self.band, records=new_records)
         return replace(self, records=new_records, band=band)
 
-    def missed(self, x: np.ndarray) -> np.ndarray:
+    def miss_of(self, x: np.ndarray) -> np.ndarray:
         """Return by how much runs (n_segments, n, n_states) miss what the sensors show."""
-        return missed(self.z[:, :, : self.n_states], self.shown(x), self.limits, self.seen)
+        return miss_of_run(self.z[:, :, : self.n_states], self.shown(x), self.limits, self.seen)
 
     def shown(self, x: np.ndarray) -> np.ndarray:
         """Return runs (n_segments, n, n_states) as the low-passes of the records leave them."""
@@ -262,7 +262,7 @@ def _cut(
     length: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     stacked = [variables_of(record) for record in records]
-    weights = [moving(record, resting) for record in records]
+    weights = [weights_in_motion(record, resting) for record in records]
     rates = [record.x_dot for record in records]
     z, x_dot, weight = (_pieces(one, places, length) for one in (stacked, rates, weights))
     return z, x_dot, weight

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...signals import Record
 
-__all__ = ["as_observed", "ends_of", "is_observed", "limits_of_states", "missed", "shown"]
+__all__ = ["as_observed", "ends_of", "is_observed", "limits_of_states", "miss_of_run", "shown"]
 
 
 def limits_of_states(records: Sequence[Record]) -> np.ndarray | None:
@@ -66,7 +66,7 @@ def is_observed(x: np.ndarray, limits: np.ndarray | None, seen: np.ndarray | Non
     return np.asarray(visible & ~(x < limits[0]) & ~(x > limits[1]))
 
 
-def missed(
+def miss_of_run(
     x: np.ndarray, run: np.ndarray, limits: np.ndarray | None, seen: np.ndarray | None
 ) -> np.ndarray:
     """Return measured minus simulated states, (..., n_states), both as sensors show them."""

@@ -18,7 +18,7 @@ from ...signals import Record
 from ...terms import Call, variable
 from .design import Design
 
-__all__ = ["may_rest", "moving", "noise_of"]
+__all__ = ["may_rest", "noise_of", "weights_in_motion"]
 
 AT_REST = 4.0  # standard deviations of the velocity noise below which a row has no weight ...
 IN_MOTION = 8.0  # ... and above which it has all
@@ -65,7 +65,7 @@ def _rests_often(record: Record, state: int) -> bool:
     return not np.all(_away_from_rest(record, _speed(record, state)) == 1.0)
 
 
-def moving(record: Record, resting: Sequence[int]) -> np.ndarray:
+def weights_in_motion(record: Record, resting: Sequence[int]) -> np.ndarray:
     """Return the weight of each row in the equation of each state.
 
     Parameters

@@ -20,7 +20,7 @@ from ..evidence.ranking import Score
 from ..evidence.scoring import MARGIN, PRICE, net, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
-from .naming import sparing
+from .naming import nodes_saved
 from .seeds import functions
 
 __all__ = ["climbed", "with_best_numbers"]
@@ -102,7 +102,7 @@ def with_best_numbers(
 
 def _with_term(candidate: Candidate, term: Product, declared: Sequence[Product]) -> Candidate:
     """Return a candidate with another term; its free nodes are counted again after tuning."""
-    terms, free_nodes = (of_term(term),), sparing(term, declared)
+    terms, free_nodes = (of_term(term),), nodes_saved(term, declared)
     return replace(candidate, terms=terms, shape=None, free_nodes=free_nodes)
 
 

@@ -25,8 +25,8 @@ from ..fitting.residual import forces
 from ..given.design import Design
 from ..given.segments import Segments
 from .climbing import climbed, with_best_numbers
-from .levels import begun_at_levels
-from .naming import named, shifted, without_signs
+from .levels import terms_from_levels
+from .naming import has_arbitrary_zero, named, without_signs
 from .seeds import screened, small_terms, varied
 
 __all__ = ["OPERATORS", "grow"]
@@ -147,7 +147,7 @@ def _grow_in(
         state=state,
         known=known,
         variables=variables,
-        signed=shifted(design, state, part.ranges.signed),
+        signed=has_arbitrary_zero(design, state, part.ranges.signed),
         declared=declared,
     )
     plain = (simplified for term in finalists for simplified in without_signs(term, variables))
@@ -156,7 +156,7 @@ def _grow_in(
     seed_candidates = _unnamed([name(term) for term in seeds])
     grown += [name(term) for term in with_best_numbers(seed_candidates, design, part, declared)]
     grown += [name(term) for term in _best_improved(grown, design, part, operators, declared)]
-    return list(dict.fromkeys([*grown, *begun_at_levels(design, state, part)]))
+    return list(dict.fromkeys([*grown, *terms_from_levels(design, state, part)]))
 
 
 def _without_quotients(operators: Sequence[Operator]) -> list[Operator]:

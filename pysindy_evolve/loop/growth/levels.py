@@ -21,12 +21,12 @@ from ..evidence.scoring import sharpened
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["begun_at_levels"]
+__all__ = ["terms_from_levels"]
 
 READ = 9  # nodes that a flow counts as: max(h - c, 0)^(3/2) with its number
 
 
-def begun_at_levels(design: Design, state: int, part: Segments) -> list[Candidate]:
+def terms_from_levels(design: Design, state: int, part: Segments) -> list[Candidate]:
     """Return the terms that begin at a level and explain most of the residual of an equation.
 
     Parameters

@@ -17,7 +17,7 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .seeds import small_terms
 
-__all__ = ["named", "shifted", "small_candidates", "sparing", "without_signs"]
+__all__ = ["has_arbitrary_zero", "named", "nodes_saved", "small_candidates", "without_signs"]
 
 MEAN = 0.3  # share of its RMS that the mean of a term must exceed to pose as an offset
 
@@ -47,7 +47,8 @@ def small_candidates(
     known = candidates(design, part.ranges)
     found = []
     for state in design.open_states:
-        acting, shiftable = _acting(design, state), shifted(design, state, part.ranges.signed)
+        acting = _acting(design, state)
+        shiftable = has_arbitrary_zero(design, state, part.ranges.signed)
         usable = (term for term in terms if term.variables <= acting)
         found += [named(term, state, known, variables, shiftable) for term in usable]
     return found
@@ -60,7 +61,7 @@ def _acting(design: Design, state: int) -> frozenset[int]:
     return frozenset(own).union(*(side.variables for side in design.sides_of(state)))
 
 
-def shifted(design: Design, state: int, signed: np.ndarray) -> np.ndarray:
+def has_arbitrary_zero(design: Design, state: int, signed: np.ndarray) -> np.ndarray:
     """Tell which variables may have an arbitrary zero: a population does not.
 
     Parameters
@@ -116,7 +117,7 @@ def named(
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
     poses_as_offset = _poses_as_offset(term, variables, signed)
-    parents, free_nodes = (OFFSET,) if poses_as_offset else (), sparing(term, declared)
+    parents, free_nodes = (OFFSET,) if poses_as_offset else (), nodes_saved(term, declared)
     angles = {v for c in known if c.name == GRAVITY and c.state == state for v in c.variables}
     name = GRAVITY if any(is_wave_of(term, angle) for angle in angles) else EVOLVED
     return Candidate(name, state, (expression,), parents, free_nodes=free_nodes)
@@ -145,7 +146,7 @@ def without_signs(term: Product, variables: np.ndarray) -> list[Product]:
     return [part for _, part in substituted(of_term(term), plain).parts]
 
 
-def sparing(term: Product, declared: Sequence[Product]) -> int:
+def nodes_saved(term: Product, declared: Sequence[Product]) -> int:
     """Return how many nodes a term saves if a declared term inside it counts as one node.
 
     Parameters

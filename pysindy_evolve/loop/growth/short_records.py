@@ -18,7 +18,7 @@ from ...equations import Equations
 from ...operators import Operator
 from ...terms import Product, mul, only_term, variable
 from ..effects.candidate import Candidate
-from ..effects.missing import candidates, fitted
+from ..effects.missing import candidates, fitted_terms
 from ..effects.names import EVOLVED
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, with_columns
@@ -30,7 +30,7 @@ from ..given.ranges import Ranges
 from ..given.rows import variables_of
 from ..given.rules import Rules
 from ..given.segments import Segments
-from .naming import named, shifted
+from .naming import has_arbitrary_zero, named
 from .seeds import small_terms
 
 __all__ = ["find_small", "is_better"]
@@ -108,10 +108,10 @@ def _proposed(
     terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: (term.size, term.constants))
     terms = terms[: MOST // len(design.open_states)]
     ranges = Ranges.of(rows)
-    known, present = candidates(design, ranges), fitted(design)
+    known, present = candidates(design, ranges), fitted_terms(design)
     found = []
     for state in design.open_states:
-        shiftable = shifted(design, state, ranges.signed)
+        shiftable = has_arbitrary_zero(design, state, ranges.signed)
         grown = [named(term, state, known, rows[:, :-1], shiftable) for term in terms]
         found += [c for c in grown if c.name == EVOLVED and (state, c.terms[0]) not in present]
     return [replace(c, parents=(), shape=shape_of(c), never_paired=True) for c in found]

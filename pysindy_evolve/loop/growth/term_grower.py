@@ -16,7 +16,7 @@ from ...breeding.poles import has_pole
 from ...operators import Operator
 from ...terms import variable
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import candidates, fitted, standing, zeros_of
+from ..effects.missing import candidates, fitted_terms, offsets_setting_zeros, terms_in
 from ..effects.names import CONSTANT_OFFSET, EVOLVED
 from ..effects.stops import is_stop
 from ..evidence.findings import Finding, with_columns
@@ -141,7 +141,7 @@ class TermGrower:
     def _grow(self, design: Design, rng: np.random.Generator) -> list[Candidate]:
         if not self.operators or self.seen.by_trajectory or len(self.fresh.z) < MIN_FRESH:
             return []
-        known = fitted(design)  # a known coefficient may be wrong, so its term is tried again
+        known = fitted_terms(design)  # a known coefficient may be wrong, so its term is tried again
         grown = grow(self.declared, design, self.seen, self.operators, rng, self.rules.n_jobs)
         fresh = (c for c in grown if (c.state, c.terms[0]) not in known)
         rows, records = self.seen.rows, self.seen.records
@@ -177,7 +177,7 @@ class TermGrower:
 def _zeros_beside(names: Sequence[Candidate], design: Design) -> list[Candidate]:
     """Return the offsets that named effects still lack, for states with arbitrary zeros."""
     terms = {(c.state, term) for c in names for term in c.terms}
-    zeros = zeros_of(terms, len(design.states)) - terms - standing(design)
+    zeros = offsets_setting_zeros(terms, len(design.states)) - terms - terms_in(design)
     return [Candidate(CONSTANT_OFFSET, state, (term,)) for state, term in zeros]
 
 

@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 from ...hidden_states.memory import DELAY, LAG, Memory
 from ..evidence.findings import Finding, MemoryFinding
 
-__all__ = ["Chain", "Traded", "chains_in", "traded", "untraded"]
+__all__ = ["Chain", "Traded", "chains_in", "with_trade", "with_trades_done"]
 
 MOST = 0.95  # largest share of a memory that may be traded for another one
 
@@ -69,7 +69,7 @@ def chains_in(findings: Sequence[Finding]) -> list[tuple[MemoryFinding, MemoryFi
     ]
 
 
-def traded(memory: Memory, present: Sequence[Memory]) -> Memory:
+def with_trade(memory: Memory, present: Sequence[Memory]) -> Memory:
     """Return a delay or lag in exchange for which the other one is shortened by as much.
 
     Parameters
@@ -93,7 +93,7 @@ def traded(memory: Memory, present: Sequence[Memory]) -> Memory:
     return Traded(memory.kind, memory.column, memory.values, present_value, memory.values[0])
 
 
-def untraded(findings: Sequence[Finding]) -> list[Finding]:
+def with_trades_done(findings: Sequence[Finding]) -> list[Finding]:
     """Return findings with all trades done: the other memories shortened, the new ones plain.
 
     Parameters

@@ -22,12 +22,12 @@ from ..given.segments import Segments
 from .probes import MemoryCandidate, Probes
 from .reach import best_of_kinds, exchanged, reach_of
 
-__all__ = ["memory_instead", "outdoes_memories"]
+__all__ = ["beats_tuned_memories", "memory_instead"]
 
 WORTH_IT = 0.5  # share of the effect's gain that input and memory together must reach to be tuned
 
 
-def outdoes_memories(
+def beats_tuned_memories(
     ways: Sequence[Candidate], design: Design, part: Segments, memories: Sequence[Memory]
 ) -> bool:
     """Tell whether one of several effects gains clearly more than all tuned memories of inputs.
@@ -62,7 +62,7 @@ def memory_instead(
     found : sequence of Finding
         An effect, or a pair of them; no memory.
     design, part, memories
-        As in `outdoes_memories`.
+        As in `beats_tuned_memories`.
 
     Returns
     -------

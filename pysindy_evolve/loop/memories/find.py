@@ -9,7 +9,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from ...hidden_states.memory import LAG, Memory, remembered
+from ...hidden_states.memory import LAG, Memory, with_memories_applied
 from ...terms import variable
 from ..effects.candidate import Candidate, rewritten
 from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in, with_findings
@@ -22,11 +22,11 @@ from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .chains import Chain, Traded, chains_in
-from .effect_or_memory import memory_instead, outdoes_memories
+from .effect_or_memory import beats_tuned_memories, memory_instead
 from .probes import MemoryCandidate, Probes, grid_of, users_of
 from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
 
-__all__ = ["find_with_memories", "of_kinds_again", "resettled"]
+__all__ = ["find_with_memories", "resettled", "with_kinds_rechosen"]
 
 
 def find_with_memories(
@@ -60,7 +60,7 @@ def find_with_memories(
     offer = offer_for(design, part, relaxing=relaxing, springs=springs)
     if not memories:
         return find(declared, design, offer.part, rules, rng, offer.propose)
-    if offer.relaxes and not outdoes_memories(offer.ways, design, offer.part, memories):
+    if offer.relaxes and not beats_tuned_memories(offer.ways, design, offer.part, memories):
         offer = offer_for(design, part, relaxing=False, springs=springs)
     part = offer.part
     probes = Probes(design, tuple(memories))
@@ -153,7 +153,7 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
     kept = list(findings)
     for finding in (f for f in findings if isinstance(f, MemoryFinding)):
         others = memories_in(excluding(kept, finding))
-        pieces = part.of([remembered(record, others) for record in part.records])
+        pieces = part.of([with_memories_applied(record, others) for record in part.records])
         tuned = reach_of(finding.memory, design, pieces)
         (exchange,) = exchanged([tuned], design, pieces)
         place = kept.index(finding)
@@ -163,7 +163,7 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
     return kept
 
 
-def of_kinds_again(
+def with_kinds_rechosen(
     findings: Sequence[Finding],
     design: Design,
     part: Segments,
@@ -195,7 +195,7 @@ def of_kinds_again(
             continue
         others = memories_in(excluding(kept, finding))
         if all(other.column != finding.memory.column for other in others):
-            pieces = part.of([remembered(record, others) for record in part.records])
+            pieces = part.of([with_memories_applied(record, others) for record in part.records])
             again = _settled(finding, design, pieces, level, rng, others)
             is_same = again.memory.kind == finding.memory.kind
             kept[place] = replace(finding, rivals=again.rivals) if is_same else again
@@ -209,7 +209,7 @@ def _with_tuned_chains(
     found = list(findings)
     for chain in chains_in(findings):
         others = memories_in([f for f in findings if f not in chain])
-        pieces = part.of([remembered(record, others) for record in part.records])
+        pieces = part.of([with_memories_applied(record, others) for record in part.records])
         values = tuple(finding.memory.values[0] for finding in chain)
         tuned_chain = chain_of(Chain(LAG, chain[0].memory.column, values), design, pieces)
         for finding, value in zip(chain, tuned_chain.values, strict=True):

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...hidden_states.memory import Memory, remembered
+from ...hidden_states.memory import Memory, with_memories_applied
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, constant, mul, sub
@@ -70,9 +70,11 @@ def polished(
                 continue
             memories = memories_in(found)
             others = [memory for memory in memories if memory is not finding.memory]
-            coef = refit(design, [remembered(r, memories) for r in records], "derivative")
-            rows = [remembered(record, others) for record in records]
-            part = whole.of([remembered(record, others) for record in whole.records])
+            coef = refit(
+                design, [with_memories_applied(r, memories) for r in records], "derivative"
+            )
+            rows = [with_memories_applied(record, others) for record in records]
+            part = whole.of([with_memories_applied(record, others) for record in whole.records])
             found[k] = _stepped(finding, design, coef, rows, part, rng)
     return found
 

@@ -25,7 +25,7 @@ from ..evidence.trace import fold_errors
 from ..fitting.linear import log_ratio, summed
 from ..given.design import Column, Design
 from ..given.segments import Segments
-from .chains import traded
+from .chains import with_trade
 
 __all__ = ["RATIO", "Exchange", "MemoryCandidate", "Probes", "exchanges", "grid_of", "users_of"]
 
@@ -68,7 +68,7 @@ def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> l
         Pieces of the training records.
     present : sequence of Memory
         Memories that the inputs have already. No kind is tried twice; for another one they may be
-        shortened, see `traded`.
+        shortened, see `with_trade`.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> l
         for kind in (k for k in longest if k not in kinds):
             value = SHORTEST / highest
             while value < longest[kind]:
-                found.append(traded(Memory(kind, column, (value,)), present))
+                found.append(with_trade(Memory(kind, column, (value,)), present))
                 value *= RATIO
     return found
 

@@ -11,17 +11,17 @@ from ...export import format_expression, format_number
 from ...terms import ONE
 from ..effects.names import FORCING
 from ..given.kinematics import disagreement
-from .dilution import diluted
+from .dilution import dilution_sentences
 from .exchangeable_poles import exchangeable_poles
-from .extrapolation import beyond
+from .extrapolation import extrapolation_sentences
 from .held_delays import held_delays, short_delays
-from .missed import RUNAWAY, missed
+from .missed import RUNAWAY, misfit_sentences
 from .one_force import one_force
 from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
 from .shared_lines import shared_lines
 from .slow_states import slow_drifts
-from .start_noise import moved_by_starts
+from .start_noise import run_std_from_start_noise
 from .unidentified import unidentified_sentences
 from .units import percent
 
@@ -101,7 +101,7 @@ def _worse(report: LoopReport) -> list[str]:
         before, after = (getattr(errors, kind) for errors in (report.before, report.after))
         worse = (before < RUNAWAY) & ~(after <= np.maximum(GREW_TIMES * before, before + GREW_BY))
         if kind == "simulation_error" and not model.n_algebraic and worse.any():
-            by_start = after - before <= moved_by_starts(report.after.model, report.test)
+            by_start = after - before <= run_std_from_start_noise(report.after.model, report.test)
             worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts
         for k in np.flatnonzero(worse):
             now = percent(after[k]) if np.isfinite(after[k]) else "no finite value"
@@ -229,7 +229,7 @@ CAUTIONS = (
     _held,
     slow_drifts,
     _unidentified,
-    diluted,
+    dilution_sentences,
     exchangeable_poles,
     _changed_parameters,
     _worse,
@@ -237,7 +237,7 @@ CAUTIONS = (
     _lines,
     _offsets,
     _numbers,
-    beyond,
-    missed,
+    extrapolation_sentences,
+    misfit_sentences,
     _leaves_structure,
 )  # in the order of the report

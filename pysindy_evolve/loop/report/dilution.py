@@ -28,7 +28,7 @@ from ..given.sticking import noise_of
 if TYPE_CHECKING:
     from .report import LoopReport
 
-__all__ = ["diluted"]
+__all__ = ["dilution_sentences"]
 
 NOISE_SHARE = 0.1  # noise in the mean square of a combination: its weight is too small by as much
 PARTICIPATES = 0.1  # of the largest term of a combination: smaller ones are not named
@@ -36,7 +36,7 @@ LOST_RUN = 50.0  # percent, error of a free run; below it the run confirms the c
 RIDGE = 1e-12  # of the mean square of a term: keeps the Gram matrix of collinear terms invertible
 
 
-def diluted(report: LoopReport) -> list[str]:
+def dilution_sentences(report: LoopReport) -> list[str]:
     """Name the parameters that noise in the states makes too small, or otherwise wrong.
 
     Parameters

@@ -11,7 +11,7 @@ import numpy as np
 from ...export import format_expression
 from ...export.compact import as_written
 from ...export.symbolic import without_sign
-from ...hidden_states.path_states import sayings
+from ...hidden_states.path_states import path_sentences
 from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT
 from ..effects.names import FORCING, INERTIA, RIPPLE
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from .effect import Alternative, Effect
 
 __all__ = [
-    "called",
     "evidence",
+    "name_of_alternative",
     "named_together",
     "numbers_inside",
     "sentence",
@@ -46,7 +46,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     lines = _quantities(effect) if effect.quantities else _coefficients(effect, symbols)
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
-    paths = sayings(
+    paths = path_sentences(
         effect.expressions, [str(symbol) for symbol in symbols], _intervals_of_numbers(effect)
     )
     lines += _wrapped(paths, wide) or numbers_inside(effect)
@@ -122,12 +122,12 @@ def named_together(effect: Effect) -> list[str]:
     return [f"together with another effect here it is also called {n}" for n in effect.together]
 
 
-def _wrapped(sayings: Sequence[str], wide: bool) -> list[str]:
+def _wrapped(sentences: Sequence[str], wide: bool) -> list[str]:
     """Break sentences into lines, unless they may be of any width."""
     if wide:
-        return list(sayings)
+        return list(sentences)
     options: dict[str, Any] = {"subsequent_indent": "  ", "break_on_hyphens": False}
-    return [line for text in sayings for line in wrap(text, 92, **options)]
+    return [line for text in sentences for line in wrap(text, 92, **options)]
 
 
 def numbers_inside(effect: Effect) -> list[str]:
@@ -154,13 +154,13 @@ def alternative(rival: Alternative, effect: Effect) -> str:
 
     Another form of the effect itself was not tested, and has no p-value.
     """
-    name = called(rival, effect, "the same in the form")
+    name = name_of_alternative(rival, effect, "the same in the form")
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
     p_text = "" if rival.name == effect.name else f" (p = {rival.p_value:.2g})"
     return f"{name} {format_expression(rival.force)}{where}{p_text}"
 
 
-def called(rival: Alternative, effect: Effect, as_form: str) -> str:
+def name_of_alternative(rival: Alternative, effect: Effect, as_form: str) -> str:
     """Return the name of an alternative; `as_form` if it is the effect in another form."""
     if rival.name != effect.name:
         return rival.name

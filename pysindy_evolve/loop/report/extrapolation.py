@@ -15,7 +15,7 @@ from .units import percent
 if TYPE_CHECKING:
     from .report import LoopReport
 
-__all__ = ["beyond"]
+__all__ = ["extrapolation_sentences"]
 
 RANGE_MARGIN = 0.1  # excess beyond the training range that counts, as a share of that range
 # Percent of the standard deviation: least error of the derivative, row by row and averaged over
@@ -24,7 +24,7 @@ LEAST_ERROR = 10.0
 ERROR_RATIO = 3.0  # least ratio of the held-out error to the training error
 
 
-def beyond(report: LoopReport) -> list[str]:
+def extrapolation_sentences(report: LoopReport) -> list[str]:
     """Warn if the model errs far more on held-out data, and these leave the training range.
 
     Parameters

@@ -15,7 +15,7 @@ from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .effect_text import (
-    called,
+    name_of_alternative,
     named_together,
     numbers_inside,
     whose_share,
@@ -23,7 +23,7 @@ from .effect_text import (
     without_rivals,
 )
 from .remains import remains
-from .text import added_up, free_parameters, table_cells, verdict_of
+from .text import free_parameters, note_on_shared_terms, table_cells, verdict_of
 from .units import check_units, with_unit
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         after=equations_mathml(report.after.model),
         parameters=[
             [_unbroken(free_parameters(report.before))],
-            [_unbroken(free_parameters(report.after)), *added_up(report)],
+            [_unbroken(free_parameters(report.after)), *note_on_shared_terms(report)],
         ],
         head=head,
         rows=rows,
@@ -113,7 +113,7 @@ def _rival(rival: Alternative, effect: Effect) -> tuple[str, str, str, str]:
     The equation is empty if it is that of the effect, the p-value if it was not tested.
     """
     where = "" if rival.state == effect.state else rival.state
-    name = called(rival, effect, "the same in another form")
+    name = name_of_alternative(rival, effect, "the same in another form")
     p_text = "" if rival.name == effect.name else f"{rival.p_value:.2g}"
     return name, expression_mathml(rival.force), where, p_text
 

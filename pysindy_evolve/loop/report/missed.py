@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .slow_states import slow_rest
-from .start_noise import moved_by_starts
+from .start_noise import run_std_from_start_noise
 from .unexplained import unexplained
 from .units import percent
 
 if TYPE_CHECKING:
     from .report import LoopReport
 
-__all__ = ["NOTABLE", "RUNAWAY", "missed"]
+__all__ = ["NOTABLE", "RUNAWAY", "misfit_sentences"]
 
 # Errors of a free run, percent of the standard deviation.
 NOTABLE = 20.0  # more than a small error of a parameter causes
@@ -33,7 +33,7 @@ SHORT = (
 )
 
 
-def missed(report: LoopReport) -> list[str]:
+def misfit_sentences(report: LoopReport) -> list[str]:
     """Say by how much the free run over the held-out data errs; if it follows, the derivative.
 
     Parameters
@@ -67,7 +67,7 @@ def _why(report: LoopReport) -> str:
 
 
 def _of_run(report: LoopReport, error: float) -> list[str]:
-    moved = float(np.max(moved_by_starts(report.after.model, report.test)))
+    moved = float(np.max(run_std_from_start_noise(report.after.model, report.test)))
     if np.isfinite(error) and moved > BY_START * error:
         does = f"moves it by {percent(moved)}" if np.isfinite(moved) else "lets it diverge"
         sentence = (

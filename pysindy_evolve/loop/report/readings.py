@@ -9,10 +9,12 @@ import sympy
 
 from .effect import Effect
 
-__all__ = ["as_read"]
+__all__ = ["clipped_by_sensors"]
 
 
-def as_read(run: np.ndarray, states: Sequence[str], effects: Sequence[Effect]) -> np.ndarray:
+def clipped_by_sensors(
+    run: np.ndarray, states: Sequence[str], effects: Sequence[Effect]
+) -> np.ndarray:
     """Return a run (n_samples, n_states) clipped where the sensor of a state was found to clip."""
     run = np.array(run)
     for effect in (each for each in effects if each.of_sensor):

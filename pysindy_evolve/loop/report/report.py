@@ -22,7 +22,7 @@ from ..given.held import held_like
 from ..given.rules import Rules
 from .effect import Effect, Errors, Step
 from .experiment import Plan, plan
-from .readings import as_read
+from .readings import clipped_by_sensors
 from .residuals import residual_of
 from .sindy import as_sindy
 from .text import as_markdown, as_text
@@ -143,7 +143,7 @@ class LoopReport:
                 "Simulate one record at a time."
             )
         states = free_run(self.equations, held_like(record, self.train))
-        return as_read(states, self.equations.states, self.effects)
+        return clipped_by_sensors(states, self.equations.states, self.effects)
 
     def __str__(self) -> str:
         return as_text(self)

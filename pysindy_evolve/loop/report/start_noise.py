@@ -12,10 +12,10 @@ from ...signals import Record
 from ..fitting.runs import free_run, nrmse
 from ..given.sticking import noise_of
 
-__all__ = ["moved_by_starts"]
+__all__ = ["run_std_from_start_noise"]
 
 
-def moved_by_starts(equations: Equations, records: Sequence[Record]) -> np.ndarray:
+def run_std_from_start_noise(equations: Equations, records: Sequence[Record]) -> np.ndarray:
     """Return the standard deviation of free runs due to sensor noise in their first state.
 
     Parameters

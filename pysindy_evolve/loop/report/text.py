@@ -22,7 +22,14 @@ if TYPE_CHECKING:
     from .effect import Effect, Errors
     from .report import LoopReport
 
-__all__ = ["added_up", "as_markdown", "as_text", "free_parameters", "table_cells", "verdict_of"]
+__all__ = [
+    "as_markdown",
+    "as_text",
+    "free_parameters",
+    "note_on_shared_terms",
+    "table_cells",
+    "verdict_of",
+]
 
 VERDICTS = {
     "complete": "complete: nothing is missing that this data can show.",
@@ -68,7 +75,7 @@ def as_text(report: LoopReport) -> str:
         "Declared model, fitted\n" + indent(_model(report.before), "    "),
     ]
     if report.effects:
-        lines = "\n".join([_model(report.after), *added_up(report), *readings(report)])
+        lines = "\n".join([_model(report.after), *note_on_shared_terms(report), *readings(report)])
         parts.append("Corrected model\n" + indent(lines, "    "))
     parts.append(_table(report))
     symbols = report.equations.inner_symbols
@@ -88,7 +95,7 @@ def _model(errors: Errors) -> str:
     return "\n".join(line for line in lines if line)
 
 
-def added_up(report: LoopReport) -> list[str]:
+def note_on_shared_terms(report: LoopReport) -> list[str]:
     """Say so where the equations do not show an effect as it is printed below, but a sum.
 
     With a varying inertia they show none as printed; the line of that effect says so.
@@ -191,7 +198,7 @@ def as_markdown(report: LoopReport) -> str:
         f"Declared model, fitted:\n\n{_code(_model(report.before))}",
     ]
     if report.effects:
-        text = "\n".join([_model(report.after), *added_up(report), *readings(report)])
+        text = "\n".join([_model(report.after), *note_on_shared_terms(report), *readings(report)])
         parts.append(f"Corrected model:\n\n{_code(text)}")
     head, rows = table_cells(report)
     lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
 from ..evidence.scoring import quick_fit
-from ..fitting.past import begun
+from ..fitting.past import with_estimated_past
 from ..given.design import Design
 from ..given.segments import Segments
 from ..memories.find import resettled
@@ -72,23 +72,24 @@ def settled_beginning(
     plain, wide = tuple(plain), part.records
     for _ in range(N_ROUNDS):
         memories = memories_in(found)
-        equations = quick_fit(design, part.of([remembered(record, memories) for record in wide]))
+        acted = part.of([with_memories_applied(record, memories) for record in wide])
+        equations = quick_fit(design, acted)
         model = with_memories(equations, memories)
         elsewhere = [not _begins_alike(*both) for both in zip(part.records, wide, strict=True)]
-        previous, wide = wide, _begun(model, wide, elsewhere)
+        previous, wide = wide, _with_estimated_pasts(model, wide, elsewhere)
         if all(_begins_alike(*both) for both in zip(previous, wide, strict=True)):
             break
-        plain = _begun(model, plain, elsewhere)
-        found = resettled(found, design, part.begun(wide))
+        plain = _with_estimated_pasts(model, plain, elsewhere)
+        found = resettled(found, design, part.with_pasts_of(wide))
     return Beginning(tuple(found), plain, wide)
 
 
-def _begun(
+def _with_estimated_pasts(
     model: Equations, records: Sequence[Record], elsewhere: Sequence[bool]
 ) -> tuple[Record, ...]:
     """Estimate past inputs again; where they are known to differ, errors need not exceed noise."""
     pairs = zip(records, elsewhere, strict=True)
-    return tuple(begun(model, record, doubted=is_known) for record, is_known in pairs)
+    return tuple(with_estimated_past(model, record, doubted=is_known) for record, is_known in pairs)
 
 
 def _begins_alike(record: Record, other: Record) -> bool:

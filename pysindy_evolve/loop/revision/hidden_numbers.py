@@ -24,12 +24,18 @@ from ..evidence.findings import Finding, excluding, with_findings
 from ..evidence.scoring import LEAD, tuned
 from ..fitting.fit import refit
 from ..fitting.shooting import fit_to_runs, gains_of_runs
-from ..fitting.unfolding import paths_of, retuned, square_left, unfolded, with_paths
+from ..fitting.unfolding import (
+    paths_of,
+    records_with_hidden_states,
+    retuned,
+    square_left,
+    with_hidden_states,
+)
 from ..given.design import Design
 from ..given.segments import Segments
 from .revise import exchange
 
-__all__ = ["needed_by_runs", "smooth_in", "with_numbers", "with_numbers_of_runs"]
+__all__ = ["filter_like_paths", "needed_by_runs", "with_numbers", "with_numbers_of_runs"]
 
 N_ROUNDS = 2
 # Hidden states without the jumps of a friction; a filter of the record may look like them.
@@ -98,11 +104,12 @@ def with_numbers_of_runs(
         tuned_design = with_findings(declared, at(coef))
         return square_left(tuned_design, records, coef[: len(design.columns)])
 
-    coef = fit_to_runs(unfolded(design, free=True), initial, with_paths(design, records), loss)
+    many, shown = with_hidden_states(design, free=True), records_with_hidden_states(design, records)
+    coef = fit_to_runs(many, initial, shown, loss)
     return list(findings) if coef is None else at(coef)
 
 
-def smooth_in(design: Design) -> tuple[Call, ...]:
+def filter_like_paths(design: Design) -> tuple[Call, ...]:
     """Return the hidden states of a design that may only imitate a filter."""
     return tuple(path for path in design.paths if path.operator in SMOOTH)
 
@@ -132,7 +139,7 @@ def needed_by_runs(
     for finding in findings:
         rest = excluding(kept, finding)
         few, many = (with_findings(declared, effects) for effects in (rest, kept))
-        new = set(smooth_in(many)) - set(smooth_in(few))
+        new = set(filter_like_paths(many)) - set(filter_like_paths(few))
         sound = all(is_sound(path, longest) for path in new)
         if new and not (
             sound and _opposes(finding, many, records) and _better_runs(few, many, records)

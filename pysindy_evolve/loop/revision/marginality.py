@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from ...terms import Call, Sum, of_term
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import standing
+from ..effects.missing import terms_in
 from ..effects.names import ASYMMETRIC_FRICTION, NONLINEAR_DAMPING
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
 from ..evidence.scoring import MARGIN, score
@@ -65,7 +65,7 @@ def _with_parents(candidate: Candidate, parents: Sequence[Finding]) -> Candidate
 def _renamed(finding: Finding, findings: Sequence[Finding], declared: Design) -> Finding:
     """Return a finding, renamed if no friction stands beside it."""
     candidate = finding.candidate
-    present = standing(with_columns(declared, findings))
+    present = terms_in(with_columns(declared, findings))
     if candidate.name not in ALONE or any(
         _is_sign(term) for state, term in present if state == candidate.state
     ):

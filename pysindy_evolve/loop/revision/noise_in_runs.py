@@ -68,7 +68,7 @@ def _is_noise(
     rows = None if drift is None else drift.trial.rows()
     if drift is None or rows is None:
         return False
-    (with_it,) = converged([drift.begun(model_of(declared, [*rest, finding]))])
+    (with_it,) = converged([drift.trial_of(model_of(declared, [*rest, finding]))])
     inputs = frozenset(v - len(declared.states) for v in finding.candidate.variables)
     drawn = [_moved_by_noise(drift, inputs, child) for child in rng.spawn(N_DRAWS)]
     removed = _power(rows, drift.trial.miss) - _power(rows, with_it.miss)
@@ -92,4 +92,4 @@ def _error(record: Record, rng: np.random.Generator, inputs: frozenset[int]) -> 
 
 def _power(rows: Rows, missed: np.ndarray) -> float:
     """Return the power of misses, (n_stretches, n, n_states), that changed starts leave."""
-    return float(np.mean(rows.freed(rows.of(missed)) ** 2))
+    return float(np.mean(rows.without_starts(rows.of(missed)) ** 2))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, excluding, is_needed
 from ..evidence.scoring import MARGIN
@@ -19,10 +19,10 @@ from ..free_runs.judging import model_of
 from ..free_runs.variants import Model
 from ..given.design import Design
 
-__all__ = ["without_outlived"]
+__all__ = ["without_superseded"]
 
 
-def without_outlived(
+def without_superseded(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record], wide: Sequence[Record]
 ) -> list[Finding]:
     """Return findings without those that neither the derivative nor free runs need any longer.
@@ -47,7 +47,7 @@ def without_outlived(
         if _may_be_superseded(finding, rest):
             sides = model_of(declared, findings), model_of(declared, rest)
             if _derivative_loss(*sides, wide) < MARGIN and _loss_of_runs(*sides, records) < MARGIN:
-                return without_outlived(declared, rest, records, wide)
+                return without_superseded(declared, rest, records, wide)
     return list(findings)
 
 
@@ -63,7 +63,7 @@ def _derivative_loss(many: Model, few: Model, wide: Sequence[Record]) -> float:
     """Return log(error of the derivative with few effects / with many)."""
     errors = []
     for model in (many, few):
-        acted = [remembered(record, model.memories) for record in wide]
+        acted = [with_memories_applied(record, model.memories) for record in wide]
         coef = refit(model.whole, acted, "derivative")
         errors.append(derivative_square(model.whole, acted, coef))
     return log_ratio(errors[1], errors[0])

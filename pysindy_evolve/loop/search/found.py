@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...hidden_states.memory import preceded, remembered
+from ...hidden_states.memory import with_memories_applied, with_past_inputs
 from ...operators import Operator
 from ...signals import Record
 from ...signals.zero_order_hold import hold
@@ -22,7 +22,7 @@ from ..evidence.findings import (
     next_step,
     with_findings,
 )
-from ..evidence.offers import awaited
+from ..evidence.offers import after_settling
 from ..evidence.rejected import Rejected
 from ..evidence.structure import structure_chance
 from ..fitting.unfolding import paths_of
@@ -97,7 +97,7 @@ class Found:
 
         Rows in which a hidden state has not settled yet carry no weight.
         """
-        return awaited(self.design, self.pieces_with(self.findings))
+        return after_settling(self.design, self.pieces_with(self.findings))
 
     @cached_property
     def design(self) -> Design:
@@ -160,7 +160,7 @@ class Found:
         """Return the pieces as they are with memories and limits, and inputs that may be held."""
         memories, limits = memories_in(findings), limits_in(findings)
         held = [held_where_it_may_be(record, late) for record in self.wide_records]
-        part = self.pieces.of([remembered(record, memories) for record in held])
+        part = self.pieces.of([with_memories_applied(record, memories) for record in held])
         return off_limits(part, limits) if findings else part
 
     def with_findings(self, findings: Sequence[Finding]) -> Found:
@@ -190,15 +190,15 @@ class Found:
         late = {one.column: one.values[0] / step for one in memories_in(self.findings)}
         return self.with_findings([]).with_held(late, hold)
 
-    def begun(self, records: Sequence[Record], wide: Sequence[Record]) -> Found:
+    def with_pasts_of(self, records: Sequence[Record], wide: Sequence[Record]) -> Found:
         """Return the same with records that differ in what came before them."""
-        return replace(self, records=records, pieces=self.pieces.begun(wide), grown=Grown())
+        return replace(self, records=records, pieces=self.pieces.with_pasts_of(wide), grown=Grown())
 
     def after(self, pasts: Sequence[Sequence[float]]) -> Found:
         """Return the same with inputs before the first sample of each record."""
         sides = (self.records, self.wide_records)
-        records, wide = (list(map(preceded, side, pasts)) for side in sides)
-        return self.begun(records, wide)
+        records, wide = (list(map(with_past_inputs, side, pasts)) for side in sides)
+        return self.with_pasts_of(records, wide)
 
     def emptied(self) -> Found:
         """Return the records as they are read by now, without findings."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ...signals.zero_order_hold import HALF
 from ..evidence.findings import Finding, MemoryFinding, excluding, with_findings
-from ..evidence.offers import awaited
+from ..evidence.offers import after_settling
 from ..given.held import held_where_it_may_be
 from ..memories.chains import Traded
 from ..memories.hold_or_memory import (
@@ -79,7 +79,9 @@ def _hidden_holds(found: Found) -> dict[int, float]:
     designs = [with_findings(found.declared, findings) for findings in sets]
     part, late = in_pieces(found.corrected_pieces), {}
     for column in columns:
-        held_pieces = awaited(found.design, found.pieces_with(found.findings, {column: HALF}))
+        held_pieces = after_settling(
+            found.design, found.pieces_with(found.findings, {column: HALF})
+        )
         held = in_pieces(held_pieces)
         if any(hold_beside_another(column, design, part, held) for design in designs):
             late[column] = HALF

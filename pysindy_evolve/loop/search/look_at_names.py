@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..evidence.findings import Finding, excluding, memories_in
-from ..evidence.offers import awaited
-from ..memories.chains import untraded
+from ..evidence.offers import after_settling
+from ..memories.chains import with_trades_done
 from ..memories.find import find_with_memories, resettled
 from ..revision.beginnings import settled_beginning
-from ..revision.hidden_numbers import needed_by_runs, smooth_in, with_numbers
+from ..revision.hidden_numbers import filter_like_paths, needed_by_runs, with_numbers
 from ..revision.revise import exchange, merged, prune
 from ..revision.sharing import with_shared_numbers
 from .found import Found
@@ -45,7 +45,7 @@ def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
             found, kept = without_holds(found, new)
             if not kept:  # it was how the input was recorded, and no memory of the machine
                 continue
-            found = _begun(found, untraded([*found.findings, *kept]))
+            found = _with_settled_beginning(found, with_trades_done([*found.findings, *kept]))
         else:
             found = found.with_findings([*found.findings, *new])
             if not _relaxes(found, known):
@@ -104,11 +104,11 @@ def _or_grown(
     return found.with_findings([*known.findings, *(replace(one, step=step) for one in grown)])
 
 
-def _begun(found: Found, findings: list[Finding]) -> Found:
+def _with_settled_beginning(found: Found, findings: list[Finding]) -> Found:
     """Take up memories, in records that begin where their first rows say."""
-    part = awaited(found.with_findings(findings).design, found.pieces)
-    begun = settled_beginning(found.declared, findings, found.records, part)
-    return found.begun(begun.plain, begun.wide).with_findings(begun.findings)
+    part = after_settling(found.with_findings(findings).design, found.pieces)
+    start = settled_beginning(found.declared, findings, found.records, part)
+    return found.with_pasts_of(start.plain, start.wide).with_findings(start.findings)
 
 
 def _exchanged(found: Found) -> Found:
@@ -133,7 +133,7 @@ def _if_needed(found: Found, known: Found) -> Found:
 def _tuned(found: Found) -> Found:
     if not memories_in(found.findings):
         return found
-    part = awaited(found.design, found.pieces)
+    part = after_settling(found.design, found.pieces)
     return found.with_findings(resettled(found.findings, found.design, part))
 
 
@@ -147,5 +147,5 @@ def _pruned(found: Found) -> Found:
 
 def _relaxes(found: Found, known: Found) -> bool:
     """Tell whether a relaxation or a spring came in, which needs more proof than others."""
-    now, then = (len(smooth_in(side.design)) for side in (found, known))
+    now, then = (len(filter_like_paths(side.design)) for side in (found, known))
     return now > then

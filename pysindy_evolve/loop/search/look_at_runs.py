@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..effects.names import EVOLVED
-from ..evidence.offers import awaited
-from ..free_runs.comparison import held_against
+from ..evidence.offers import after_settling
+from ..free_runs.comparison import exchanged_by_runs
 from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of
 from ..free_runs.named_effects import find_by_runs
@@ -17,13 +17,13 @@ from ..free_runs.sensor_limits import clipped_sensors
 from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs
 from ..free_runs.two_for_one import two_for_one
 from ..free_runs.unnamed import find_unnamed
-from ..memories.chains import untraded
-from ..memories.find import of_kinds_again
+from ..memories.chains import with_trades_done
+from ..memories.find import with_kinds_rechosen
 from ..revision.errors_in_inputs import without_errors_in_inputs
 from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
 from ..revision.noise_in_runs import without_noise_in_runs
 from ..revision.revise import exchange, merged, prune
-from ..revision.superseded import without_outlived
+from ..revision.superseded import without_superseded
 from ..revision.thinning import thinned
 from .found import Found
 from .holding import without_holds
@@ -63,7 +63,7 @@ def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
         if not new:  # it was how the input was recorded
             yield from find_in_runs(found, rng)
             return
-        findings = untraded([*found.findings, *new])
+        findings = with_trades_done([*found.findings, *new])
         found = (found.after(pasts) if pasts else found).with_findings(findings)
         found = _of_kinds_again(found, child)
     yield found
@@ -94,9 +94,9 @@ def hold_against_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]
 
 def _of_kinds_again(found: Found, rng: np.random.Generator) -> Found:
     """Ask of what kind the memories are that were found before what runs showed."""
-    part = awaited(found.design, found.pieces)
+    part = after_settling(found.design, found.pieces)
     level = found.rules.significance
-    return found.with_findings(of_kinds_again(found.findings, found.design, part, level, rng))
+    return found.with_findings(with_kinds_rechosen(found.findings, found.design, part, level, rng))
 
 
 def _with_unnamed(found: Found, rng: np.random.Generator) -> Found:
@@ -122,7 +122,7 @@ def _without_superfluous(found: Found, rng: np.random.Generator) -> Found:
     findings = exchange(found.declared, found.findings, found.corrected_pieces)
     kept = prune(found.declared, findings, found.corrected_pieces)
     if not found.remembers_states:
-        kept = without_outlived(found.declared, kept, found.records, found.wide_records)
+        kept = without_superseded(found.declared, kept, found.records, found.wide_records)
     left = found.with_findings(kept)
     return left.with_findings(thinned(left.declared, kept, left.corrected_pieces))
 
@@ -140,7 +140,7 @@ def _held_against_rivals(found: Found, rng: np.random.Generator) -> Found:
     pool = Pool(grown, found.small_terms(), part, rules.notable_gain)
     findings = one_for_several(model, findings, pool, records)
     findings = two_for_one(model, findings, records, part, rules)
-    findings = held_against(model, findings, pool, records, rules)
+    findings = exchanged_by_runs(model, findings, pool, records, rules)
     findings = shared_by_runs(model, findings, records)  # what won may have partners
     return found.with_findings(prune(declared, findings, part))
 

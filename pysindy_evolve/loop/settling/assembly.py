@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding
 from ..evidence.rivals import Rival
@@ -122,7 +122,7 @@ def _with_numbers(
 
 def _with_rivals(effect: Effect, finding: Finding, last: Stage, train: Sequence[Record]) -> Effect:
     """Return an effect whose alternatives have the coefficients that they would have."""
-    acted = [remembered(record, last.memories) for record in train]
+    acted = [with_memories_applied(record, last.memories) for record in train]
     rivals = []
     for shown, rival in zip(effect.rivals, finding.rivals, strict=True):
         coef = _in_its_place(finding, rival, last, acted)

@@ -13,14 +13,14 @@ from ..evidence.rivals import Rival, rivals_of
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["contested", "plainer"]
+__all__ = ["with_plainest_effect", "with_rivals"]
 
 # Share of the significance at which a rival is refuted. One that stays costs another measurement,
 # a cause that is lost a wrong machine: at 5 % for what is named, the cause is kept with 99 %.
 REFUTED = 0.2
 
 
-def contested(
+def with_rivals(
     declared: Design,
     findings: Sequence[Finding],
     part: Segments,
@@ -28,7 +28,7 @@ def contested(
     rng: np.random.Generator,
     grown: Sequence[Candidate] = (),
 ) -> list[Finding]:
-    """Note with each effect those that could stand in its place beside all the others.
+    """Return findings, each with the effects that could stand in its place beside all the others.
 
     Of a grown term, others that grew are among them. One that a later effect needs has no rivals:
     both would have to go.
@@ -41,13 +41,13 @@ def contested(
             found = rivals_of(finding.candidate, design, part, level, rng, grown)
             finding = replace(finding, rivals=found, contested=True)
             if part.by_trajectory:
-                finding = plainer(finding, design, significance)
+                finding = with_plainest_effect(finding, design, significance)
         judged.append(finding)
     return judged
 
 
-def plainer(finding: Finding, design: Design, significance: float) -> Finding:
-    """Put the plainest effect that the record allows in the place of one.
+def with_plainest_effect(finding: Finding, design: Design, significance: float) -> Finding:
+    """Return a finding with the plainest effect that the record allows in its place.
 
     On a short trajectory most things change with each other and with the time. What depends on the
     time says nothing about the next record, and what depends on several states is bent by how they

@@ -20,12 +20,14 @@ from ..evidence.scoring import quick_fit
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["told_by_slopes"]
+__all__ = ["with_dead_zones_named"]
 
 MOST_LEFT = 0.5  # of the slope, inside of a dead zone
 
 
-def told_by_slopes(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
+def with_dead_zones_named(
+    declared: Design, findings: Sequence[Finding], part: Segments
+) -> list[Finding]:
     """Return findings in which a clipped input is called what it is.
 
     Parameters

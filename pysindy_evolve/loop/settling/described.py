@@ -10,7 +10,7 @@ import numpy as np
 from ...checks import TINY
 from ...export import format_expression
 from ...export.compact import as_written, compact
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
 from ...terms import Sum, mul
 from ..effects.candidate import OFFSET
@@ -51,7 +51,9 @@ def described(
     written = tuple(column.inertia.wave for column in finding.columns if column.inertia)
     poorer = design.dropping(finding.columns)
     without, with_it = (
-        derivative_fit_errors(d, *([remembered(r, m) for r in rs] for rs in (train, test)))[state]
+        derivative_fit_errors(
+            d, *([with_memories_applied(r, m) for r in rs] for rs in (train, test))
+        )[state]
         for d, m in ((poorer, others), (design, stage.memories))
     )
     unknown = np.full(len(terms), np.nan)

@@ -12,19 +12,21 @@ import numpy as np
 
 from ...terms import variable
 from ..effects.candidate import OFFSET, Candidate
-from ..effects.missing import fitted
+from ..effects.missing import fitted_terms
 from ..effects.stops import begun_at_same, is_stop
 from ..evidence.findings import Finding, with_findings
 from ..evidence.scoring import quick_fit
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["on_steep_side"]
+__all__ = ["with_stops_on_steep_side"]
 
 NEAR = 1e-3  # of the largest magnitude of the position: how far from its end a stop is looked at
 
 
-def on_steep_side(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
+def with_stops_on_steep_side(
+    declared: Design, findings: Sequence[Finding], part: Segments
+) -> list[Finding]:
     """Return findings in which stops stand on the steeper side, where the model leaves that open.
 
     Parameters
@@ -40,10 +42,10 @@ def on_steep_side(declared: Design, findings: Sequence[Finding], part: Segments)
     -------
     list of Finding
     """
-    return [_on_steep_side(declared, findings, finding, part) for finding in findings]
+    return [_with_stop_on_steep_side(declared, findings, finding, part) for finding in findings]
 
 
-def _on_steep_side(
+def _with_stop_on_steep_side(
     declared: Design, findings: Sequence[Finding], finding: Finding, part: Segments
 ) -> Finding:
     candidate, shape = finding.candidate, finding.candidate.shape
@@ -61,7 +63,9 @@ def _is_open(candidate: Candidate, design: Design) -> bool:
     if len(candidate.variables) != 1:
         return False
     (position,) = candidate.variables
-    return {(candidate.state, OFFSET), (candidate.state, variable(position))} <= fitted(design)
+    return {(candidate.state, OFFSET), (candidate.state, variable(position))} <= fitted_terms(
+        design
+    )
 
 
 def _is_on_steep_side(candidate: Candidate, end: float, design: Design, part: Segments) -> bool:

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...hidden_states.memory import Memory, remembered
+from ...hidden_states.memory import Memory, with_memories_applied
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record, choose_windows
 from ..fitting.fit import Fit, derivative_errors, fit
-from ..fitting.past import begun, rates_on
+from ..fitting.past import rates_on, with_estimated_past
 from ..fitting.runs import simulation_errors
 from ..fitting.shooting import fit_by_shooting
 from ..free_runs.memory_tuning import fit_by_runs
@@ -41,7 +41,7 @@ def judge(
     something is of no interest. Memories are what the inputs go through before they act. What only
     free runs showed is also fitted to them, as the derivative does not know it.
     """
-    train = [remembered(record, memories) for record in train]
+    train = [with_memories_applied(record, memories) for record in train]
     fitted = fit(design, train, rng, rules.criterion)
     if fitted.criterion == "trajectory":
         fitted = _unless_beaten(design, fitted, train, rng)
@@ -52,7 +52,7 @@ def judge(
         fitted = fit_by_shooting(design, fitted, train) if rules.refine != "derivative" else fitted
     equations = design.equations(fitted.coef)
     whole = with_memories(equations, memories)
-    test = [remembered(begun(whole, record), memories) for record in test]
+    test = [with_memories_applied(with_estimated_past(whole, record), memories) for record in test]
     windows = choose_windows(list(train))
     derivative = derivative_errors(design, fitted.coef, test, windows)
     simulation = simulation_errors(equations, test)

@@ -14,10 +14,10 @@ from ..effects.names import COUPLING, EVOLVED
 from ..evidence.findings import Finding
 from ..given.design import Design
 
-__all__ = ["with_products_named"]
+__all__ = ["with_couplings_named"]
 
 
-def with_products_named(design: Design, findings: Sequence[Finding]) -> list[Finding]:
+def with_couplings_named(design: Design, findings: Sequence[Finding]) -> list[Finding]:
     """Return findings in which a grown product with another state in it is called a coupling.
 
     The vocabulary holds those of a state itself with another one; all of them would be many.

@@ -13,17 +13,17 @@ from dataclasses import replace
 from ...signals import Record
 from ..evidence.findings import Finding, excluding
 from ..fitting.trial import converged
-from ..free_runs.contenders import begun_with, steady_drift
+from ..free_runs.contenders import steady_drift, trial_with
 from ..free_runs.judging import EXCESS, model_of, over_noise
 from ..free_runs.shape_tuning import Contender, tuned_by_runs
 from ..given.design import Design
 
-__all__ = ["unrefuted"]
+__all__ = ["without_refuted_rivals"]
 
 FARTHER = 2.0  # times the squares that the runs of an effect miss
 
 
-def unrefuted(
+def without_refuted_rivals(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
     """Return findings with the alternatives only that runs do not refute.
@@ -41,10 +41,10 @@ def unrefuted(
     -------
     list of Finding
     """
-    return [_unrefuted(declared, findings, one, records) for one in findings]
+    return [_without_refuted_rivals(declared, findings, one, records) for one in findings]
 
 
-def _unrefuted(
+def _without_refuted_rivals(
     declared: Design, findings: Sequence[Finding], finding: Finding, records: Sequence[Record]
 ) -> Finding:
     if not finding.rivals:
@@ -54,8 +54,8 @@ def _unrefuted(
     if drift is None or over_noise(drift) > EXCESS:
         return finding
     rivals = [rival.candidate for rival in finding.rivals]
-    begun = [begun_with(rest, [rival], drift) for rival in rivals]
-    own, *trials = converged([drift.trial, *begun])
+    started = [trial_with(rest, [rival], drift) for rival in rivals]
+    own, *trials = converged([drift.trial, *started])
     fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
     tuned = tuned_by_runs(fitted, rest, drift)
     pairs = zip(finding.rivals, tuned, strict=True)

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
 from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, limits_in, memories_in, with_findings
-from ..evidence.offers import awaited
+from ..evidence.offers import after_settling
 from ..given.held import held_like
 from ..given.limits import off_limits
 from ..given.resampled import widened
@@ -23,12 +23,12 @@ from ..report.shared_lines import shared_lines
 from ..search.found import Found
 from .assembly import make_report
 from .asymmetry import with_asymmetry
-from .contest import contested
-from .dead_zones import told_by_slopes
+from .contest import with_rivals
+from .dead_zones import with_dead_zones_named
 from .doubtful import most_doubtful
-from .end_stops import on_steep_side
-from .products import with_products_named
-from .refuted import unrefuted
+from .end_stops import with_stops_on_steep_side
+from .products import with_couplings_named
+from .refuted import without_refuted_rivals
 from .runaway import last_runaway
 from .shape_intervals import with_numbers_known
 from .transfer import last_untransferred
@@ -144,16 +144,16 @@ def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:
     """Return what was found, each with what could stand in its place."""
     findings, design, rules = found.findings, found.declared, found.rules
     acted = found.pieces.of(
-        [remembered(record, memories_in(findings)) for record in found.wide_records]
+        [with_memories_applied(record, memories_in(findings)) for record in found.wide_records]
     )
-    acted = awaited(found.design, off_limits(acted, limits_in(findings)))
+    acted = after_settling(found.design, off_limits(acted, limits_in(findings)))
     child = rng.spawn(1)[0]
-    rivals = contested(design, findings, acted, rules.significance, child, found.grown.terms)
+    rivals = with_rivals(design, findings, acted, rules.significance, child, found.grown.terms)
     if found.runs_tell_more and not found.remembers_states:
-        rivals = unrefuted(design, rivals, found.records)
-    told = told_by_slopes(design, with_asymmetry(rivals), acted)
-    named = with_products_named(design, on_steep_side(design, told, acted))
+        rivals = without_refuted_rivals(design, rivals, found.records)
+    told = with_dead_zones_named(design, with_asymmetry(rivals), acted)
+    named = with_couplings_named(design, with_stops_on_steep_side(design, told, acted))
     if found.pieces.by_trajectory:
         return named
-    whole = awaited(with_findings(design, named), found.pieces)
+    whole = after_settling(with_findings(design, named), found.pieces)
     return polished(design, named, found.records, whole, child.spawn(1)[0])

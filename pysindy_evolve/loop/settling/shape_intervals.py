@@ -15,11 +15,11 @@ from itertools import accumulate
 
 import numpy as np
 
-from ...hidden_states.memory import remembered
+from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
 from ..effects.candidate import Shape
 from ..effects.partners import joined, shares_number
-from ..effects.shaping import HALF_SATURATION, told_shape
+from ..effects.shaping import HALF_SATURATION, tuned_shape
 from ..evidence.findings import Finding, memories_in
 from ..fitting.fit import fit
 from ..free_runs.shape_tuning import slopes_of
@@ -67,7 +67,7 @@ def with_numbers_known(
     groups = _sharing(findings, shapes)
     if not groups:
         return report
-    acted = [remembered(record, memories_in(findings)) for record in report.train]
+    acted = [with_memories_applied(record, memories_in(findings)) for record in report.train]
     changes = [_changes(group, findings, shapes, report.effects, design) for group in groups]
     flat = [change for those in changes for change in those]
     half = _half_widths(design, flat, acted, rules, rng)
@@ -87,7 +87,7 @@ def _shape_in(finding: Finding, design: Design, known: Set[float]) -> Shape | No
     if not finding.columns:
         return None
     remembers = len(design.dropping(finding.columns).paths) < len(design.paths)
-    return finding.candidate.shape if remembers else told_shape(finding.candidate, known)
+    return finding.candidate.shape if remembers else tuned_shape(finding.candidate, known)
 
 
 def _sharing(findings: Sequence[Finding], shapes: Sequence[Shape | None]) -> list[list[int]]:

@@ -18,7 +18,7 @@ from ...checks import TINY
 from ...equations import Equations
 from ...signals import Record
 from ..evidence.findings import Finding, excluding, is_needed
-from ..fitting.past import missed_on
+from ..fitting.past import derivative_residual
 from ..fitting.random_force import whitening
 from ..given.rows import variables_of
 from ..report.effect import Effect
@@ -76,7 +76,7 @@ def _pieces(
     """Return pieces of a record, with what an effect does, and what is left without it."""
     variables, terms = variables_of(record), finding.candidate.terms
     done = np.column_stack([term.evaluate(variables) for term in terms]) @ coef[: len(terms)]
-    left = missed_on(corrected, record)[:, finding.candidate.state] + done
+    left = derivative_residual(corrected, record)[:, finding.candidate.state] + done
     return np.array_split(np.column_stack([done, left]), min(ROWS, len(record)))
 
 

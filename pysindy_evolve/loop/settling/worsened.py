@@ -14,7 +14,7 @@ import numpy as np
 from ...equations import Equations
 from ...signals import Record
 from ..evidence.findings import Finding
-from ..fitting.past import missed_on
+from ..fitting.past import derivative_residual
 from ..fitting.runs import simulation_errors
 from ..given.rows import scale_of
 from .runaway import LOST, last_free
@@ -62,6 +62,6 @@ def _runs_closer(declared: Equations, corrected: Equations, record: Record) -> b
 
 def _left(equations: Equations, records: Sequence[Record]) -> float:
     """Return the mean square that a model leaves of the derivatives, in their variances."""
-    errors = np.concatenate([missed_on(equations, record) for record in records])
+    errors = np.concatenate([derivative_residual(equations, record) for record in records])
     scale = scale_of([record.x_dot for record in records])
     return float(np.nanmean((errors / scale) ** 2))

@@ -21,7 +21,7 @@ from ...equations import Equations
 from ...hidden_states.memory_equations import MemoryEquations, with_memories
 from ...signals import Preparation, Record
 from ...simulation import simulate
-from ...substitution import acting
+from ...substitution import without_unused_inputs
 
 __all__ = ["Path", "follow"]
 
@@ -68,7 +68,7 @@ def follow(equations: Equations, record: Record) -> Path | None:
     if made is None:
         return None
     if made.u is not None:
-        equations, columns = acting(equations)
+        equations, columns = without_unused_inputs(equations)
         made = replace(made, u=made.u[:, columns] if columns else None)
     course = _Course(with_memories(equations, ()), record, made)
     length = int(course.samples[-1] + 1 - course.samples[0])

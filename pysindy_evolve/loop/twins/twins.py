@@ -18,7 +18,7 @@ from ...checks import TINY
 from ...equations import Equations
 from ...signals import Preparation, Record
 from ..fitting.residual import residual_on
-from ..given.input_errors import untimely
+from ..given.input_errors import jump_time_error
 from ..given.sensor import as_observed
 from .paths import Path, follow
 from .signs import Shuffle
@@ -109,7 +109,7 @@ class TwinMaker:
         The share is measured with jumps that are all equally late. Drawn times would weigh most
         where the draw happens to be large, and underestimate it.
         """
-        errors = (untimely(twin, self._inputs_at_work, draw) for draw in (rng, None))
+        errors = (jump_time_error(twin, self._inputs_at_work, draw) for draw in (rng, None))
         drawn, typical = (self._change_of_rates(twin, rates, error) for error in errors)
         power = typical**2
         weights = power / np.maximum(np.sum(power, axis=0), TINY)

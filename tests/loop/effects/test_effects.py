@@ -7,7 +7,7 @@ import pytest
 
 from pysindy_evolve import DeclaredModel
 from pysindy_evolve.loop.effects.candidate import OFFSET
-from pysindy_evolve.loop.effects.missing import candidates, standing, with_parents
+from pysindy_evolve.loop.effects.missing import candidates, terms_in, with_parents
 from pysindy_evolve.loop.effects.names import VOCABULARY
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.ranges import Ranges
@@ -149,7 +149,7 @@ def test_an_effect_that_stands_in_one_equation_is_proposed_for_the_other():
 
 
 def test_what_shares_a_parameter_does_not_stand_by_itself():
-    present = standing(design_of({"q": "v", "v": "-k*(q + 2) + F + 9.81"}))
+    present = terms_in(design_of({"q": "v", "v": "-k*(q + 2) + F + 9.81"}))
     assert (1, OFFSET) in present  # which the 9.81 is
     assert len([state for state, _ in present if state == 1]) == 4  # q + 2, F + 9.81, F, 1
 

@@ -3,7 +3,7 @@
 import pytest
 
 from pysindy_evolve.loop.effects.candidate import Candidate
-from pysindy_evolve.loop.effects.shaping import told_shape
+from pysindy_evolve.loop.effects.shaping import tuned_shape
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import add, call, constant, mul, variable
 
@@ -15,9 +15,9 @@ def grown(name, *inside):
 
 
 def test_numbers_of_a_grown_term_are_inner_constants():
-    steep = told_shape(grown("tanh", mul(constant(-198.0), Q)))
+    steep = tuned_shape(grown("tanh", mul(constant(-198.0), Q)))
     assert steep.named == {"inner constant": pytest.approx(198.0)}
-    shifted = told_shape(grown("sin", add(mul(constant(2.1), Q), constant(0.3))))
+    shifted = tuned_shape(grown("sin", add(mul(constant(2.1), Q), constant(0.3))))
     assert list(shifted.named) == ["first inner constant", "second inner constant"]
     assert sorted(shifted.named.values()) == pytest.approx([0.3, 2.1])
 
@@ -27,16 +27,16 @@ def test_each_of_several_numbers_has_its_own_meaning():
         call(BUILTIN["cos"], mul(constant(0.5), Q)),
         call(BUILTIN["softsign"], mul(constant(4.0), Q)),
     )
-    shape = told_shape(Candidate("evolved term", 1, (uptake,)))
+    shape = tuned_shape(Candidate("evolved term", 1, (uptake,)))
     assert set(shape.meanings) == {"first inner constant", "second half-saturation constant"}
 
 
 def test_a_number_that_nobody_tuned_is_not_told():
-    assert told_shape(grown("sin", Q)) is None
-    assert told_shape(Candidate("viscous damping", 1, (Q,))) is None
+    assert tuned_shape(grown("sin", Q)) is None
+    assert tuned_shape(Candidate("viscous damping", 1, (Q,))) is None
 
 
 def test_a_number_that_the_declared_model_gives_is_not_told():
     beside = grown("tanh", mul(constant(-198.0), Q))
-    assert told_shape(beside, frozenset({198.0})) is None
-    assert told_shape(beside, frozenset({3.0})) is not None
+    assert tuned_shape(beside, frozenset({198.0})) is None
+    assert tuned_shape(beside, frozenset({3.0})) is not None

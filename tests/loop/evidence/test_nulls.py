@@ -7,10 +7,10 @@ import pytest
 from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.evidence.nulls import chance_of, freed_of_noise
+from pysindy_evolve.loop.evidence.nulls import chance_of, without_noise_shift
 from pysindy_evolve.loop.evidence.scoring import propose, quick_fit
 from pysindy_evolve.loop.evidence.step import _best_score
-from pysindy_evolve.loop.evidence.witness import witnessed
+from pysindy_evolve.loop.evidence.witness import pieces_to_score
 from pysindy_evolve.loop.given.resampled import widened
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.twins.twins import TwinMaker
@@ -45,7 +45,7 @@ def shaft(twists_per_noise, duration=24.0, seed=0):
 def seen(record, sides=SHAFT):
     design = pse.DeclaredModel(sides, inputs=["F"]).design()
     records = widened([record])
-    part = witnessed(design, records)
+    part = pieces_to_score(design, records)
     return design, quick_fit(design, part), part, records
 
 
@@ -59,8 +59,8 @@ def test_the_stiffness_of_a_shaft_whose_twist_is_noisy_is_found_in_twins():
     design, equations, part, records = seen(shaft(3.0))
     assert stiffness(equations) < 0.8 * STIFFNESS
     maker = TwinMaker.of(equations, records)
-    freed = freed_of_noise(maker, design, part, np.random.default_rng(0))
-    assert stiffness(freed) == pytest.approx(STIFFNESS, rel=0.1)
+    unshifted = without_noise_shift(maker, design, part, np.random.default_rng(0))
+    assert stiffness(unshifted) == pytest.approx(STIFFNESS, rel=0.1)
 
 
 def test_noise_that_shifts_nothing_leaves_a_fit_as_it_is():
@@ -68,7 +68,7 @@ def test_noise_that_shifts_nothing_leaves_a_fit_as_it_is():
     truth = {"q": "v", "v": "-40*q - 0.8*v + F"}
     design, equations, part, records = seen(measured(truth, noise=5e-3), sides)
     maker = TwinMaker.of(equations, records)
-    assert freed_of_noise(maker, design, part, np.random.default_rng(0)) is None
+    assert without_noise_shift(maker, design, part, np.random.default_rng(0)) is None
 
 
 @pytest.mark.slow

@@ -13,13 +13,13 @@ from pysindy_evolve.loop.effects.stops import stops
 from pysindy_evolve.loop.evidence.encompassing import chance, explained
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import _is_outdone, _with_offset, rivals_of
-from pysindy_evolve.loop.evidence.same_model import hold
+from pysindy_evolve.loop.evidence.same_model import span
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.settling.contest import contested
+from pysindy_evolve.loop.settling.contest import with_rivals
 from pysindy_evolve.loop.twins.chance import draws_for, p_value_of
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import add, call, constant, mul, power, variable
@@ -193,10 +193,10 @@ def test_an_effect_with_an_offset_beside_it_is_no_alternative_of_itself():
 def test_columns_hold_what_is_their_sum_in_the_same_equation():
     q, v = variable(0), variable(1)
     beside = [in_state("between", add(q, mul(constant(-1.0), v)), 1, 2), in_state("own", q, 1, 2)]
-    assert hold(beside, [in_state("other", mul(constant(-2.0), v), 1, 2)])
-    assert not hold(beside[:1], [in_state("other", v, 1, 2)])
-    assert not hold(beside, [in_state("elsewhere", v, 0, 2)])
-    assert not hold([], beside)
+    assert span(beside, [in_state("other", mul(constant(-2.0), v), 1, 2)])
+    assert not span(beside[:1], [in_state("other", v, 1, 2)])
+    assert not span(beside, [in_state("elsewhere", v, 0, 2)])
+    assert not span([], beside)
 
 
 COUPLED = Hidden(
@@ -291,8 +291,8 @@ def test_an_effect_that_another_one_needs_has_no_rivals():
         for name in ("Coulomb friction", "asymmetric Coulomb friction")
     )
     rng = np.random.default_rng(0)
-    (alone,) = contested(design, [friction], part, 1e-3, rng)
-    beside, _ = contested(design, [friction, slanted], part, 1e-3, rng)
+    (alone,) = with_rivals(design, [friction], part, 1e-3, rng)
+    beside, _ = with_rivals(design, [friction, slanted], part, 1e-3, rng)
     assert alone.rivals
     assert beside.rivals == ()
 

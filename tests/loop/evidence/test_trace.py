@@ -6,7 +6,7 @@ from loop_systems import hidden_effects, measured, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
-from pysindy_evolve.loop.effects.missing import standing
+from pysindy_evolve.loop.effects.missing import terms_in
 from pysindy_evolve.loop.evidence.scoring import propose, quick_fit, score
 from pysindy_evolve.loop.evidence.trace import fold_errors, rank
 from pysindy_evolve.loop.given.design import in_state
@@ -197,7 +197,7 @@ def test_coupling_is_traced_to_the_equation_that_lacks_it():
     assert first.group[0].state == 3
     assert first.group[0].terms == (variable(0),)
     richer = model.design().adding([in_state("coupling", variable(0), 3, 4)])
-    assert (3, variable(0)) in standing(richer)
+    assert (3, variable(0)) in terms_in(richer)
 
 
 def test_a_column_that_is_zero_in_all_folds_but_one_tells_nothing_about_that_one(columns):

@@ -6,7 +6,7 @@ from loop_systems import measured
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.fitting.fit import derivative_errors, fit
-from pysindy_evolve.loop.given.sticking import moving
+from pysindy_evolve.loop.given.sticking import weights_in_motion
 from pysindy_evolve.signals import Windows
 
 TRUE = np.array([40.0, 0.8, 1.0, 2.0])
@@ -135,7 +135,7 @@ def test_derivative_error_is_zero_for_the_truth_and_a_hundred_percent_for_nothin
 def test_record_shorter_than_the_windows_is_judged_row_by_row():
     record = clean(60)
     errors = derivative_errors(design(), TRUE + np.array([0.5, 0, 0, 0]), [record], Windows(100))
-    weight = moving(record, design().velocities)[:, 1]
+    weight = weights_in_motion(record, design().velocities)[:, 1]
     rows = 0.5 * record.x[:, 0] * weight
     rms = np.sqrt(np.sum(rows**2) / np.sum(weight**2))
     expected = 100 * rms / record.x_dot[:, 1].std()

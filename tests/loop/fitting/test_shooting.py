@@ -10,7 +10,7 @@ from pysindy_evolve.datasets import friction_drive
 from pysindy_evolve.loop.fitting.fit import Fit, fit
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.fitting.saltation import saltation
-from pysindy_evolve.loop.fitting.shooting import _begun, _run, _settled, fit_by_shooting
+from pysindy_evolve.loop.fitting.shooting import _longest_trial, _run, _settled, fit_by_shooting
 from pysindy_evolve.loop.given.declared import design_of
 
 TRUTH = np.array([0.5, 3.0, 1.5])  # 1/m, viscous and Coulomb friction over the mass
@@ -73,7 +73,7 @@ def test_small_changes_move_the_runs_as_the_sensitivities_say(name):
     model = design.equations(truth)
     x = pse.simulate(model, start, t, u=u)
     record = pse.Record(t=t, x=x, x_dot=model.evaluate(x, u, t), u=u)
-    shooting = _begun(design, truth, [record])
+    shooting = _longest_trial(design, truth, [record])
     free, response = shooting.sensitivities(keep=1)
 
     def off(told, coef, starts):
@@ -119,7 +119,7 @@ def test_long_records_are_left_to_the_linear_fit(drive, monkeypatch):
 
 def test_a_step_never_makes_the_error_larger(drive):
     train, _, design = drive
-    shooting = _begun(design, 1.02 * TRUTH, [train])
+    shooting = _longest_trial(design, 1.02 * TRUTH, [train])
     assert _settled(shooting, [train]).error < shooting.error
     exact = shooting.aimed_at(shooting.shown)
     assert exact.error == 0.0

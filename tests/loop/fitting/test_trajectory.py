@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.drifting_rivals import twin_chance
-from pysindy_evolve.loop.evidence.witness import witnessed
+from pysindy_evolve.loop.evidence.witness import pieces_to_score
 from pysindy_evolve.loop.fitting.random_force import NOISES, drift_size, whitening
 from pysindy_evolve.loop.fitting.trajectory import MAX_ROWS, Trajectories, followable
 from pysindy_evolve.loop.given.declared import design_of
@@ -124,10 +124,10 @@ def test_a_model_with_its_own_noise_is_likelier_than_one_that_lacks_the_drag(des
 
 
 def test_few_numbers_are_left_to_the_trajectory_and_many_to_the_spectrum(design):
-    assert witnessed(design, [filmed(WHIFFLE)]).by_trajectory
+    assert pieces_to_score(design, [filmed(WHIFFLE)]).by_trajectory
     many = oscillator("quadratic drag", "- 0.5*v*abs(v)")
     record = many.record(noise=0.01)
-    assert not witnessed(design_of(many.model, [record]), [record]).by_trajectory
+    assert not pieces_to_score(design_of(many.model, [record]), [record]).by_trajectory
 
 
 def test_a_trajectory_needs_raw_readings_of_each_equation(design):

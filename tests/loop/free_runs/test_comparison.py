@@ -10,7 +10,7 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.shaping import with_units
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.free_runs.comparison import held_against
+from pysindy_evolve.loop.free_runs.comparison import exchanged_by_runs
 from pysindy_evolve.loop.free_runs.contenders import Pool, steady_drift
 from pysindy_evolve.loop.free_runs.shape_tuning import Contender
 from pysindy_evolve.loop.free_runs.variants import Model
@@ -37,7 +37,7 @@ def held(hidden, name, grown=(), small=(), **options):
     planted = name if isinstance(name, Candidate) else next(c for c in offered if c.name == name)
     finding = Finding(planted, columns_of(planted, design), 1.0, 0.016, np.zeros(60), step=1)
     pool = Pool(grown, small, part, -np.log1p(-RULES.min_share))
-    (kept,) = held_against(Model(design), [finding], pool, [record], RULES)
+    (kept,) = exchanged_by_runs(Model(design), [finding], pool, [record], RULES)
     assert kept.columns == columns_of(kept.candidate, design)
     assert (kept.p_value, kept.step) == (finding.p_value, finding.step)
     return kept.candidate

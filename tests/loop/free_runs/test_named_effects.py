@@ -7,12 +7,12 @@ import pytest
 from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden_states.memory import Memory, remembered
+from pysindy_evolve.hidden_states.memory import Memory, with_memories_applied
 from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding, LimitFinding, MemoryFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.fitting.past import begun
+from pysindy_evolve.loop.fitting.past import with_estimated_past
 from pysindy_evolve.loop.fitting.runs import free_run
 from pysindy_evolve.loop.free_runs.drift import drift_of
 from pysindy_evolve.loop.free_runs.judging import matters, share_of_miss
@@ -260,11 +260,12 @@ def test_a_run_begins_with_the_hidden_state_that_the_first_rows_show(seed):
     record, acted = cut_tanks(seed)
     design = design_of(TANK, [record])
     truth = with_memories(design.equations([0.02, 0.024]), [Memory("hidden state", 0, (40.0,))])
-    found = begun(truth, record)
+    found = with_estimated_past(truth, record)
     assert float(found.preparation.u[0, 0]) == pytest.approx(acted, abs=0.3)
     assert np.array_equal(found.preparation.u[1:], record.preparation.u[1:])
     away = free_run(truth, record)[:, 0] - record.x[:, 0]
-    balanced = free_run(truth.inner, remembered(record, truth.memories))[:, 0] - record.x[:, 0]
+    acted = with_memories_applied(record, truth.memories)
+    balanced = free_run(truth.inner, acted)[:, 0] - record.x[:, 0]
     assert np.sqrt(np.mean(away**2)) < 0.5 * np.sqrt(np.mean(balanced**2))
 
 
@@ -272,15 +273,15 @@ def test_a_record_that_begins_in_balance_stays_as_it_is():
     record = tanks(1, upper=(40.0,))
     design = design_of(TANK, [record])
     truth = with_memories(design.equations([0.02, 0.024]), [Memory("hidden state", 0, (40.0,))])
-    assert begun(truth, record) is record
-    assert begun(truth.inner, record) is record
+    assert with_estimated_past(truth, record) is record
+    assert with_estimated_past(truth.inner, record) is record
 
 
 def test_a_lag_shorter_than_a_sample_has_no_past_to_find():
     record = tanks(1, upper=(40.0,))
     design = design_of(TANK, [record])
     short = with_memories(design.equations([0.02, 0.024]), [Memory("hidden state", 0, (0.1 * DT,))])
-    assert begun(short, record) is record
+    assert with_estimated_past(short, record) is record
 
 
 @pytest.mark.parametrize("score", [0.1, 2.0])

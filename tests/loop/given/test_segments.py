@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from loop_systems import measured
 
-from pysindy_evolve.hidden_states.memory import preceded
+from pysindy_evolve.hidden_states.memory import with_past_inputs
 from pysindy_evolve.loop.given.segments import segments
 
 
@@ -29,9 +29,9 @@ def test_the_same_pieces_of_other_records_hold_those(record):
 
 def test_records_that_began_otherwise_have_the_same_rows(record):
     part = segments([record], (1,))
-    elsewhere = preceded(record, [7.0])
-    begun = part.begun([elsewhere])
-    assert begun.records == (elsewhere,)
-    assert begun.band.records is begun.records
-    assert begun.z is part.z
-    assert begun.weight is part.weight
+    elsewhere = with_past_inputs(record, [7.0])
+    moved = part.with_pasts_of([elsewhere])
+    assert moved.records == (elsewhere,)
+    assert moved.band.records is moved.records
+    assert moved.z is part.z
+    assert moved.weight is part.weight

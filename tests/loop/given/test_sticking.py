@@ -6,7 +6,7 @@ from loop_systems import equations_of
 from scipy.signal import lfilter
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.given.sticking import may_rest, moving
+from pysindy_evolve.loop.given.sticking import may_rest, weights_in_motion
 
 BELT = pse.DeclaredModel({"v": "b*F - c*v - f*sgn(v)"}, inputs=["F"])
 FREE_BELT = pse.DeclaredModel({"v": "b*F - c*v"}, inputs=["F"])
@@ -22,7 +22,7 @@ def sticking():
 
 
 def test_rows_next_to_a_rest_have_no_weight_and_turning_points_hardly_cost_any(sticking):
-    weight = moving(sticking, [1])[:, 1]
+    weight = weights_in_motion(sticking, [1])[:, 1]
     left = sticking.x_dot[:, 1] - (
         3.0 * sticking.u[:, 0] - 4.0 * sticking.x[:, 1] - 3.0 * np.sign(sticking.x[:, 1])
     )
@@ -31,7 +31,7 @@ def test_rows_next_to_a_rest_have_no_weight_and_turning_points_hardly_cost_any(s
     assert 0.5 < np.mean(weight) < 0.9
     t = np.arange(0.0, 20.0, 0.01)
     swing = pse.prepare(t, np.sin(3.0 * t))
-    assert np.mean(moving(swing, [1])[:, 1]) > 0.98
+    assert np.mean(weights_in_motion(swing, [1])[:, 1]) > 0.98
 
 
 def test_friction_of_a_machine_that_sticks_is_fitted_without_bias(sticking):

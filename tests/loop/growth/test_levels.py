@@ -7,7 +7,7 @@ from loop_systems import equations_of, multisine
 import pysindy_evolve as pse
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.growth.levels import begun_at_levels
+from pysindy_evolve.loop.growth.levels import terms_from_levels
 
 TANK = pse.DeclaredModel({"h": "b*u - a*sqrt(h)"}, inputs=["u"])
 RIG = pse.DeclaredModel({"q": "v", "v": "b*u - k*q"}, inputs=["u"])
@@ -25,7 +25,7 @@ def tank(seed: int, loss: str = "- 0.06*max(h - 8, 0)") -> pse.Record:
 
 def test_the_level_is_tuned_and_needs_no_offset_beside_it():
     record = tank(1)
-    found = begun_at_levels(design_of(TANK, [record]), 0, segments([record]))
+    found = terms_from_levels(design_of(TANK, [record]), 0, segments([record]))
     assert found
     assert all(candidate.parents == () for candidate in found)
     assert min(abs(c.shape.values[0] - 8.0) for c in found) < 0.1
@@ -34,7 +34,7 @@ def test_the_level_is_tuned_and_needs_no_offset_beside_it():
 def test_a_velocity_has_none_for_its_position_has_stops():
     t = np.arange(0.0, 20.0, 0.02)
     record = pse.prepare(t, np.cos(t), multisine(1.0, 1)(t))
-    assert begun_at_levels(design_of(RIG, [record]), 1, segments([record])) == []
+    assert terms_from_levels(design_of(RIG, [record]), 1, segments([record])) == []
 
 
 @pytest.mark.slow

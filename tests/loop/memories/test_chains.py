@@ -9,7 +9,7 @@ from test_memory import close, record_with
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.loop.memories import reach
-from pysindy_evolve.loop.memories.chains import Chain, Traded, traded, untraded
+from pysindy_evolve.loop.memories.chains import Chain, Traded, with_trade, with_trades_done
 
 T = np.arange(0.0, 20.0, 0.01)
 WAVE = np.sin(3 * T) + 0.5 * np.sin(7 * T + 1.0)
@@ -32,11 +32,11 @@ def test_what_is_present_gives_way(present, new, left):
 
 def test_only_a_longer_memory_of_the_other_kind_gives_way():
     short, longer = Memory("actuator lag", 0, (0.1,)), Memory("actuator lag", 0, (0.5,))
-    assert traded(short, [DELAY]) == Traded("actuator lag", 0, (0.1,), 0.3, 0.1)
-    assert traded(longer, [DELAY]) is longer
-    assert traded(short, [LAG]) is short
-    assert traded(short, [Memory("input delay", 1, (0.3,))]) is short
-    assert untraded([]) == []
+    assert with_trade(short, [DELAY]) == Traded("actuator lag", 0, (0.1,), 0.3, 0.1)
+    assert with_trade(longer, [DELAY]) is longer
+    assert with_trade(short, [LAG]) is short
+    assert with_trade(short, [Memory("input delay", 1, (0.3,))]) is short
+    assert with_trades_done([]) == []
 
 
 def test_nothing_gives_way_by_more_than_there_is_of_it(monkeypatch):

@@ -8,7 +8,7 @@ import sympy
 from loop_systems import DT, equations_of, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.hidden_states.memory import Memory, remembered
+from pysindy_evolve.hidden_states.memory import Memory, with_memories_applied
 from pysindy_evolve.hidden_states.memory_equations import MemoryEquations, with_memories
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.memories.probes import Probes
@@ -118,8 +118,8 @@ def test_memory_of_a_part_knows_the_input_before_it():
     q = np.sin(T)
     record = pse.prepare(T, q, np.cos(2 * T), cutoff=5.0)
     memory = Memory("actuator lag", 0, (2.0,))
-    whole = remembered(record, [memory])
-    part = remembered(record[300:], [memory])
+    whole = with_memories_applied(record, [memory])
+    part = with_memories_applied(record[300:], [memory])
     assert part.u == pytest.approx(whole[300:].u)
 
 

@@ -14,7 +14,7 @@ from pysindy_evolve.equations import Equations
 from pysindy_evolve.export import format_equations
 from pysindy_evolve.hidden_states.boucwen import yielding
 from pysindy_evolve.hidden_states.memory_equations import with_memories
-from pysindy_evolve.hidden_states.path_states import sayings
+from pysindy_evolve.hidden_states.path_states import path_sentences
 from pysindy_evolve.hidden_states.relaxing import RELAXING, relaxing, relaxing_along
 from pysindy_evolve.loop.effects.candidate import OFFSET, CandidateMaker, rewritten
 from pysindy_evolve.loop.effects.followers import followers_for
@@ -23,10 +23,14 @@ from pysindy_evolve.loop.evidence.offers import offer_for
 from pysindy_evolve.loop.evidence.scoring import score
 from pysindy_evolve.loop.fitting.past import first_state, rates_on
 from pysindy_evolve.loop.fitting.shooting import gains_of_runs
-from pysindy_evolve.loop.fitting.unfolding import square_left, unfolded, with_paths
+from pysindy_evolve.loop.fitting.unfolding import (
+    records_with_hidden_states,
+    square_left,
+    with_hidden_states,
+)
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.memories.effect_or_memory import outdoes_memories
+from pysindy_evolve.loop.memories.effect_or_memory import beats_tuned_memories
 from pysindy_evolve.loop.memories.probes import grid_of
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.substitution import substituted
@@ -144,10 +148,10 @@ def test_what_is_remembered_is_said_in_words():
         relaxing(variable(0), variable(2), 0.4),
         yielding(variable(0), variable(1), 0.05, 2.0),
     )
-    assert sayings([path, path], ("q", "v", "t")) == ["q_relax: relaxation time 0.4"]
-    (said,) = sayings([mul(variable(1), friction)], ("q", "v", "t"))
+    assert path_sentences([path, path], ("q", "v", "t")) == ["q_relax: relaxation time 0.4"]
+    (said,) = path_sentences([mul(variable(1), friction)], ("q", "v", "t"))
     assert said == "q_yield: builds up over a length of 0.05, unloads 2 times as fast"
-    assert sayings([variable(0)], ("q", "v", "t")) == []
+    assert path_sentences([variable(0)], ("q", "v", "t")) == []
 
 
 def test_relaxation_of_a_first_order_state_has_the_same_form():
@@ -172,15 +176,15 @@ def test_simulated_hidden_state_agrees_with_the_operator():
     assert full.along(run[:, :2], None, T)[:, 0] == pytest.approx(run[:, 2], abs=1e-3)
 
 
-def test_unfolded_design_has_the_rates_of_the_hidden_state(exact):
+def test_design_with_hidden_states_has_their_rates(exact):
     record, _ = exact
     design = design_of(TRUE, [record])
     full = with_memories(design.equations(NUMBERS), ())
-    (own,) = with_paths(design, [record])
+    (own,) = records_with_hidden_states(design, [record])
     expected = full.evaluate(own.x, own.u, own.t)
-    plain = unfolded(design).equations(NUMBERS)
+    plain = with_hidden_states(design).equations(NUMBERS)
     assert plain.evaluate(own.x, own.u, own.t) == pytest.approx(expected)
-    free = unfolded(design, free=True).equations([*NUMBERS, 1.0 / TIME])
+    free = with_hidden_states(design, free=True).equations([*NUMBERS, 1.0 / TIME])
     assert free.evaluate(own.x, own.u, own.t) == pytest.approx(expected)
 
 
@@ -190,7 +194,7 @@ def test_first_rows_say_where_the_hidden_state_began(exact):
     equations = design.equations(NUMBERS)
     start = first_state(with_memories(equations, ()), record)
     assert start == pytest.approx([*record.x[0], h[0]], abs=0.005)
-    (own,) = with_paths(design, [record], NUMBERS)
+    (own,) = records_with_hidden_states(design, [record], NUMBERS)
     assert own.x[:, 2] == pytest.approx(h, abs=0.005)
     assert rates_on(equations, record) == pytest.approx(record.x_dot, abs=0.1)
 
@@ -291,7 +295,7 @@ def test_what_is_remembered_must_lead_late_inputs():
     for one, leads in ((record, True), (replace(other, u=np.roll(other.u, 9, axis=0)), False)):
         part = segments([one], (1,))
         ways, memories = followers_for(design, [one]), grid_of(design, part)
-        assert outdoes_memories(ways, design, part, memories) is leads
+        assert beats_tuned_memories(ways, design, part, memories) is leads
 
 
 def test_what_is_remembered_must_oppose_what_it_follows():

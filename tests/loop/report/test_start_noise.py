@@ -5,7 +5,7 @@ import pytest
 from loop_systems import equations_of
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.report.start_noise import moved_by_starts
+from pysindy_evolve.loop.report.start_noise import run_std_from_start_noise
 
 GROWTH = equations_of({"x": "x - x**2"})
 T = np.linspace(0.0, 12.0, 601)
@@ -24,7 +24,7 @@ def test_runs_move_as_they_do_from_noisy_first_states():
     runs = [pse.simulate(GROWTH, record.x[0], first.t) for record in noisy]
     misses = np.array(runs) - pse.simulate(GROWTH, exact, first.t)
     observed = 100.0 * np.sqrt(np.mean(misses**2)) / first.x.std()
-    assert moved_by_starts(GROWTH, [first])[0] == pytest.approx(observed, rel=0.3)
+    assert run_std_from_start_noise(GROWTH, [first])[0] == pytest.approx(observed, rel=0.3)
 
 
 def test_only_a_run_that_its_first_state_does_not_explain_says_that_something_is_missing():

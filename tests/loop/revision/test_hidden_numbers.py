@@ -11,7 +11,7 @@ from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.loop.effects.hysteresis import remembered_ways
 from pysindy_evolve.loop.fitting.past import first_state
 from pysindy_evolve.loop.fitting.trial import Trial, converged
-from pysindy_evolve.loop.fitting.unfolding import unfolded, with_paths
+from pysindy_evolve.loop.fitting.unfolding import records_with_hidden_states, with_hidden_states
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.twins.twins import TwinMaker
@@ -82,25 +82,25 @@ def test_rest_on_the_way_changes_nothing():
     assert yielding_along(slow, 0.2, 2.0)[::3] == pytest.approx(yielding_along(x, 0.2, 2.0))
 
 
-def test_unfolded_design_has_the_rates_of_the_hidden_state(exact):
+def test_design_with_hidden_states_has_their_rates(exact):
     record, _ = exact
     design = design_of(TRUE, [record])
     full = with_memories(design.equations(NUMBERS), ())
-    (own,) = with_paths(design, [record])
+    (own,) = records_with_hidden_states(design, [record])
     expected = full.evaluate(own.x, own.u, own.t)
-    plain = unfolded(design).equations(NUMBERS)
+    plain = with_hidden_states(design).equations(NUMBERS)
     assert plain.evaluate(own.x, own.u, own.t) == pytest.approx(expected)
-    free = unfolded(design, free=True)
+    free = with_hidden_states(design, free=True)
     coef = [*NUMBERS, 1.0 / LENGTH, UNLOADING / LENGTH]
     assert free.equations(coef).evaluate(own.x, own.u, own.t) == pytest.approx(expected)
     assert free.n_hidden == 1
 
 
-def test_design_without_hysteresis_is_not_unfolded(exact):
+def test_design_without_hysteresis_gets_no_hidden_states(exact):
     record, _ = exact
     design = design_of(DECLARED, [record])
-    assert unfolded(design) is design
-    assert with_paths(design, [record])[0] is record
+    assert with_hidden_states(design) is design
+    assert records_with_hidden_states(design, [record])[0] is record
 
 
 @pytest.mark.parametrize("row", [0, 700, 1230, 3111])
@@ -113,7 +113,8 @@ def test_first_rows_say_what_the_friction_remembers(exact, row):
 def test_runs_over_stretches_find_numbers_and_starts_of_what_nobody_measured(exact):
     record, w = exact
     design = design_of(TRUE, [record])
-    free, (own,) = unfolded(design, free=True), with_paths(design, [record])
+    free = with_hidden_states(design, free=True)
+    (own,) = records_with_hidden_states(design, [record])
     part = segments([own], design.velocities, 8, max_rows=None)
     x = part.z[:, :, :3]
     wrong = np.array([*NUMBERS, 1.2 / LENGTH, 0.7 / LENGTH])

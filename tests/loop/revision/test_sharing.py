@@ -10,7 +10,7 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.partners import are_partners, partnerships, shares_number
 from pysindy_evolve.loop.evidence.findings import Finding, with_columns
 from pysindy_evolve.loop.evidence.scoring import columns_of, tuned
-from pysindy_evolve.loop.free_runs.comparison import held_against
+from pysindy_evolve.loop.free_runs.comparison import exchanged_by_runs
 from pysindy_evolve.loop.free_runs.contenders import Pool
 from pysindy_evolve.loop.free_runs.shared_tuning import shared_by_runs
 from pysindy_evolve.loop.free_runs.variants import Model
@@ -101,7 +101,7 @@ def test_a_gap_that_equations_share_is_tuned_by_free_runs_and_kept_against_other
     kept = shared_by_runs(Model(design), findings, [record])
     assert numbers(kept) == pytest.approx([GAP, GAP], rel=0.02)
     part = segments([record], design.velocities)
-    held = held_against(Model(design), kept, Pool((), (), part, 0.05), [record], RULES)
+    held = exchanged_by_runs(Model(design), kept, Pool((), (), part, 0.05), [record], RULES)
     assert numbers(held) == numbers(kept)
 
 

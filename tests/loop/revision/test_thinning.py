@@ -11,7 +11,7 @@ from pysindy_evolve.loop.evidence.findings import Finding, MemoryFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.revision.superseded import without_outlived
+from pysindy_evolve.loop.revision.superseded import without_superseded
 from pysindy_evolve.loop.revision.thinning import thinned
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
@@ -77,7 +77,7 @@ def crane(truth, **options):
 
 def test_a_delay_goes_that_a_later_effect_explains():
     design, findings, records = crane("-9.8*sin(q) - 0.3*v + F*cos(q)")
-    assert without_outlived(design, findings, records, records) == findings[1:]
+    assert without_superseded(design, findings, records, records) == findings[1:]
 
 
 def test_a_delay_that_is_really_there_stays():
@@ -89,9 +89,9 @@ def test_a_delay_that_is_really_there_stays():
     noise = 1e-3 * late[:, 0].std() * np.random.default_rng(0).standard_normal(len(t))
     design, findings, _ = crane(model["v"])
     records = [pse.prepare(t, late[:, 0] + noise, force(t))]
-    assert without_outlived(design, findings, records, records) == findings
+    assert without_superseded(design, findings, records, records) == findings
 
 
 def test_what_was_found_last_is_not_looked_at_again():
     design, findings, records = crane("-9.8*sin(q) - 0.3*v + F*cos(q)")
-    assert without_outlived(design, findings[:1], records, records) == findings[:1]
+    assert without_superseded(design, findings[:1], records, records) == findings[:1]

@@ -12,7 +12,7 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import Rival
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.settling.contest import plainer
+from pysindy_evolve.loop.settling.contest import with_plainest_effect
 from pysindy_evolve.terms import mul, power, variable
 
 H, V, T = variable(0), variable(1), variable(2)
@@ -36,25 +36,27 @@ def found(candidate, design, *rivals):
 
 
 def test_what_depends_on_one_state_is_named_before_what_depends_on_two(design):
-    named = plainer(found(COUPLING, design, (DAMPING, 0.2), (CUBIC, 0.1)), design, 0.05)
+    named = with_plainest_effect(
+        found(COUPLING, design, (DAMPING, 0.2), (CUBIC, 0.1)), design, 0.05
+    )
     assert named.candidate == DAMPING
     assert named.columns == columns_of(DAMPING, design)
     assert [rival.name for rival in named.rivals] == ["coupling", "nonlinear damping"]
 
 
 def test_what_depends_on_states_is_named_before_what_depends_on_the_time(design):
-    named = plainer(found(DRIFT, design, (COUPLING, 0.6), (CUBIC, 0.1)), design, 0.05)
+    named = with_plainest_effect(found(DRIFT, design, (COUPLING, 0.6), (CUBIC, 0.1)), design, 0.05)
     assert named.candidate == CUBIC
 
 
 def test_a_plainer_effect_that_is_less_likely_than_the_significance_is_not_named(design):
     kept = found(COUPLING, design, (DAMPING, 0.04), (DRIFT, 0.5))
-    assert plainer(kept, design, 0.05) is kept
+    assert with_plainest_effect(kept, design, 0.05) is kept
 
 
 def test_of_effects_as_plain_as_each_other_the_one_that_was_found_is_named(design):
     kept = found(CUBIC, design, (DAMPING, 0.9))
-    assert plainer(kept, design, 0.05) is kept
+    assert with_plainest_effect(kept, design, 0.05) is kept
 
 
 @pytest.mark.slow
@@ -71,4 +73,4 @@ def test_of_a_constant_and_what_cannot_be_told_from_it_the_constant_is_named():
 
 def test_a_constant_takes_no_place(design):
     kept = found(COUPLING, design, (CONSTANT, 0.9))
-    assert plainer(kept, design, 0.05) is kept
+    assert with_plainest_effect(kept, design, 0.05) is kept

@@ -9,7 +9,7 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.settling.dead_zones import told_by_slopes
+from pysindy_evolve.loop.settling.dead_zones import with_dead_zones_named
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ def test_a_clipped_input_is_called_what_it_is(lacking, name):
     clipped = [c for c in offered if c.name == "saturation"]
     near = min(clipped, key=lambda c: abs(c.shape.values[0] - 12.0))
     finding = Finding(near, columns_of(near, design), 1.0, 0.016, np.zeros(60), 1)
-    (told,) = told_by_slopes(design, [finding], part)
+    (told,) = with_dead_zones_named(design, [finding], part)
     assert told.candidate.name == name
     assert told.columns == finding.columns
     meaning = "half width" if name == "dead zone" else "limit"

@@ -6,7 +6,7 @@ import pytest
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.ranking import Score
 from pysindy_evolve.loop.evidence.scoring import PRICE, net
-from pysindy_evolve.loop.growth.naming import named, sparing
+from pysindy_evolve.loop.growth.naming import named, nodes_saved
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, of_term, power, variable
 
@@ -38,14 +38,14 @@ LIFT = product(THRUST, call(BUILTIN["cos"], TILT))  # four nodes
     ],
 )
 def test_what_is_held_whole_is_one_node(term, spared):
-    assert sparing(term, [product(HEIGHT), LIFT]) == spared
+    assert nodes_saved(term, [product(HEIGHT), LIFT]) == spared
 
 
 def test_of_several_declared_terms_the_one_counts_that_spares_most():
     term = product(of_term(LIFT), power(HEIGHT, 2))
-    assert sparing(term, [product(power(HEIGHT, 2))]) == 1
-    assert sparing(term, [product(power(HEIGHT, 2)), LIFT]) == 3
-    assert sparing(term, []) == 0
+    assert nodes_saved(term, [product(power(HEIGHT, 2))]) == 1
+    assert nodes_saved(term, [product(power(HEIGHT, 2)), LIFT]) == 3
+    assert nodes_saved(term, []) == 0
 
 
 def test_spared_nodes_have_no_price():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.given.input_errors import may_be_steps, untimely
+from pysindy_evolve.loop.given.input_errors import jump_time_error, may_be_steps
 
 
 @pytest.fixture
@@ -18,20 +18,20 @@ def record():
 
 
 def test_only_inputs_that_are_asked_for_and_jump_may_have_jumped_earlier(record):
-    error = untimely(record, [0, 2])
+    error = jump_time_error(record, [0, 2])
     assert error.shape == record.u.shape
     assert np.abs(error[:, 0]).max() > 0.01
     assert not error[:, 1:].any()
 
 
 def test_all_inputs_jump_at_once(record):
-    error = untimely(record, [0, 1], np.random.default_rng(1))
+    error = jump_time_error(record, [0, 1], np.random.default_rng(1))
     np.testing.assert_allclose(error[:, 0], error[:, 1])
 
 
 def test_an_input_that_runs_on_has_no_jumps(record):
-    assert untimely(record, [2]) is None
-    assert untimely(record, []) is None
+    assert jump_time_error(record, [2]) is None
+    assert jump_time_error(record, []) is None
 
 
 def test_only_steps_that_tell_little_of_the_next_may_be_those_of_a_hold():
