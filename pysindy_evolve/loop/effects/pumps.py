@@ -14,7 +14,7 @@ from .names import FORCING
 from .periodic import PERIODS_IN_TIME, lines_of, of_line, waves_of, waves_times
 from .varying import parts_of
 
-__all__ = ["other_pumps", "partner_pumps", "pumped_candidates"]
+__all__ = ["is_partner_pump", "other_pumps", "partner_pumps", "pumped_candidates"]
 
 
 def pumped_candidates(
@@ -110,6 +110,11 @@ def partner_pumps(design: Design, length: float) -> list[Candidate]:
     return [
         c for shape in shapes for state in design.open_states for c in _pumped(state, design, shape)
     ]
+
+
+def is_partner_pump(candidate: Candidate) -> bool:
+    """Tell whether a candidate is one of `partner_pumps`."""
+    return candidate.name == FORCING and candidate.branch < 0
 
 
 def _frequencies_in(design: Design) -> list[float]:

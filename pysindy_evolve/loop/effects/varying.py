@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -35,9 +35,10 @@ from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .names import COUPLING, DRIFT, FORCING, INPUT_GAIN, NONLINEAR_DAMPING, SATURATING, VALVE
 
-__all__ = ["drifts", "parts_of", "saturating", "throttled", "varying"]
+__all__ = ["drifts", "hyperbolas", "parts_of", "saturating", "throttled", "varying"]
 
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, over the largest level
+LENGTHS = (1.3, 2.0, 4.0)  # of hyperbolas, over the largest magnitude of the variable
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, over the largest pressure of the record
 
 
@@ -54,6 +55,46 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
             name = _name_in_time(part) if in_time else _name_of(both, design, effect.state)
             if other != part and name:
                 yield effect(name, mul(other, part), parents=(OFFSET, part), never_paired=True)
+
+
+def hyperbolas(candidate: Candidate, design: Design, scales: np.ndarray) -> list[Candidate]:
+    """Return hyperbolas in the place of a declared term times a variable.
+
+    The stiffness of a belt or a string goes with 1 / (L - x): in a short range it varies in
+    proportion to x, and so the product is found first.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        What was found; the list is empty unless it is such a product.
+    design : Design
+        The model without it.
+    scales : ndarray of shape (n_variables,)
+        Largest magnitude of each variable.
+
+    Returns
+    -------
+    list of Candidate
+        With both signs of the length and several lengths, all beyond the range that was measured.
+    """
+    if len(candidate.terms) != 1:
+        return []
+    term, found = bare(candidate.terms[0]), list[Candidate]()
+    for part in parts_of(design, candidate.state):
+        for place in range(design.time):
+            if bare(mul(variable(place), part)) == term:
+                for sign, factor in product((1.0, -1.0), LENGTHS):
+                    length = factor * float(scales[place])
+                    build = partial(_over_distance, part, place, sign)
+                    shape = Shape((length,), (build,), meanings=("length",), branch=int(sign))
+                    found.append(replace(candidate, terms=shape.terms, shape=shape, parents=()))
+    return found
+
+
+def _over_distance(part: Sum, place: int, sign: float, length: float) -> Sum:
+    """Return a term times x / (L - x), or over L + x, for a length L."""
+    x = variable(place)
+    return mul(part, div(x, sub(constant(length), mul(constant(sign), x))))
 
 
 def saturating(

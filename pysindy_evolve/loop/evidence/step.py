@@ -11,6 +11,7 @@ import numpy as np
 from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import offsets_setting_zeros, terms_in
+from ..effects.pumps import is_partner_pump
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
@@ -106,7 +107,7 @@ class _Scored:
 
     def worthy(self, rules: Rules) -> list[Score]:
         """Return the groups that remove enough of the error to matter."""
-        return [s for s in self.improving if self._is_zero(s) or self._matters(s, rules)]
+        return [s for s in self.improving if self._continues(s) or self._matters(s, rules)]
 
     def statistic_of(self, best: Score) -> tuple[bool, float]:
         """Return whether candidates are tuned in the twins too, and the score to compare.
@@ -121,9 +122,13 @@ class _Scored:
     def _matters(self, score: Score, rules: Rules) -> bool:
         return score.value >= ERROR_HALVED or self.shares.of(score) >= rules.min_share
 
-    def _is_zero(self, score: Score) -> bool:
+    def _continues(self, score: Score) -> bool:
+        """Tell whether a group belongs to an effect that stands already: it may be small.
+
+        That is the zero of a state, or a term pumped as one in another equation is.
+        """
         terms = {(c.state, term) for c in score.group for term in c.terms}
-        return len(score.group) == 1 and terms <= self.zeros
+        return len(score.group) == 1 and (terms <= self.zeros or is_partner_pump(*score.group))
 
 
 def _scored(declared: Design, design: Design, part: Segments, proposed: list[Candidate]) -> _Scored:

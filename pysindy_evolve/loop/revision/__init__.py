@@ -5,6 +5,7 @@
 ================  =================================================================
 exchanged
 revise            exchanges, merges and drops effects
+bending           hyperbolas in the place of coefficients that vary in proportion
 tuned again
 hidden_numbers    the numbers of a hysteresis or a relaxation
 sharing           one number where effects in two equations are the same expression

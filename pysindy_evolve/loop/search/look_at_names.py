@@ -12,6 +12,7 @@ from ..evidence.offers import after_settling
 from ..memories.chains import with_trades_done
 from ..memories.find import find_with_memories, resettled
 from ..revision.beginnings import settled_beginning
+from ..revision.bending import with_hyperbolas
 from ..revision.hidden_numbers import filter_like_paths, needed_by_runs, with_numbers
 from ..revision.revise import exchange, merged, prune
 from ..revision.sharing import with_shared_numbers
@@ -114,6 +115,7 @@ def _with_settled_beginning(found: Found, findings: list[Finding]) -> Found:
 def _exchanged(found: Found) -> Found:
     """Return the findings under the names and with the numbers that fit best by now."""
     findings = exchange(found.declared, found.findings, found.corrected_pieces)
+    findings = with_hyperbolas(found.declared, findings, found.corrected_pieces)
     findings = with_numbers(found.declared, findings, found.corrected_pieces)
     return found.with_findings(
         with_shared_numbers(found.declared, findings, found.corrected_pieces)
