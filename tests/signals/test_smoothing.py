@@ -75,6 +75,11 @@ def test_sampling_time_is_found_from_states_and_derivatives(motion):
     assert time_step(x[:, :2], -x_dot) is None
 
 
+def test_states_whose_derivatives_do_not_vary_have_no_sampling_time_to_be_found():
+    x = np.column_stack([np.linspace(0.0, 1.0, 500), np.linspace(3.0, 1.0, 500)])
+    assert time_step(x, np.tile([2.0, -4.0], (500, 1))) is None
+
+
 def test_estimate_does_not_depend_on_units(motion):
     x, x_dot = measured(motion, 0.03)
     plain = smooth_states(x, x_dot)

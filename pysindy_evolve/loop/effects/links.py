@@ -85,14 +85,24 @@ def link_couplings(
     Candidate
         Each is one force at both joints.
     """
-    for first, second in permutations(entries, 2):
-        for one, other in product(first.velocities, second.velocities):
-            if one != other:
-                for forces in _exchanged(design, one, other, turning):
-                    factors = (_torque_factor(entry, design) for entry in (first, second))
-                    whole = add(*map(mul, factors, forces))
-                    candidate = effect(COUPLING, whole, never_paired=True)
-                    yield replace(candidate, acts_at=((first.beside, second.beside), forces))
+    for one, other in permutations(design.velocities, 2):
+        forces = list(_exchanged(design, one, other, turning))
+        for places in product(*(_at_joint(entries, velocity) for velocity in (one, other))):
+            acting = [(place, k) for k, place in enumerate(places) if place is not None]
+            if acting and places[0] != places[1]:
+                beside = tuple(place.beside for place, _ in acting)
+                for pair in forces:
+                    torques = (mul(_torque_factor(place, design), pair[k]) for place, k in acting)
+                    candidate = effect(COUPLING, reduce(add, torques), never_paired=True)
+                    yield replace(candidate, acts_at=(beside, tuple(pair[k] for _, k in acting)))
+
+
+def _at_joint(entries: Sequence[Entry], velocity: int) -> Sequence[Entry | None]:
+    """Return the entries that may be at the joint of a velocity; None if it has none here.
+
+    The inertia of a slide on a turntable couples no accelerations, only velocities.
+    """
+    return [entry for entry in entries if velocity in entry.velocities] or [None]
 
 
 def _exchanged(

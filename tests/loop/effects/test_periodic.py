@@ -9,7 +9,7 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.modulation import pumping
 from pysindy_evolve.loop.effects.names import FORCING
 from pysindy_evolve.loop.effects.periodic import lines_of, periodic_candidates, ripple_candidates
-from pysindy_evolve.loop.effects.pumps import other_pumps, partner_pumps
+from pysindy_evolve.loop.effects.pumps import is_partner_pump, other_pumps, partner_pumps
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.terms import mul, variable
 
@@ -219,6 +219,8 @@ def test_what_is_pumped_in_one_equation_may_be_in_another():
     found = [(one.state, *one.parents) for one in partner_pumps(with_it, 30.0)]
     product = mul(variable(0), variable(1))
     assert found == [(0, variable(0)), (0, product), (1, product)]
+    assert all(map(is_partner_pump, partner_pumps(with_it, 30.0)))
+    assert not is_partner_pump(wave)
 
 
 @pytest.mark.slow
@@ -240,6 +242,24 @@ def test_a_pumped_population_is_told_from_one_that_is_stocked(seed):
     assert effect.name == FORCING
     assert all(term.variables == {0, 1, 2} for term in effect.expressions)
     assert report.after.simulation_error.max() < 3.0
+
+
+@pytest.mark.slow
+def test_what_is_pumped_is_found_where_it_leaves_and_where_it_enters():
+    """Of those who may fall ill the pump moves hardly any, of the ill ones many."""
+    flow = "3.5*(1 + 0.12*cos(2*pi*t/52 + 0.4))*S*I"
+    sides = {"S": f"0.0046 - 0.0046*S - {flow}", "I": f"{flow} - 0.5*I"}
+    rng, t = np.random.default_rng(0), np.arange(0.0, 700.0, 0.25)
+    x = pse.simulate(pse.DeclaredModel(sides).design().equations([]), [0.16, 0.004], t)
+    record = pse.prepare(t, x + 0.005 * x.std(axis=0) * rng.standard_normal(x.shape), order=1)
+    model = pse.DeclaredModel({"S": "m*(1 - S) - k*S*I", "I": "k*S*I - g*I"})
+    report = pse.close_loop(model, record, operators=(), random_state=0)
+    pumped = {effect.state: effect for effect in report.effects}
+    assert sorted(pumped) == ["I", "S"]
+    for effect in pumped.values():
+        assert effect.name == FORCING
+        assert np.hypot(*effect.coefficients) == pytest.approx(0.42, rel=0.05)
+        assert all(term.variables == {0, 1, 2} for term in effect.expressions)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -52,3 +52,11 @@ def test_an_offset_is_posed_as_only_where_there_is_none():
     offered = [Candidate("offset", 0, (OFFSET,)), Candidate("square", 0, (X,), parents=(OFFSET,))]
     assert posing_as_offset(offered, [0, 1], set()) == [(0, 1)]
     assert posing_as_offset(offered, [0, 1], {(0, OFFSET)}) == []
+
+
+def test_a_varying_term_poses_as_an_offset_once_the_term_itself_stands():
+    """A stiffness that varies along a belt was never tried, as no offset stood in the equation."""
+    varying = Candidate("varying", 0, (X,), parents=(OFFSET, Y), never_paired=True)
+    offered = [Candidate("offset", 0, (OFFSET,)), varying]
+    assert posing_as_offset(offered, [0, 1], {(0, Y)}) == [(0, 1)]
+    assert posing_as_offset(offered, [0, 1], set()) == []

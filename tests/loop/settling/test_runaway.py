@@ -14,6 +14,7 @@ from pysindy_evolve.loop.given.limits import Limit
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.search.found import Found
+from pysindy_evolve.loop.settling import runaway
 from pysindy_evolve.loop.settling.runaway import last_runaway
 from pysindy_evolve.loop.settling.settle import settled
 from pysindy_evolve.operators import BUILTIN
@@ -47,6 +48,19 @@ def test_the_last_effect_that_changes_an_equation_is_named(record):
     assert last_runaway([first, last], LINEAR, LINEAR, [record]) is None
     assert last_runaway([first, last], WILD, WILD, [record]) is None
     assert last_runaway([clipped], LINEAR, WILD, [record]) is None
+
+
+def test_the_declared_model_is_run_only_where_the_corrected_one_is_lost(record, monkeypatch):
+    """A fit that lacks much may be wild, and its run take longer than all else."""
+
+    def errors(equations, _):
+        assert equations is LINEAR, "the declared model was run"
+        return np.array([5.0])
+
+    design = design_of(YIELDING.model, [record])
+    found = findings_of(design, Candidate("linear stiffness", 1, (Q,)))
+    monkeypatch.setattr(runaway, "simulation_errors", errors)
+    assert last_runaway(found, WILD, LINEAR, [record]) is None
 
 
 def test_an_effect_with_which_the_run_no_longer_follows_its_record_is_named(record):
