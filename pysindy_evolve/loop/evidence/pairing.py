@@ -71,8 +71,13 @@ def posing_as_offset(
 
 
 def _lacks_offset_alone(candidate: Candidate, present: Keys) -> bool:
-    lacking = _parents(candidate) - present - _terms(candidate)
-    return lacking == {(candidate.state, OFFSET)}
+    """Tell whether a candidate lacks no parent but the offset, beside which it is never tried.
+
+    One that is tried in pairs comes with the offset, unless that is all that it needs.
+    """
+    if candidate.parents != (OFFSET,) and not candidate.never_paired:
+        return False
+    return _parents(candidate) - present - _terms(candidate) == {(candidate.state, OFFSET)}
 
 
 def _of_one_force(candidates: Sequence[Candidate], able: Sequence[int]) -> list[tuple[int, ...]]:
