@@ -107,6 +107,7 @@ def saturating(
     - The rate times x / (K^2 + x^2), which begins with the square of x: prey hides.
     - A rate that saturates already, with one more level in its denominator: predators are sated,
       and also keep each other from eating.
+    - A rate that saturates with its level, with the square of that: too much of it inhibits.
     - The rate over K x + y: what counts is how much there is for each.
 
     The same rate may stand in two equations, as predators grow by what they eat.
@@ -118,7 +119,8 @@ def saturating(
         levels = [level for level in acting if 2.0 * middle[level] > scales[level]]
         for level in levels:
             crowded = (_crowded,) if _saturates(part, level) else ()
-            for build in (_over, _hiding, *crowded):
+            inhibited = (_inhibited,) if _saturates(part, level, by_itself=True) else ()
+            for build in (_over, _hiding, *crowded, *inhibited):
                 yield from _sated(effect, partial(build, part, level), level, float(scales[level]))
         for level, other in combinations(levels, 2):
             ratio = float(scales[other] / scales[level])
@@ -197,15 +199,15 @@ def _for_each(part: Sum, level: int, other: int, half: float) -> Sum:
     return div(part, add(mul(constant(half), variable(level)), variable(other)))
 
 
-def _saturates(part: Sum, level: int) -> bool:
-    """Tell whether a rate has a denominator with a constant, and without this level."""
-    return any(_below(factor, level) is not None for factor in as_product(part).factors)
+def _saturates(part: Sum, level: int, *, by_itself: bool = False) -> bool:
+    """Tell whether a rate has a denominator with a constant, and this level in it or not."""
+    return any(_below(one, level, by_itself) is not None for one in as_product(part).factors)
 
 
-def _below(factor: tuple[Atom, int], level: int) -> Sum | None:
-    """Return the denominator of a factor, over its constant; None if this level is in it."""
+def _below(factor: tuple[Atom, int], level: int, inside: bool) -> Sum | None:
+    """Return the denominator of a factor over its constant, if the level is inside or not."""
     atom, exponent = factor
-    if not isinstance(atom, Sum) or exponent != -1 or level in atom.variables:
+    if not isinstance(atom, Sum) or exponent != -1 or (level in atom.variables) != inside:
         return None
     still = sum(number for number, term in atom.parts if not term.variables)
     return div(atom, constant(still)) if still else None
@@ -213,15 +215,27 @@ def _below(factor: tuple[Atom, int], level: int) -> Sum | None:
 
 def _crowded(part: Sum, level: int, half: float) -> Sum:
     """Return a rate with one more level in its denominator, added like the constant."""
-    crowded = constant(1.0)
+    x = variable(level)
+    return _with_below(part, level, False, lambda below: add(mul(constant(half), below), x))
+
+
+def _inhibited(part: Sum, level: int, half: float) -> Sum:
+    """Return a rate with the square of its own level in its denominator: too much of it inhibits.
+
+    Andrews, Biotechnol. Bioeng. 10 (1968), DOI 10.1002/bit.260100602, after Haldane.
+    """
+    square = mul(constant(half**-2), power(variable(level), 2))
+    return _with_below(part, level, True, lambda below: add(below, square))
+
+
+def _with_below(part: Sum, level: int, inside: bool, change: Callable[[Sum], Sum]) -> Sum:
+    """Return a rate with changed denominators, those with the level inside or the others."""
+    changed = constant(1.0)
     for atom, exponent in as_product(part).factors:
-        below = _below((atom, exponent), level)
-        if below is None:
-            factor = power(as_sum(atom), exponent)
-        else:
-            factor = power(add(mul(constant(half), below), variable(level)), -1)
-        crowded = mul(crowded, factor)
-    return crowded
+        below = _below((atom, exponent), level, inside)
+        kept = power(as_sum(atom), exponent)
+        changed = mul(changed, kept if below is None else power(change(below), -1))
+    return changed
 
 
 def _name_in_time(part: Sum) -> str:
