@@ -53,5 +53,6 @@ examples:
 In an equation, names that are neither a state, an input, t nor known are free parameters. They
 are fitted and must enter linearly; they are listed before the search begins.
 
-Expect 5 to 20 s for 10 000 samples on one quiet core, and more with each effect found; a bar
-on a terminal shows where the search is (--quiet hides it), and Ctrl-C reports what was found."""
+Expect 5 to 20 s for 10 000 samples of one position on one quiet core, a minute or more for two
+joints or bodies, and more with each effect found; a bar on a terminal shows where the search is
+(--quiet hides it), and Ctrl-C reports what was found."""

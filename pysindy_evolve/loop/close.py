@@ -96,8 +96,9 @@ def close_loop(
     Notes
     -----
     An interrupt (Ctrl-C) ends the search. Effects found by then are reported; if there are none
-    yet, KeyboardInterrupt is raised. Expect 5 to 20 s of one quiet core for 10 000 samples, and
-    more with each effect found. The matrices are small, so the linear algebra runs on one thread.
+    yet, KeyboardInterrupt is raised. Expect 5 to 20 s of one quiet core for 10 000 samples of
+    one position, a minute or more for two joints or bodies, and more with each effect found. The
+    matrices are small, so the linear algebra runs on one thread.
 
     Examples
     --------

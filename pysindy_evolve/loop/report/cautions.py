@@ -33,6 +33,7 @@ __all__ = ["cautions"]
 # An error grew if it exceeds both. The first is more than refitted coefficients can cause.
 GREW_TIMES = 1.1  # times the error of the declared model
 GREW_BY = 0.1  # added to it, percent of the standard deviation
+LOST_AGAIN = 2.0  # times the error after an earlier effect: the later ones take back what it gained
 # Ratio of a parameter after and before. Smaller: little is left of it. A change of sign counts
 # between this and its inverse.
 NEGLIGIBLE = 0.05
@@ -112,6 +113,24 @@ def _worse(report: LoopReport) -> list[str]:
     if any(effect.name == FORCING for effect in report.effects):
         return [f"{said} The phase of a periodic forcing may differ from record to record."]
     return [f"{said} What was found may not carry over to that record."]
+
+
+def _worse_than_before(report: LoopReport) -> list[str]:
+    """Name the derivatives that an earlier effect explained better than all of them together."""
+    if len(report.steps) < 2 or report.before.model.n_algebraic:
+        return []
+    errors = np.array([step.errors.derivative_error for step in report.steps])
+    last, best = report.after.derivative_error, np.argmin(errors, axis=0)
+    said = []
+    for k, place in enumerate(best):
+        least = errors[place, k]
+        if last[k] > max(LOST_AGAIN * least, least + 1.0):
+            said.append(
+                f"After {report.steps[place].name} (effect {place + 1}) the held-out error of "
+                f"d{report.after.model.states[k]}/dt was {percent(least)}; with all effects it is "
+                f"{percent(last[k])}. One of the later effects is probably wrong."
+            )
+    return said
 
 
 def _held(report: LoopReport) -> list[str]:
@@ -233,6 +252,7 @@ CAUTIONS = (
     exchangeable_poles,
     _changed_parameters,
     _worse,
+    _worse_than_before,
     _undefined,
     _lines,
     _offsets,

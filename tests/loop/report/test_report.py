@@ -17,6 +17,7 @@ from pysindy_evolve.hidden_states.relaxing import relaxing
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.given.design import in_state
+from pysindy_evolve.loop.report.effect import Step
 from pysindy_evolve.loop.report.effect_text import evidence, with_sign
 from pysindy_evolve.loop.report.interval_text import interval, value_within
 from pysindy_evolve.loop.report.start_noise import run_std_from_start_noise
@@ -491,6 +492,14 @@ def test_errors_that_grew_on_held_out_data_are_mentioned(report):
     said = " ".join(str(replace(report, after=grown)).split())
     assert "On the held-out data some errors grew: dv/dt from" in said
     assert "errors grew" not in str(report)
+
+
+def test_an_error_that_an_earlier_effect_had_made_small_is_mentioned(report):
+    low, high = (replace(report.after, derivative_error=np.array([0.0, e])) for e in (2.0, 30.0))
+    steps = [Step("drag", "v", low), Step("input gain", "v", high)]
+    said = " ".join(str(replace(report, steps=steps, after=high)).split())
+    assert "After drag (effect 1) the held-out error of dv/dt was 2 %; with all effects" in said
+    assert "One of the later effects is probably wrong" not in str(report)
 
 
 def test_a_corrected_model_that_diverges_where_the_declared_one_did_not_is_mentioned(report):
