@@ -7,11 +7,12 @@ import pytest
 from loop_systems import equations_of
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.candidate import OFFSET
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.names import SATURATING
+from pysindy_evolve.loop.effects.varying import hyperbolas
 from pysindy_evolve.loop.given.ranges import Ranges
-from pysindy_evolve.terms import sub, variable
+from pysindy_evolve.terms import power, sub, variable
 
 CURRENTS = {"i": "b*u - r*i", "T": "c*u**2 - h*(T - Ta)"}
 
@@ -101,6 +102,34 @@ def test_a_rate_may_go_by_what_there_is_for_each():
     ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
     found = {c.at([0.9]).terms[0] for c in candidates(design, ranges) if c.name == SATURATING}
     assert "X S/(0.9 X + S)" in {term.name(("X", "S", "t")) for term in found}
+
+
+def test_too_much_of_what_a_rate_saturates_with_may_inhibit_it():
+    """Haldane's rate: a poison to those who eat much of it."""
+    design = pse.DeclaredModel({"X": "m*S*X/(1 + S) - a*X", "S": "-y*S*X/(1 + S)"}).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
+    found = [c.at([2.0]).terms[0] for c in candidates(design, ranges) if c.name == SATURATING]
+    rows = np.random.default_rng(1).uniform(1.0, 3.0, (50, 3))
+    x, s = rows[:, 0], rows[:, 1]
+    wanted = s * x / (1.0 + s + (s / 2.0) ** 2)
+    assert any(term.evaluate(rows) == pytest.approx(wanted) for term in found)
+
+
+@pytest.mark.parametrize("sides", [{"q": "v", "v": "-k*q"}, {"x": "-k*x"}])
+def test_a_hyperbola_takes_the_place_of_a_term_times_a_variable_only(sides):
+    """It begins as that product, for a length far beyond the range that was measured."""
+    design, scales = pse.DeclaredModel(sides).design(), np.full(len(sides) + 1, 2.0)
+    state = len(sides) - 1
+    square, cube = (Candidate("any", state, (power(variable(0), n),)) for n in (2, 3))
+    assert hyperbolas(cube, design, scales) == []
+    rows = np.random.default_rng(0).uniform(-2.0, 2.0, (50, len(sides) + 1))
+    found = hyperbolas(square, design, scales)
+    assert {one.branch for one in found} == {-1, 1}
+    for one in found:
+        assert min(one.shape.values) > 2.0
+        assert 1e6 * one.at([1e6]).terms[0].evaluate(rows) == pytest.approx(
+            rows[:, 0] ** 2, rel=1e-4
+        )
 
 
 def test_no_force_saturates_so():
