@@ -20,7 +20,7 @@ from ...hidden_states.memory import DELAY, Memory
 from ...signals import Record
 from ...signals.zero_order_hold import HALF
 from ..effects.candidate import Candidate
-from ..evidence.scoring import LEAD, MARGIN, propose, quick_fit, score
+from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, MIN_GAIN_LOG, propose, quick_fit, score
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
 from ..given.segments import Segments, segments
@@ -34,7 +34,8 @@ __all__ = [
     "memory_beside_hold",
 ]
 
-EVEN = 0.01  # share of a sampling time by which records that are sampled alike may differ
+# Share of a sampling time by which records that are sampled alike may differ.
+MAX_TIME_STEP_SPREAD = 0.01
 SHORTEST, LONGEST = 0.4, 0.6  # delay of a hold that a user's low-pass has hidden, sampling times
 LATEST = 0.6  # largest delay of a hold, sampling times: half of one, and some error
 
@@ -86,7 +87,7 @@ def holds_alone(design: Design, part: Segments) -> dict[int, float]:
     """
     free = free_to_be_held(part.records)
     gains = _gains(free, design, in_pieces(part)) if free else []
-    return {column: HALF for column, gain in zip(free, gains, strict=True) if gain > MARGIN}
+    return {column: HALF for column, gain in zip(free, gains, strict=True) if gain > MIN_GAIN_LOG}
 
 
 def hold_beside_another(column: int, design: Design, part: Segments, held: Segments) -> bool:
@@ -113,7 +114,7 @@ def hold_beside_another(column: int, design: Design, part: Segments, held: Segme
         score(design, pieces, _missing(design, pieces), pairs=False) for pieces in (held, part)
     ]
     gain_if_held, gain = (scores[0].value if scores else 0.0 for scores in rankings)
-    return alone + gain_if_held - gain > LEAD
+    return alone + gain_if_held - gain > HIDDEN_STATE_LEAD_LOG
 
 
 def free_to_be_held(records: Sequence[Record]) -> list[int]:
@@ -174,7 +175,7 @@ def memory_beside_hold(
         return (0.0, memory) if known or not _may_be_hold(memory, records) else (HALF, None)
     steps = [record.raw_dt for record in records]
     jumping = all(jumps_at_once(record, column) for record in records)
-    alike = jumping and np.ptp(steps) <= EVEN * steps[0]
+    alike = jumping and np.ptp(steps) <= MAX_TIME_STEP_SPREAD * steps[0]
     share = memory.values[0] / steps[0]
     hold = _Hold(kind, column, memory.values)
     if alike and kind == DELAY and share < LATEST:
