@@ -36,9 +36,9 @@ from .sparse.parsimony import PERFECT
 from .terms import ONE, Product, Variable, lowest
 from .threads import one_thread
 
-__all__ = ["ROWS", "evolve"]
+__all__ = ["ROWS_PER_GENERATION", "evolve"]
 
-ROWS = 3000  # rows that a generation is scored on; the final refit sees all of them
+ROWS_PER_GENERATION = 3000  # rows that a generation is scored on; the final refit sees all of them
 FINALISTS = 24  # terms that are weighed against each other on all rows
 
 
@@ -95,9 +95,9 @@ def evolve(
 
     Notes
     -----
-    A generation uses `ROWS` rows, whatever n is, unless `project` is given. The search ends after
-    ``n_generations``, or when no new term has entered the equation for ``patience`` of them, or
-    sooner where nothing is left to explain, see `plateau`.
+    A generation uses `ROWS_PER_GENERATION` rows, whatever n is, unless `project` is given. The
+    search ends after ``n_generations``, or when no new term has entered the equation for
+    ``patience`` of them, or sooner where nothing is left to explain, see `plateau`.
     """
     settings = settings or Settings()
     if not target.any():  # a parameter among the states: its equation is empty
@@ -125,7 +125,7 @@ def generations(
 ) -> Iterator[tuple[Generation, tuple[Product, ...]]]:
     """Algorithm 1. Yield each generation's record, and the terms to weigh on all rows."""
     start = time.perf_counter()
-    first = problem.sample(ROWS, np.random.default_rng(0))
+    first = problem.sample(ROWS_PER_GENERATION, np.random.default_rng(0))
     genetics = Genetics(operators, np.array(sizes(first.x)), max_depth=settings.max_depth, rng=rng)
     leaves = (ONE, *(Product(((Variable(i), 1),)) for i in range(problem.x.shape[1])))
     population = first_population(first, genetics, operators, settings, leaves, begin)
@@ -134,7 +134,9 @@ def generations(
     best: tuple[Product, ...] = ()
     known: set[Hashable] = set()  # forms that were tuned, and beside which forms
     for number in range(1, settings.n_generations + 1):
-        dictionary = build_dictionary(problem.sample(ROWS, rng), [*survivors, *population])
+        dictionary = build_dictionary(
+            problem.sample(ROWS_PER_GENERATION, rng), [*survivors, *population]
+        )
         found = solve_elastic_net(
             dictionary, survivors, best, settings.max_terms, smooth=genetics.smooth
         )

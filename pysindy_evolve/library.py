@@ -17,7 +17,7 @@ from . import checks, handover
 from .breeding.denoise import Rows, denoise
 from .breeding.dictionary import Problem, build_dictionary
 from .breeding.generation import Evolution, Settings
-from .evolution import ROWS, evolve
+from .evolution import ROWS_PER_GENERATION, evolve
 from .operators import Operator, resolve
 from .term_library import TermColumns
 from .terms import ONE, Product
@@ -285,7 +285,7 @@ def _union(x: np.ndarray, fixed: np.ndarray, found: Sequence[Evolution]) -> tupl
     terms = list(dict.fromkeys(term for evolution in found for term in evolution.terms))
     if len(found) == 1 or len(terms) < 2:
         return tuple(terms)
-    sample = Problem(x, x[:, 0], fixed).sample(ROWS, np.random.default_rng(0))
+    sample = Problem(x, x[:, 0], fixed).sample(ROWS_PER_GENERATION, np.random.default_rng(0))
     kept = set(build_dictionary(sample, terms).terms)
     return tuple(term for term in terms if term in kept)
 

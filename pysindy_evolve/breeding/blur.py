@@ -2,7 +2,7 @@
 
 Noise e in the variables moves theta(x) @ coef by about grad(theta @ coef) @ e. A false term, made
 up from noise, explains a part of that movement and never more. So a term that explains less than
-`SHARE` of it is rejected, even if it is significant.
+`MIN_EXPLAINED_SHARE` of it is rejected, even if it is significant.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from .dictionary import Problem
 
 __all__ = ["least_explained_power"]
 
-SHARE = 0.3  # of the movement's power; false terms on simulated rigs explained less than 0.2
-ROWS = 10_000  # rows that the mean is taken over
+# Of the movement's power; false terms on simulated rigs explained less than 0.2.
+MIN_EXPLAINED_SHARE = 0.3
+N_ROWS = 10_000  # about how many rows the mean is taken over
 
 
 def least_explained_power(
@@ -41,13 +42,13 @@ def least_explained_power(
     """
     if problem.noise is None or not np.any(problem.noise):
         return 0.0
-    x = problem.x[:: max(len(problem.x) // ROWS, 1)]
+    x = problem.x[:: max(len(problem.x) // N_ROWS, 1)]
     moved = 0.0
     for j in np.flatnonzero(problem.noise):
         step = problem.noise * (np.arange(x.shape[1]) == j)
         slope = 0.5 * (_sum(x + step, terms, coef) - _sum(x - step, terms, coef))
         moved += float(np.mean(slope**2, where=np.isfinite(slope)))
-    return SHARE * moved * len(problem.x)
+    return MIN_EXPLAINED_SHARE * moved * len(problem.x)
 
 
 def _sum(x: np.ndarray, terms: Sequence[Product], coef: Sequence[float]) -> np.ndarray:

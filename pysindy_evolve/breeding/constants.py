@@ -17,11 +17,11 @@ from .dictionary import Dictionary
 
 __all__ = ["tune", "tune_beside", "tune_constants"]
 
-SMALL = 3  # terms; equations up to this size are tuned first
+MAX_SMALL_TERMS = 3  # terms; equations up to this size are tuned first
 N_FORMS = 24  # terms, each of another form, tuned beside plain terms in the first generation
 N_TUNED = 6  # terms tuned in each generation, best first
 TUNING_ROWS = 800  # enough to tune one or two constants
-LARGEST = 1e150  # largest value of a column, so that its square does not overflow
+MAX_COLUMN_VALUE = 1e150  # largest value of a column, so that its square does not overflow
 # Least span of an argument, or relative span of a divisor; below it, sin(w x) is as good as w x.
 LEAST_BEND = 0.3
 FACTORS = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)  # of each constant, tried before the local search
@@ -64,7 +64,7 @@ def tune(
     def residual(constants: np.ndarray) -> np.ndarray:
         with np.errstate(all="ignore"):
             columns = np.column_stack([t.evaluate(x) for t in _with(terms, constants)])
-            if not np.all(np.abs(columns) < LARGEST):
+            if not np.all(np.abs(columns) < MAX_COLUMN_VALUE):
                 return y
             columns = columns if project is None else project(columns)
             columns = columns - basis @ (basis.T @ columns)
@@ -106,7 +106,7 @@ def tune_constants(
     order = [j for j in np.argsort(fitness, kind="stable") if dictionary.terms[j].constants]
     forms = [term.skeleton for term in dictionary.terms]
     cases: dict[Hashable, tuple[int, list[int]]] = {}
-    small = sorted((support for support in front if len(support) <= SMALL), key=len)
+    small = sorted((support for support in front if len(support) <= MAX_SMALL_TERMS), key=len)
     in_small = [(j, support) for support in small for j in support if dictionary.terms[j].constants]
     ranked = [(j, front[partners[j]]) for j in order]
     for j, equation in [*in_small, *(ranked if smooth else ranked[:N_TUNED])]:

@@ -21,8 +21,9 @@ from ..signals.smoothing import Smoothed, smooth_states
 __all__ = ["Rows", "denoise"]
 
 UNSURE = 6.0  # standard deviations of the remaining noise; closer to zero, the sign is not known
-ENOUGH = 0.2  # least share of the rows to keep; a column that would leave fewer removes none
-STEP = 1e-6  # step to both sides of zero, to detect a kink
+# Least share of the rows to keep; a column that would leave fewer removes none.
+MIN_KEPT_SHARE = 0.2
+KINK_STEP = 1e-6  # step to both sides of zero, to detect a kink
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +89,11 @@ def denoise(
 
 
 def _sure(smoothed: Smoothed) -> np.ndarray:
-    """Tell on which rows the sign of the variables is known, see `UNSURE` and `ENOUGH`."""
+    """Tell on which rows the sign of the variables is known, see `UNSURE` and `MIN_KEPT_SHARE`."""
     sure = np.ones(len(smoothed.x), dtype=bool)
     for column, noise in zip(smoothed.x.T, smoothed.noise, strict=True):
         clear = np.abs(column) > UNSURE * noise
-        if column.min() < 0.0 < column.max() and np.mean(clear & sure) >= ENOUGH:
+        if column.min() < 0.0 < column.max() and np.mean(clear & sure) >= MIN_KEPT_SHARE:
             sure &= clear
     return sure
 
@@ -102,5 +103,5 @@ def _has_kink(operator: Operator) -> bool:
     if operator.arity != 1:
         return False
     with np.errstate(all="ignore"):
-        below, at, above = operator.function(np.array([-STEP, 0.0, STEP]))
-    return bool(abs(above - below) > 0.1 or abs(above + below - 2.0 * at) > 0.1 * STEP)
+        below, at, above = operator.function(np.array([-KINK_STEP, 0.0, KINK_STEP]))
+    return bool(abs(above - below) > 0.1 or abs(above + below - 2.0 * at) > 0.1 * KINK_STEP)

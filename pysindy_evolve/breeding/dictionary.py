@@ -34,7 +34,8 @@ SPANNED = 1e-9  # share of a column's power that the fixed columns must leave
 KINKS = (BUILTIN["abs"], BUILTIN["sgn"])
 WAVES = (BUILTIN["sin"], BUILTIN["cos"], BUILTIN["tan"])
 FREQUENCY = 3.0  # parameters that a frequency counts as: its error falls as n^-1.5, not n^-0.5
-NODE = 2.0  # price of a node: 2 log 3, as there are about 3^size terms of a size (extended BIC)
+# Price of a node: 2 log 3, as there are about 3^size terms of a size (extended BIC).
+PRICE_PER_NODE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,7 +243,7 @@ def n_nodes_expanded(term: Product) -> int:
 def price(terms: Sequence[Product], n_effective: float) -> np.ndarray:
     """Price of each term in the information criterion.
 
-    Log n for each fitted parameter, and `NODE` for each node of the tree, as the number of possible
+    Log n for each fitted parameter, and `PRICE_PER_NODE` for each node, as the number of possible
     terms grows exponentially with their size. A wave can fit noise at any frequency, so a frequency
     counts as three parameters (Djuric, IEEE Trans. Signal Process. 44 (1996) 1744-1751).
     """
@@ -250,7 +251,7 @@ def price(terms: Sequence[Product], n_effective: float) -> np.ndarray:
     numbers = 1.0 + np.array([len(term.constants) for term in terms])
     numbers += (FREQUENCY - 1.0) * frequencies
     nodes = np.array([n_nodes_expanded(term) for term in terms], dtype=float)
-    return np.asarray(numbers * np.log(max(n_effective, 2.0)) + NODE * nodes)
+    return np.asarray(numbers * np.log(max(n_effective, 2.0)) + PRICE_PER_NODE * nodes)
 
 
 def _n_frequencies(node: Product | Atom) -> int:

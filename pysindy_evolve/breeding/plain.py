@@ -17,8 +17,9 @@ from ..terms import ONE, Product, Sum, add, call, constant, div, mul, variable
 __all__ = ["plain_terms", "sizes"]
 
 GRID = (0.5, 1.0, 2.0, 4.0)  # argument of the function where the variable is at its RMS
-MOST = 400  # terms; more would make the first generation as slow as ten others
-FEW = 80  # terms where each generation uses all rows, so that every column is as long as the record
+MAX_TERMS = 400  # terms; more would make the first generation as slow as ten others
+# Terms where each generation uses all rows, so that every column is as long as the record.
+MAX_TERMS_ON_ALL_ROWS = 80
 
 
 def plain_terms(
@@ -33,7 +34,7 @@ def plain_terms(
     x : ndarray of shape (n, n_variables)
         Variables. Reciprocals are made only of those that keep their sign.
     few : bool
-        Use one point of the grid, from which tuning starts, and at most `FEW` terms.
+        Use one point of the grid, from which tuning starts, and at most `MAX_TERMS_ON_ALL_ROWS`.
 
     Returns
     -------
@@ -46,7 +47,7 @@ def plain_terms(
     has_mul = any(one.name == "mul" for one in operators)
     products = [mul(one, v) for one in calls for v in variables] if has_mul else []
     terms = dict.fromkeys(term for one in [*calls, *products] for _, term in one.parts)
-    return [term for term in terms if term != ONE][: FEW if few else MOST]
+    return [term for term in terms if term != ONE][: MAX_TERMS_ON_ALL_ROWS if few else MAX_TERMS]
 
 
 def _calls(operators: Sequence[Operator], x: np.ndarray, places: Sequence[float]) -> list[Sum]:

@@ -25,10 +25,11 @@ from .dictionary import Problem
 __all__ = ["Plateau", "share_common_to_neighbors"]
 
 PATIENCE_IF_DONE = 2  # generations to wait for a shorter form once only noise or rounding is left
-ROWS = 10_000  # with ten neighbors each, 1 % of the residual's power is two standard errors
+MAX_ROWS = 10_000  # with ten neighbors each, 1 % of the residual's power is two standard errors
 SHARP = 0.005  # largest standard error of the test; too few rows give a larger one
 N_NEIGHBORS = 10
-CLOSE = 0.9  # least share of the fitted values; below it, neighbors are too far apart to judge
+# Least share of the fitted values; below it, neighbors are too far apart to judge.
+MIN_FITTED_SHARE = 0.9
 CHANCE = 2.0  # standard errors; a residual with no larger share is taken for noise
 
 
@@ -88,12 +89,14 @@ class Plateau:
             fitted = basis @ (basis.T @ y)
             of_fit, _ = share_common_to_neighbors(fitted - fitted.mean(), neighbors)
             of_rest, error = share_common_to_neighbors(y - fitted, neighbors)
-            self._judged[shapes] = of_fit >= CLOSE and error <= SHARP and of_rest <= CHANCE * error
+            self._judged[shapes] = (
+                of_fit >= MIN_FITTED_SHARE and error <= SHARP and of_rest <= CHANCE * error
+            )
         return self._judged[shapes]
 
     @cached_property
     def _sample(self) -> tuple[Problem, np.ndarray]:
-        sample = self.problem.sample(ROWS, np.random.default_rng(0))
+        sample = self.problem.sample(MAX_ROWS, np.random.default_rng(0))
         size = sample.x.std(axis=0)
         points = sample.x / np.where(size > 0.0, size, 1.0)
         n_neighbors = min(N_NEIGHBORS, len(points) - 1)

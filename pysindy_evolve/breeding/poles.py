@@ -8,16 +8,16 @@ import numpy as np
 
 from ..terms import Atom, Call, Sum
 
-__all__ = ["AWAY", "has_pole", "is_away", "keeps_sign"]
+__all__ = ["MIN_MAGNITUDE_SHARE", "has_pole", "is_away", "keeps_sign"]
 
-AWAY = 0.1  # least magnitude of a denominator, as a share of its largest magnitude
+MIN_MAGNITUDE_SHARE = 0.1  # least magnitude of a denominator, as a share of its largest magnitude
 
 
 def is_away(column: np.ndarray) -> bool:
     """Tell whether a column keeps its sign and stays away from zero."""
     least, largest = float(column.min()), float(column.max())
     near, far = sorted((abs(least), abs(largest)))
-    return least * largest > 0.0 and near > AWAY * far
+    return least * largest > 0.0 and near > MIN_MAGNITUDE_SHARE * far
 
 
 def keeps_sign(column: np.ndarray) -> bool:

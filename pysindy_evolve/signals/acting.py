@@ -20,7 +20,8 @@ __all__ = ["InputFunction"]
 # Shares of an input's range by which a low-pass may exceed it; the second if the first fails.
 OVERSHOOTS = (0.5, 0.1)
 N_POINTS = 2049  # points of a table, linear in between
-ROUNDING = 1e-12  # share of the largest value; a function that varies less counts as constant
+# Share of the largest value; a function that varies less counts as constant.
+MIN_RELATIVE_RISE = 1e-12
 TABLE_ERROR = 0.01  # share of the range of values; a larger error between points means a jump
 
 
@@ -103,7 +104,7 @@ class InputFunction:
             return None
         if values[-1] < values[0]:
             inputs, values = inputs[::-1], values[::-1]
-        rises, flat = np.diff(values), ROUNDING * np.abs(values).max()
+        rises, flat = np.diff(values), MIN_RELATIVE_RISE * np.abs(values).max()
         if np.any(rises < -flat) or np.all(rises <= flat):
             return None
         keep = np.append(True, rises > flat)  # a plateau is represented by its first point

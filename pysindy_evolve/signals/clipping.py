@@ -40,12 +40,13 @@ MOST_AT_LIMIT = 0.5  # share of the readings; an extreme that holds more of them
 SPAN_OF_STAY = 0.25
 SLOWED = 0.5
 FEWEST_HITS = 3  # arrivals at the limit that are needed to judge their scatter
-SURE = 2.0  # standard errors by which the way must be shorter to count as coming to rest
+# Standard errors by which the way must be shorter to count as coming to rest.
+MIN_STANDARD_ERRORS = 2.0
 ORDER = 3  # order of the differences that the bridge keeps small: its curvature is continuous
 LIMIT_WEIGHT = 1e-12  # weight of the limit in a gap, relative to smoothness; well above rounding
 FREQUENCY_RANGE = (4e-3, 0.5)  # cycles per sample; below it, rounding outweighs the readings
 SHARPNESS = 2.0  # cutoffs; the bridge does not follow the readings at higher frequencies
-REACH = 1.0  # periods of the cutoff; rows nearer to a gap are spoiled by the filter
+SPOILED_PERIODS = 1.0  # periods of the cutoff; rows nearer to a gap are spoiled by the filter
 
 
 def sensor_limits(y: Array) -> Array:
@@ -113,7 +114,8 @@ def _arrives_fast(readings: Array, at_top: NDArray[np.bool_], top: float) -> boo
         before = readings[hits - span] - readings[hits - 2 * span]
         partial = 1.0 - 0.5 / span  # the limit is met between two samples
         excess = last - SLOWED * partial * before
-        if len(hits) >= FEWEST_HITS and excess.mean() < -SURE * excess.std() / np.sqrt(len(hits)):
+        n = len(hits)
+        if n >= FEWEST_HITS and excess.mean() < -MIN_STANDARD_ERRORS * excess.std() / np.sqrt(n):
             return False
         span *= 2
     return True
@@ -232,7 +234,7 @@ def _smooth(readings: Array, seen: NDArray[np.bool_], frequency: float) -> Array
 
 def widened(gone: NDArray[np.bool_], dt: float, cutoff: float | None) -> NDArray[np.bool_]:
     """Return gaps (n, n_columns), widened by the samples beside them that a low-pass spoils."""
-    reach = ORDER if cutoff is None else int(np.ceil(REACH / (cutoff * dt)))
+    reach = ORDER if cutoff is None else int(np.ceil(SPOILED_PERIODS / (cutoff * dt)))
     count = np.cumsum(np.vstack([np.zeros((1, gone.shape[1]), dtype=int), gone]), axis=0)
     index = np.arange(len(gone))
     last = np.minimum(index + reach + 1, len(gone))

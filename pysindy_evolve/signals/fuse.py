@@ -28,7 +28,7 @@ from .spectral import Array
 __all__ = ["fuse"]
 
 FADE = 0.02  # share of the record, half at each end, over which the slope fades out
-FEWEST = 256  # samples; fewer do not give a usable spectrum
+MIN_SAMPLES = 256  # samples; fewer do not give a usable spectrum
 
 
 def fuse(t: ArrayLike, x: ArrayLike, x_dot: ArrayLike) -> Array:
@@ -81,9 +81,9 @@ def fuse(t: ArrayLike, x: ArrayLike, x_dot: ArrayLike) -> Array:
     if states.shape != rates.shape:
         advice = "Give one derivative per state."
         checks.refuse("fuse", "x_dot", "of the shape of x", f"shape {rates.shape}", advice)
-    if len(times) < FEWEST:
+    if len(times) < MIN_SAMPLES:
         got = f"{len(times)}"
-        checks.refuse("fuse", "t", f"at least {FEWEST} samples long", got, "Record longer.")
+        checks.refuse("fuse", "t", f"at least {MIN_SAMPLES} samples long", got, "Record longer.")
     grid, (even_x, even_rate) = uniform("fuse", times, states, rates)
     even_states, even_rates = np.asarray(even_x), np.asarray(even_rate)
     dt = (grid[-1] - grid[0]) / (len(grid) - 1)

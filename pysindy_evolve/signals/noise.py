@@ -12,19 +12,19 @@ from .spectral import Array, Extension, gain
 
 # Highest automatic cutoff, as a share of the sampling rate: the edge of the low-pass, which is
 # over at 1.5 times the cutoff, then just ends at the Nyquist frequency.
-HIGHEST = 1.0 / 3.0
+MAX_SAMPLING_RATE_SHARE = 1.0 / 3.0
 # kappa, cost of a unit of noise in units of signal. A lost signal is lost on both sides of an
 # equation alike and biases no linear term. Noise that is kept is in the regressors and biases all.
 # Ten is also the margin by which a spectrum stands out of its own scatter.
 NOISE_PRICE = 10.0
 # Standard errors of a median: largest distance of the highest of eight from the lowest, by chance.
-ALIKE = 4.0
+MAX_DISTANCE_IN_ERRORS = 4.0
 # Candidates for a cutoff, spaced evenly on a logarithmic scale.
 N_CANDIDATES = 200
 # Least share of readings equal to the one before that makes a column coarse.
 DWELL = 0.1
 # Share of the steps of an input, the smallest ones, that are taken as noise alone.
-SMALLEST = 0.2
+NOISE_STEP_SHARE = 0.2
 # Fewest periods of the cutoff in a record.
 FEWEST_PERIODS = 4.0
 # Median of a chi-square variable with two degrees of freedom over its mean.
@@ -70,7 +70,7 @@ def level(power: Array) -> Array:
     holds 300 frequencies. So all bands that exceed it by no more than chance are averaged.
     """
     medians = np.array(_medians(power))
-    scatter = ALIKE / (MEDIAN_OVER_MEAN * np.sqrt(power.shape[1] / len(medians)))
+    scatter = MAX_DISTANCE_IN_ERRORS / (MEDIAN_OVER_MEAN * np.sqrt(power.shape[1] / len(medians)))
     near_lowest = medians <= (1.0 + scatter) * np.min(medians, axis=0)
     return np.asarray(np.mean(medians, axis=0, where=near_lowest)) / MEDIAN_OVER_MEAN
 
@@ -132,7 +132,7 @@ def best_cutoff(frequency: Array, power: Array, noise: Array, order: int, dt: fl
 def auto_cutoff(y: Array, dt: float, order: int) -> float:
     """Return the cutoff for columns y (n, k), none of them constant, in cycles per unit of t."""
     y = (y - y[0]) / np.ptp(y, axis=0)
-    highest = HIGHEST / dt
+    highest = MAX_SAMPLING_RATE_SHARE / dt
     rounding_noise = rounding(y)
     lowest = min(FEWEST_PERIODS / (y.shape[0] * dt), highest)
     cutoff: float | None = None
@@ -161,7 +161,9 @@ def input_noise(u: Array, dt: float, cutoff: float | None) -> Array:
     an input that jumps, its smallest steps give an upper bound of the noise.
     """
     steps = np.abs(np.diff(u, axis=0))
-    at_most = np.quantile(steps, SMALLEST, axis=0) / (np.sqrt(2.0) * norm.ppf(0.5 + SMALLEST / 2))
+    at_most = np.quantile(steps, NOISE_STEP_SHARE, axis=0) / (
+        np.sqrt(2.0) * norm.ppf(0.5 + NOISE_STEP_SHARE / 2)
+    )
     holds = np.mean(steps == 0, axis=0) >= DWELL
     return np.where(holds, 0.0, np.minimum(sensor_noise(u, dt, cutoff), at_most))
 

@@ -17,7 +17,7 @@ from .record import Record, constant_column
 from .sampling import uniform
 from .spectral import Array
 from .wrapping import refuse_wrapped
-from .zero_order_hold import HALF, hold
+from .zero_order_hold import HALF_SAMPLE, hold
 
 # Samples kept per period of the cutoff: sgn and other kinks of the states stay resolved, and
 # the low-pass (over at 1.5 times the cutoff) lets nothing alias.
@@ -140,7 +140,7 @@ def prepare(
         limits=ends,
     )
     held_columns = _held_columns(held, even_u)
-    return hold(plan.apply(plan.t, plan.y, plan.u), dict.fromkeys(held_columns, HALF))
+    return hold(plan.apply(plan.t, plan.y, plan.u), dict.fromkeys(held_columns, HALF_SAMPLE))
 
 
 def _held_columns(held: Any, u: Array | None) -> list[int]:

@@ -10,8 +10,8 @@ from .. import checks
 from .spectral import Array
 
 # Largest deviations of a time stamp from the uniform grid, as shares of the sampling time.
-ROUNDING = 0.01  # time stamps are rounded: taken as uniform
-JITTER = 0.5  # the clock jitters: the record is interpolated; beyond it, samples are missing
+MAX_ROUNDING = 0.01  # time stamps are rounded: taken as uniform
+MAX_JITTER = 0.5  # the clock jitters: the record is interpolated; beyond it, samples are missing
 
 
 def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Array | None]]:
@@ -29,7 +29,7 @@ def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Ar
     dt = (t[-1] - t[0]) / (t.size - 1)
     deviation = np.abs(t - grid) / dt
     worst = float(deviation.max())
-    if worst > JITTER:
+    if worst > MAX_JITTER:
         steps = np.diff(t)
         usual = float(np.median(steps))
         index = int(np.argmax(np.abs(steps - usual)))
@@ -40,7 +40,7 @@ def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Ar
             "straight line through it."
         )
         checks.refuse(call, "t", "uniform within half a sampling time", got, advice)
-    if worst <= ROUNDING:
+    if worst <= MAX_ROUNDING:
         return grid, list(columns)
     return grid, [None if c is None else np.asarray(CubicSpline(t, c)(grid)) for c in columns]
 

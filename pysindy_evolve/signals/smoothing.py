@@ -19,7 +19,7 @@ from scipy import fft, optimize
 
 from .bands import lowest_quarter
 from .spectral import Array
-from .wiener import QUIET, estimate
+from .wiener import MAX_QUIET_NOISE, estimate
 
 __all__ = ["Smoothed", "is_noisy", "smooth_states", "time_step"]
 
@@ -57,7 +57,7 @@ def is_noisy(x: Array) -> bool:
     Differences of sixth order remove a well-sampled signal; their median over the rows ignores
     jumps. The cost is that of a few thousand rows.
     """
-    return bool(np.any(_roughness(x) > QUIET))
+    return bool(np.any(_roughness(x) > MAX_QUIET_NOISE))
 
 
 def _roughness(x: Array) -> Array:

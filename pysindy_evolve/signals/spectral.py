@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 # four periods of the cutoff.
 EDGE = 0.25
 # Length, in fit spans, after which the parabola at an end levels off: 1.5 periods of the cutoff.
-BOUND = 1.0
+BOUND_IN_SPANS = 1.0
 
 
 def edge_width(cutoff: float, dt: float) -> float:
@@ -82,7 +82,7 @@ class Extension:
     @property
     def bound(self) -> float:
         """Samples after which the parabola levels off, so that a fast signal stays bounded."""
-        return BOUND * self.span
+        return BOUND_IN_SPANS * self.span
 
     @cached_property
     def _fit(self) -> Array:

@@ -11,7 +11,8 @@ from .record import Record
 
 __all__ = ["is_decided"]
 
-FEWEST = 0.5  # share of the rows; if fewer are decided, as for a body that keeps turning, all count
+# Share of the rows; if fewer are decided, as for a body that keeps turning, all count.
+MIN_DECIDED_SHARE = 0.5
 
 
 def is_decided(record: Record) -> NDArray[np.bool_]:
@@ -58,4 +59,4 @@ def is_decided(record: Record) -> NDArray[np.bool_]:
     turns[1:] = np.any(np.diff(np.sign(velocities), axis=0) != 0.0, axis=1)
     reach = int(np.ceil(1.0 / (made.cutoff * record.dt)))
     decided = ~maximum_filter1d(turns, 2 * reach + 1, mode="constant")
-    return decided if decided.mean() >= FEWEST else everything
+    return decided if decided.mean() >= MIN_DECIDED_SHARE else everything

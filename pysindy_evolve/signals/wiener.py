@@ -27,9 +27,9 @@ from ..checks import TINY
 from .bands import AGREE, Bins, averaged, lowest_quarter, widening_edges
 from .spectral import Array
 
-__all__ = ["QUIET", "estimate"]
+__all__ = ["MAX_QUIET_NOISE", "estimate"]
 
-QUIET = 1e-4  # share of a column's RMS: less noise than this (80 dB) does no harm
+MAX_QUIET_NOISE = 1e-4  # share of a column's RMS: less noise than this (80 dB) does no harm
 NEAR_FLOOR = 4.0  # times the floor; a band with less power is mostly noise
 # Two levels were computed from each other if, in a share QUANTILE of the bands, the power of their
 # difference is less than the share SHARED_NOISE of that of their noise.
@@ -148,7 +148,7 @@ def _noise_powers(spectra: Array, omega: Array, edges: Bins) -> tuple[Array, Bin
 
 def _n_noise_bins(power: Array, floor: float, size: Bins, share: float) -> float:
     """Return the number of bins with power near the floor; zero if the floor is no noise."""
-    return float(size[power < NEAR_FLOOR * floor].sum()) if share > QUIET**2 else 0.0
+    return float(size[power < NEAR_FLOOR * floor].sum()) if share > MAX_QUIET_NOISE**2 else 0.0
 
 
 def _wiener(power: Array, noise: Array, edges: Bins) -> Array:

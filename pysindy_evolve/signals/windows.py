@@ -28,7 +28,7 @@ HALF_GAIN = 1.24
 # cutoff. The octaves above it, where the spectrum sinks into noise, hardly tell terms apart.
 PERIODS = 10.0
 # The band below half gain must hold at least this share of the derivative's power ...
-SHARE = 0.9
+MIN_POWER_SHARE = 0.9
 # ... and this multiple of the frequency that halves the power: the nonlinearity of a single slow
 # oscillation shows in its harmonics.
 HARMONICS = 2.0
@@ -257,7 +257,7 @@ def _width(record: Record) -> int:
     # Cosine transform: no taper, so what happens at the ends counts as well.
     power = fft.dct(moving - moving.mean(axis=0), axis=0)[1:] ** 2
     share = np.cumsum(power, axis=0) / np.sum(power, axis=0)
-    reached = np.maximum(_bin(share, SHARE), HARMONICS * _bin(share, 0.5))
+    reached = np.maximum(_bin(share, MIN_POWER_SHARE), HARMONICS * _bin(share, 0.5))
     band = float(np.max(reached)) / (2.0 * record.n_samples * dt)
     periods = PERIODS / cutoff if cutoff is not None else np.inf
     return int(min(periods, HALF_GAIN / band) / dt)

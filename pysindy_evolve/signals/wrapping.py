@@ -18,7 +18,7 @@ USUAL_STEP = (0.95, 3.0)
 LEAST_MOTION = 0.05  # turns, range of the unwrapped readings
 # Largest step, share of that range; largest step beside a jump, in turns; and part of a turn that
 # the readings may leave out.
-STEADY = 0.25
+MAX_STEADY_STEP = 0.25
 # A longer step is a stride. An angle with strides runs fast, so the steps beside them are long too.
 # A staircase, such as a set point, a gear or a coarse count, stands still before and after.
 STRIDE = 0.05  # turns
@@ -76,13 +76,13 @@ def first_wrap(column: Array, turn: float) -> int | None:
     less than a twentieth of a turn that begin again after a whole turn could be either, and count
     as an angle.
     """
-    if not 1.0 - STEADY <= np.ptp(column) / turn <= 1.0 + BEYOND:
+    if not 1.0 - MAX_STEADY_STEP <= np.ptp(column) / turn <= 1.0 + BEYOND:
         return None
     unwrapped = np.unwrap(column, period=turn)
     steps, remaining = np.abs(np.diff(column)), np.abs(np.diff(unwrapped))
     jumps = np.flatnonzero(steps > 0.5 * turn)
     motion = float(np.ptp(unwrapped))
-    if not len(jumps) or motion < LEAST_MOTION * turn or remaining.max() > STEADY * motion:
+    if not len(jumps) or motion < LEAST_MOTION * turn or remaining.max() > MAX_STEADY_STEP * motion:
         return None
     quantile, factor = USUAL_STEP
     # Without the zero steps: a coarse encoder mostly stands still.
@@ -92,7 +92,7 @@ def first_wrap(column: Array, turn: float) -> int | None:
     if _n_stairs(np.diff(unwrapped), turn) >= len(jumps):
         return None
     padded = np.pad(steps, 1)  # a spike jumps back at the next sample
-    is_wrap = np.maximum(padded[jumps], padded[jumps + 2]) < STEADY * turn
+    is_wrap = np.maximum(padded[jumps], padded[jumps + 2]) < MAX_STEADY_STEP * turn
     is_wrap &= _runs_on(column, unwrapped, turn, jumps)
     return int(jumps[is_wrap][0]) if is_wrap.any() else None
 

@@ -29,7 +29,7 @@ from .record import Record
 from .spectral import Array
 
 __all__ = [
-    "HALF",
+    "HALF_SAMPLE",
     "acting_through",
     "acts_as",
     "apply_to_effective_input",
@@ -38,8 +38,8 @@ __all__ = [
     "rates_of",
 ]
 
-HALF = 0.5  # sampling times by which a held input is late
-MARGIN = 8  # samples added before and after a record, with the input constant there
+HALF_SAMPLE = 0.5  # sampling times by which a held input is late
+N_MARGIN_SAMPLES = 8  # samples added before and after a record, with the input constant there
 DEGREE = 5  # of the splines
 
 
@@ -166,8 +166,8 @@ def averaged(u: Array, late: float) -> Array:
     """
     padded = _padded(u)
     integral = make_interp_spline(np.arange(padded.size), padded, DEGREE).antiderivative()
-    times = MARGIN + np.arange(u.size) - late
-    return np.asarray(integral(times + HALF) - integral(times - HALF))
+    times = N_MARGIN_SAMPLES + np.arange(u.size) - late
+    return np.asarray(integral(times + HALF_SAMPLE) - integral(times - HALF_SAMPLE))
 
 
 def rates_of(u: Array, order: int) -> Array:
@@ -190,9 +190,9 @@ def _integrated(u: Array, late: float) -> Array:
     padded = _padded(u)
     samples = np.arange(padded.size, dtype=float)
     integral = np.concatenate([[0.0], np.cumsum(padded[:-1])])
-    samples_of_integral = np.interp(samples - (late - HALF), samples, integral)
-    return rates_of(samples_of_integral, 1)[MARGIN:-MARGIN]
+    samples_of_integral = np.interp(samples - (late - HALF_SAMPLE), samples, integral)
+    return rates_of(samples_of_integral, 1)[N_MARGIN_SAMPLES:-N_MARGIN_SAMPLES]
 
 
 def _padded(u: Array) -> Array:
-    return np.pad(u, MARGIN, mode="edge")
+    return np.pad(u, N_MARGIN_SAMPLES, mode="edge")

@@ -32,7 +32,7 @@ from ..equations import Equations
 from ..hidden_states.memory_equations import MemoryEquations
 from ..reading.library_terms import from_model
 from ..warn import warn
-from .freerun import CHUNK, Diverged, FreeRun, Limits
+from .freerun import SAMPLES_PER_CHUNK, Diverged, FreeRun, Limits
 from .inputs import Input, check_input, check_start, check_time
 from .program import program_of
 from .structure import structure_of
@@ -159,7 +159,7 @@ def _fill(out: np.ndarray, samples: Iterator[Any], bound: float, progress: bool)
         while done < len(out) and not reason:
             chunk: list[Any] = []
             try:
-                for _ in range(min(CHUNK, len(out) - done)):
+                for _ in range(min(SAMPLES_PER_CHUNK, len(out) - done)):
                     chunk.append(next(samples))
             except Diverged as diverged:
                 reason = str(diverged)

@@ -26,12 +26,12 @@ from .structure import Switch, find_switches, is_affine
 from .tape import Tape
 
 __all__ = [
-    "SETTLED", "SWEEPS", "Columns", "Field",
+    "SIGN_TOLERANCE", "SWEEPS", "Columns", "Field",
     "balance", "both_slopes", "choose_substeps", "field_of", "moved", "step", "switching",
 ]  # fmt: skip
 
 SWEEPS = 8  # of the fixed-point iteration over several switches at zero
-SETTLED = 1e-9  # change of a sign between two sweeps at which the iteration ends
+SIGN_TOLERANCE = 1e-9  # change of a sign between two sweeps at which the iteration ends
 PROBE = 1e-3  # share of a step over which the slope of a switching function is taken
 
 
@@ -196,7 +196,7 @@ def _equivalent(field: Field, c: Columns, held: np.ndarray, h: np.ndarray) -> np
         for i in np.flatnonzero(held.any(axis=1)).tolist():
             up, down = both_slopes(field, c, s, i, h)
             s[i] = np.where(held[i], balance(up, down), s[i])
-        if not several or np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
+        if not several or np.allclose(s, before, rtol=0.0, atol=SIGN_TOLERANCE, equal_nan=True):
             break
     return s
 

@@ -10,7 +10,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from .columns import SETTLED, SWEEPS, Columns, Field, balance, both_slopes, moved, step, switching
+from .columns import (
+    SIGN_TOLERANCE,
+    SWEEPS,
+    Columns,
+    Field,
+    balance,
+    both_slopes,
+    moved,
+    step,
+    switching,
+)
 
 __all__ = ["advance", "start_signs"]
 
@@ -57,7 +67,7 @@ def _resolve(field: Field, c: Columns, zero: np.ndarray, h: np.ndarray) -> Colum
             rule = np.where(up > 0.0, np.where(down >= 0.0, 1.0, onward), balance(up, down))
             rule = np.where((up <= 0.0) & (down < 0.0), -1.0, rule)
             s[i] = np.where(zero[i], np.clip(rule, -1.0, 1.0), s[i])
-        if not several or np.allclose(s, before, rtol=0.0, atol=SETTLED, equal_nan=True):
+        if not several or np.allclose(s, before, rtol=0.0, atol=SIGN_TOLERANCE, equal_nan=True):
             break
     held = np.where(zero, np.abs(s) < 1.0, held)
     return replace(c, s=s, held=held)

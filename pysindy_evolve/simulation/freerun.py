@@ -26,13 +26,14 @@ Vector = Sequence[float]
 _FAILURES = (ArithmeticError, ValueError)  # what math raises where numpy gives inf or nan
 _HUGE = math.inf
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 4.0, 0.2  # usual factors of a step-size controller
-SMALLEST = 1e-6  # of a sample interval: shorter steps are never rejected, as at a jump without sgn
+# Of a sample interval: shorter steps are never rejected, as at a jump without sgn.
+MIN_STEP_SHARE = 1e-6
 EVENT_TOLERANCE = 1e-12  # of the step in which a switch is located
 MAX_STEPS = 10_000  # in one sample interval: a pole, or much too stiff
 MAX_EVENTS = 200  # in one sample interval; more would be chatter
 SWEEPS = 60  # of the fixed-point iteration over several switches at zero
 LIMIT = 1.0 - 1e-9  # largest magnitude of the equivalent sign at which a switch is held
-CHUNK = 1024  # samples between two checks of the bound, and updates of the progress bar
+SAMPLES_PER_CHUNK = 1024  # samples between two checks of the bound, and updates of the progress bar
 
 
 class Diverged(Exception):
@@ -167,7 +168,7 @@ class FreeRun:
             trial = rest / max(math.ceil(rest / wanted - 1e-9), 1)
             u_here = [a + done * b for a, b in zip(u, du, strict=True)]
             after, margins, error = self._try(trial, t + done, x, u_here, du)
-            if not error <= 1.0 and not substeps and trial > SMALLEST * h:
+            if not error <= 1.0 and not substeps and trial > MIN_STEP_SHARE * h:
                 self._reject(trial, t + done, after, u_here, error)
                 continue
             if not all(map(math.isfinite, after)):

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .gram import LEAST, Gram, inverse, least_squares, rss
+from .gram import MIN_SQUARE_SHARE, Gram, inverse, least_squares, rss
 
 __all__ = ["default_penalty", "eliminate", "front", "gains", "information"]
 
@@ -111,7 +111,7 @@ def eliminate(
     part = part.scaled(part.scale)
     inverted = inverse(part)
     coef, price = inverted @ part.xy, penalty[columns]
-    floor = max(LEAST * gram.yy, np.finfo(float).tiny)
+    floor = max(MIN_SQUARE_SHARE * gram.yy, np.finfo(float).tiny)
     error = max(float(gram.yy - coef @ part.xy), floor)
     path = [(columns, error)]
     alive = np.ones(len(columns), dtype=bool)
@@ -162,7 +162,7 @@ def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, 
     support = np.asarray(support, dtype=int)
     inverted = inverse(gram.select(support))
     coef = inverted @ gram.xy[support]
-    floor = max(LEAST * gram.yy, np.finfo(float).tiny)
+    floor = max(MIN_SQUARE_SHARE * gram.yy, np.finfo(float).tiny)
     error = max(float(gram.yy - coef @ gram.xy[support]), floor)
     cross = gram.xx[support]
     slope = gram.xy - coef @ cross

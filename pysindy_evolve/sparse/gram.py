@@ -23,12 +23,14 @@ import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri
 
 __all__ = [
-    "LEAST", "Gram", "block_grams", "chunks", "gram", "inverse", "least_squares", "refined",
-    "residual", "rss", "target_grams", "total",
+    "MIN_SQUARE_SHARE", "Gram", "block_grams", "chunks", "gram", "inverse", "least_squares",
+    "refined", "residual", "rss", "target_grams", "total",
 ]  # fmt: skip
 
-CHUNK = 1 << 13  # rows a chunk: a chunk of 20 columns takes 1.3 MB, about a processor's cache
-LEAST = 1e-13  # share of y @ y below which a Gram matrix in double precision sees only rounding
+# Rows a chunk: a chunk of 20 columns takes 1.3 MB, about a processor's cache.
+ROWS_PER_CHUNK = 1 << 13
+# Share of y @ y below which a Gram matrix in double precision sees only rounding.
+MIN_SQUARE_SHARE = 1e-13
 RIDGE = 1e-12  # keeps nearly equal columns of unit size solvable without moving the others
 
 
@@ -176,7 +178,7 @@ def _products(theta: np.ndarray, targets: np.ndarray) -> tuple[np.ndarray, ...]:
 
 def chunks(start: int, stop: int) -> Iterator[slice]:
     """Cut rows into pieces that fit into the cache of a processor."""
-    return (slice(a, min(a + CHUNK, stop)) for a in range(start, stop, CHUNK))
+    return (slice(a, min(a + ROWS_PER_CHUNK, stop)) for a in range(start, stop, ROWS_PER_CHUNK))
 
 
 def residual(columns: Callable[[slice], np.ndarray], y: np.ndarray, coef: np.ndarray) -> np.ndarray:
@@ -259,7 +261,7 @@ def least_squares(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray
 def rss(gram: Gram, coef: np.ndarray) -> float:
     """Residual sum of squares, at least the size of its rounding error."""
     value = gram.yy - 2.0 * coef @ gram.xy + coef @ gram.xx @ coef
-    return max(float(value), LEAST * gram.yy, np.finfo(float).tiny)
+    return max(float(value), MIN_SQUARE_SHARE * gram.yy, np.finfo(float).tiny)
 
 
 def inverse(part: Gram) -> np.ndarray:

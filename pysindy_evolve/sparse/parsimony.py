@@ -27,7 +27,7 @@ N_BLOCKS = 12  # parts of the record that a coefficient must agree on
 MIN_ROWS = 20  # least rows of such a part
 PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
 MATERIAL = 1e-5  # share of the target's power: no derivative is more accurate than 0.3 %
-SURE = 6.0  # standard errors that keep a term which only one block shows
+MIN_STANDARD_ERRORS = 6.0  # standard errors that keep a term which only one block shows
 DOMINANT = 1e-2  # share of the target's power that no chance correlation explains
 REMAINDER = 1e-2  # a term below `MATERIAL` still counts if it cuts the error to this share
 
@@ -210,7 +210,7 @@ def _shown_at_once(whole: Gram, folds: Sequence[Gram], support: np.ndarray) -> n
     coef = least_squares(whole, support)
     noise = rss(whole, coef) / max(whole.n - len(support), 1)
     size = np.abs(coef[support]) * np.sqrt(power / max(noise, np.finfo(float).tiny))
-    return np.asarray((largest > 0.5 * power) & (size > SURE))
+    return np.asarray((largest > 0.5 * power) & (size > MIN_STANDARD_ERRORS))
 
 
 def _jackknife_ratio(whole: Gram, folds: Sequence[Gram], support: np.ndarray) -> np.ndarray:

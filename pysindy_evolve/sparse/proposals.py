@@ -14,7 +14,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import lars_path_gram
 
 from .elimination import gains
-from .gram import LEAST, Gram
+from .gram import MIN_SQUARE_SHARE, Gram
 
 __all__ = ["LAMBDA2", "path", "supports"]
 
@@ -92,6 +92,6 @@ def _forward(gram: Gram, max_terms: int) -> np.ndarray:
     for _ in range(min(max_terms, len(gram.xy))):
         with_column, _ = gains(gram, support)
         support.append(int(np.argmin(with_column)))
-        if with_column[support[-1]] <= 2.0 * LEAST * gram.yy:
+        if with_column[support[-1]] <= 2.0 * MIN_SQUARE_SHARE * gram.yy:
             break
     return np.array(sorted(set(support)), dtype=int)

@@ -78,7 +78,7 @@ def test_refinement_gives_back_what_the_gram_matrix_rounds_away():
 
 def test_the_residual_is_taken_in_pieces_and_is_the_same(sparse_problem, monkeypatch):
     theta, _, y = sparse_problem
-    monkeypatch.setattr("pysindy_evolve.sparse.gram.CHUNK", 64)
+    monkeypatch.setattr("pysindy_evolve.sparse.gram.ROWS_PER_CHUNK", 64)
     coef = np.arange(theta.shape[1], dtype=float)
     left = residual(lambda rows: theta[rows], y, coef)
     np.testing.assert_allclose(left, y - theta @ coef, rtol=1e-9, atol=1e-9)

@@ -11,8 +11,8 @@ from .names import EVOLVED
 __all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
 
 OFFSET = of_term(ONE)  # the parent of whatever has a mean
-NUMBER = 3  # nodes that a number inside a grown term counts as
-REACH = 1.2  # how far a number is tuned from the grid, in its logarithm: a factor of three
+NODES_PER_NUMBER = 3  # nodes that a number inside a grown term counts as
+REACH_IN_LOG = 1.2  # how far a number is tuned from the grid, in its logarithm: a factor of three
 
 
 def bare(expression: Sum) -> Sum:
@@ -41,7 +41,7 @@ class Shape:
 
     values: tuple[float, ...]
     builds: tuple[Callable[..., Sum], ...]
-    reach: float = REACH
+    reach: float = REACH_IN_LOG
     meanings: tuple[str, ...] = ()
     branch: int = 0
 
@@ -134,7 +134,11 @@ class Candidate:
         close to those that need none.
         """
         tuned = self.numbers if self.name == EVOLVED else ()
-        return sum(term.size for term in self.terms) - self.free_nodes + (NUMBER - 1) * len(tuned)
+        return (
+            sum(term.size for term in self.terms)
+            - self.free_nodes
+            + (NODES_PER_NUMBER - 1) * len(tuned)
+        )
 
     @property
     def plainness(self) -> tuple[int, bool]:

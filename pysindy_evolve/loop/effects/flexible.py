@@ -21,11 +21,11 @@ from .relaxation import PLAINER
 __all__ = ["flexible_ways", "within_band"]
 
 FEWEST_PERIODS = 16.0  # of the lowest frequency, in a record
-HIGHEST = 0.5  # highest frequency, as a share of the cutoff of a filter ...
-FASTEST = 0.1  # ... and of the sampling rate: a filter may look like a higher one
+MAX_CUTOFF_SHARE = 0.5  # highest frequency, as a share of the cutoff of a filter ...
+MAX_SAMPLING_RATE_SHARE = 0.1  # ... and of the sampling rate: a filter may look like a higher one
 RATIO = 1.25  # between frequencies of the grid, from each of which it is tuned
 DAMPING = 0.1  # ratio before tuning: wide enough to show at the next frequency of the grid
-CLEAR = 1.1  # factor by which a frequency must keep away from the ends of its range
+MIN_RATIO_TO_ENDS = 1.1  # factor by which a frequency must keep away from the ends of its range
 NUMBERS = ("angular frequency", "damping ratio")
 
 
@@ -88,12 +88,12 @@ def flexible_ways(state: int, position: int, record: Record) -> list[Candidate]:
 def within_band(path: Call, record: Record) -> bool:
     """Tell whether the frequency of a hidden mass lies clearly within the range tried."""
     (frequency, _), (low, high) = kind_of(path).numbers(path), _band(record)
-    return CLEAR * low < frequency < high / CLEAR
+    return MIN_RATIO_TO_ENDS * low < frequency < high / MIN_RATIO_TO_ENDS
 
 
 def _band(record: Record) -> tuple[float, float]:
     """Return the lowest and the highest angular frequency that a record can tell."""
-    made, highest = record.preparation or record.motion, FASTEST / record.dt
+    made, highest = record.preparation or record.motion, MAX_SAMPLING_RATE_SHARE / record.dt
     if made is not None and made.cutoff:
-        highest = min(highest, HIGHEST * made.cutoff)
+        highest = min(highest, MAX_CUTOFF_SHARE * made.cutoff)
     return 2 * np.pi * FEWEST_PERIODS / (len(record) * record.dt), 2 * np.pi * highest

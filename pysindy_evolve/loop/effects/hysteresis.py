@@ -58,9 +58,9 @@ LENGTHS = (0.03, 0.1, 0.3)  # over which a friction builds up, in halves of the 
 PATH_NUMBERS = ("length", "rate of unloading")
 SPRING_LENGTHS = (0.1, 0.3, 1.0)  # over which a spring forgets, in halves of the stroke
 SPRING_NUMBERS = ("length", "loss")
-EVEN = 0.5  # loss of a spring that grows neither stiffer nor softer on the way out
+EVEN_LOSS = 0.5  # loss of a spring that grows neither stiffer nor softer on the way out
 UNLOADINGS = (0.25, 1.0, 4.0)  # Dahl's friction in the middle
-ENOUGH = 8  # sign changes of a hysteresis in a record, at least: in fewer no memory shows
+MIN_SIGN_CHANGES = 8  # sign changes of a hysteresis in a record, at least: in fewer no memory shows
 CENTERED = 0.1  # distance of zero from the middle, over half the stroke, that is neglected
 
 
@@ -146,7 +146,7 @@ def remembering(
             yield effect(HYSTERESIS, shape=shape, must_beat=must_beat)
     spring = partial(springing, variable(x), variable(v))
     for length in spring_lengths:
-        shape = Shape((length * stroke, EVEN), (spring,), meanings=SPRING_NUMBERS)
+        shape = Shape((length * stroke, EVEN_LOSS), (spring,), meanings=SPRING_NUMBERS)
         yield effect(HYSTERESIS, shape=shape, must_beat=must_beat)
 
 
@@ -174,7 +174,7 @@ def remembered_ways(
     stroke, dahl = 0.5 * float(np.ptp(x)), UNLOADINGS[1:2]
     effect, lengths = CandidateMaker(state), SPRING_LENGTHS if springs else ()
     ways = remembering(effect, position, state, stroke, dahl, SIMPLER, lengths)
-    return [way for way in ways if _turns(way, position, x) >= ENOUGH]
+    return [way for way in ways if _turns(way, position, x) >= MIN_SIGN_CHANGES]
 
 
 def _turns(way: Candidate, position: int, x: np.ndarray) -> int:

@@ -18,7 +18,7 @@ from .periodic import WAVE_NUMBER
 __all__ = ["InertiaCandidate", "inertia_candidate", "inertias"]
 
 FUNCTIONS = ("cos", "sin")
-NEAR = 0.2  # how far the logarithm of a wave number is tuned
+WAVE_NUMBER_REACH_IN_LOG = 0.2  # how far the logarithm of a wave number is tuned: about 20 %
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,10 @@ def inertias(
     turns = 2.0 * swing_of(position, ranges.largest, ranges.middle) >= np.pi
     if not (turns and rate.variables & set(inputs)):
         return []
-    return [inertia_candidate(state, position, rate, float(n), NEAR, branch=n) for n in (1, 2)]
+    return [
+        inertia_candidate(state, position, rate, float(n), WAVE_NUMBER_REACH_IN_LOG, branch=n)
+        for n in (1, 2)
+    ]
 
 
 def inertia_candidate(

@@ -17,9 +17,9 @@ FINENESS = 4  # grid points per frequency that the record resolves
 LINE = 5.0  # ratio to the noise floor that makes a peak a line; noise reaches three to four
 ROUGHLY = 0.8  # of it, that a coarse grid shows of any line; a Hann window has 0.85
 VALLEYS, COMB = 0.1, 15.0  # quantile around a place, and ratio to it that makes a line of a comb
-ALIKE = 0.2  # of the largest line, that other lines of a comb have at least
+MIN_COMB_SHARE = 0.2  # of the largest line, that other lines of a comb have at least
 MOST_TRIED = 16  # peaks; after as many lines of inputs, only their skirts are left
-HALF = FINENESS // 2  # grid points per half frequency of the record
+POINTS_PER_HALF_FREQUENCY = FINENESS // 2  # grid points per half frequency of the record
 AROUND, SKIRT = 10, 2  # frequencies about a line that predict a response, nearer ones do not
 SURROUNDINGS = 81  # half frequencies around a place, whose median is the noise floor
 FEWEST_FREQUENCIES = SURROUNDINGS // 2  # in the band of a record, to know its noise floor
@@ -115,16 +115,16 @@ def _without(signal: np.ndarray, cycles: float) -> np.ndarray:
 
 def _may_have_line(signal: np.ndarray, n_fine: int, free: np.ndarray) -> bool:
     """Tell from every other frequency, which takes less time, whether there may be a line."""
-    spectrum = np.abs(_transform(signal, n_fine // HALF))
+    spectrum = np.abs(_transform(signal, n_fine // POINTS_PER_HALF_FREQUENCY))
     floor = median_filter(spectrum, SURROUNDINGS)
-    return bool(np.any(free[::HALF] & (spectrum > ROUGHLY * LINE * floor)))
+    return bool(np.any(free[::POINTS_PER_HALF_FREQUENCY] & (spectrum > ROUGHLY * LINE * floor)))
 
 
 def _spectrum_and_floor(signal: np.ndarray, n_fine: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the amplitude spectrum on the fine grid, and its running median."""
     spectrum = np.abs(_transform(signal, n_fine))
     places = np.arange(len(spectrum))
-    coarse = places[::HALF]
+    coarse = places[::POINTS_PER_HALF_FREQUENCY]
     floor = median_filter(spectrum[coarse], SURROUNDINGS)
     return spectrum, np.maximum(np.interp(places, coarse, floor), TINY)
 
@@ -148,7 +148,7 @@ def _is_response(
     (local polynomial method: Schoukens et al., Eur. J. Control 15 (2009),
     DOI 10.3166/ejc.15.260-274).
     """
-    near = np.arange(peak % HALF, n_fine // 2 + 1, HALF)
+    near = np.arange(peak % POINTS_PER_HALF_FREQUENCY, n_fine // 2 + 1, POINTS_PER_HALF_FREQUENCY)
     near = near[np.abs(near - peak) <= AROUND * FINENESS]
     apart = (near - peak) / (AROUND * FINENESS)
     spectra = [_transform(other, n_fine)[near] for other in others]
@@ -167,10 +167,12 @@ def _has_line(spectrum: np.ndarray, floor: np.ndarray, peak: int) -> bool:
     if top >= LINE * floor[place]:
         return True
     # Between many close lines of equal height the median lies on their skirts, the valleys do not.
-    top, _ = _top(spectrum, peak, HALF)
-    reach = HALF * (SURROUNDINGS // 2)
-    valley = np.quantile(spectrum[max(peak - reach, 0) : peak + reach + 1 : HALF], VALLEYS)
-    return top >= max(COMB * float(valley), ALIKE * float(spectrum.max()))
+    top, _ = _top(spectrum, peak, POINTS_PER_HALF_FREQUENCY)
+    reach = POINTS_PER_HALF_FREQUENCY * (SURROUNDINGS // 2)
+    valley = np.quantile(
+        spectrum[max(peak - reach, 0) : peak + reach + 1 : POINTS_PER_HALF_FREQUENCY], VALLEYS
+    )
+    return top >= max(COMB * float(valley), MIN_COMB_SHARE * float(spectrum.max()))
 
 
 def _top(spectrum: np.ndarray, peak: int, reach: int) -> tuple[float, int]:

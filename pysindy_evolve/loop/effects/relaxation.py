@@ -22,10 +22,10 @@ __all__ = ["longest_relaxation", "relaxed_ways", "within_reach"]
 
 # A shorter one looks like one more derivative of the state, which also explains noise of the target
 # and any late or lagging input.
-SHORTEST = 0.5  # relaxation time, in periods of the highest frequency that a filter left
-SAMPLES = 2.0  # and in samples
-LONGEST = 0.125  # relaxation time, as a share of the record
-CLEAR = 1.25  # least relaxation time, over the shortest one tried
+MIN_TIME_IN_PERIODS = 0.5  # relaxation time, in periods of the highest frequency that a filter left
+MIN_TIME_IN_SAMPLES = 2.0  # and in samples
+MAX_TIME_SHARE = 0.125  # relaxation time, as a share of the record
+MIN_TIME_RATIO = 1.25  # least relaxation time, over the shortest one tried
 RATIO = 2.5  # between places of the grid, from each of which it is tuned
 PLAINER = (*SIMPLER, VISCOUS_DAMPING, DELAY, LAG)
 
@@ -91,10 +91,10 @@ def longest_relaxation(record: Record) -> float:
 
 def _span(record: Record) -> tuple[float, float]:
     """Return the shortest and the longest relaxation time that a record can tell."""
-    made, shortest = record.preparation or record.motion, SAMPLES * record.dt
+    made, shortest = record.preparation or record.motion, MIN_TIME_IN_SAMPLES * record.dt
     if made is not None and made.cutoff:
-        shortest = max(shortest, SHORTEST / made.cutoff)
-    return shortest, LONGEST * len(record) * record.dt
+        shortest = max(shortest, MIN_TIME_IN_PERIODS / made.cutoff)
+    return shortest, MAX_TIME_SHARE * len(record) * record.dt
 
 
 def within_reach(path: Call, record: Record) -> bool:
@@ -104,4 +104,4 @@ def within_reach(path: Call, record: Record) -> bool:
     derivative.
     """
     (relaxation_time,), (shortest, longest) = kind_of(path).numbers(path), _span(record)
-    return CLEAR * shortest < relaxation_time < longest
+    return MIN_TIME_RATIO * shortest < relaxation_time < longest

@@ -20,7 +20,7 @@ INNER = "inner constant"
 
 MOST_NUMBERS = 3  # in a term; one with more was grown to fit noise
 ORDINALS = ("first", "second", "third")
-NEAR = 0.1  # relative error of the number in sin(1 q) that noise of an angle makes
+MAX_UNIT_ERROR = 0.1  # relative error of the number in sin(1 q) that noise of an angle makes
 
 
 def shape_of(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | None:
@@ -117,7 +117,11 @@ def with_units(candidate: Candidate) -> Candidate | None:
 
 
 def _rounded(number: float) -> float:
-    near = (np.copysign(unit, number) for unit in UNITS if abs(abs(number) / unit - 1.0) <= NEAR)
+    near = (
+        np.copysign(unit, number)
+        for unit in UNITS
+        if abs(abs(number) / unit - 1.0) <= MAX_UNIT_ERROR
+    )
     return float(next(near, number))
 
 

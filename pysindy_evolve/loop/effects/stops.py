@@ -36,7 +36,8 @@ PLACES = (-0.6, -0.2, 0.2, 0.6)  # of stops, as shares of half the range from it
 ENDS = (0.75, 0.9)  # the same near the ends, where most of the motion is free
 WIDTHS = (0.3, 0.7)  # between two stops, as shares of the range
 SIGNS = {2: (-1, 1), 4: (1, 1), -4: (-1, -1)}  # of a lower and an upper end, by branch
-LEAST = 0.02  # distance of a place from zero, over the largest magnitude; below it is |q|
+# Distance of a place from zero, over the largest magnitude; below it is |q|.
+MIN_DISTANCE_SHARE = 0.02
 
 
 def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iterator[Candidate]:
@@ -59,7 +60,7 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
         A dead zone that ends at one place, or at two with a stiffness each. It has a mean, so an
         offset is its parent.
     """
-    half, least = largest - abs(middle), LEAST * largest
+    half, least = largest - abs(middle), MIN_DISTANCE_SHARE * largest
     for place in (middle + share * half for share in PLACES):
         if abs(place) >= least:
             yield from (_at(effect, q, place, side) for side in (1.0, -1.0))
@@ -68,7 +69,7 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
 
 def end_stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iterator[Candidate]:
     """Yield stops near the ends of the range of a state, as in `stops`."""
-    half, least = largest - abs(middle), LEAST * largest
+    half, least = largest - abs(middle), MIN_DISTANCE_SHARE * largest
     for place, side in ((middle + s * share * half, s) for share in ENDS for s in (1.0, -1.0)):
         if abs(place) >= least:
             yield _at(effect, q, place, side)
@@ -167,7 +168,7 @@ def _between_ends(
 ) -> Iterator[Candidate]:
     half = largest - abs(middle)
     for low, high in ((middle - share * half, middle + share * half) for share in WIDTHS):
-        if min(abs(low), abs(high)) >= LEAST * largest:
+        if min(abs(low), abs(high)) >= MIN_DISTANCE_SHARE * largest:
             yield effect(
                 name, shape=_two_ends(q, low, high), parents=(OFFSET,), contains_parents=True
             )

@@ -27,9 +27,10 @@ from .scoring import columns_of
 __all__ = ["leads_over", "twin_chance"]
 
 N_TWINS = 99
-FEWEST = 19  # twins after which a rival is refuted if none comes near ...
-CLEAR = 2.0  # ... that is, within this factor
-FAR = 5.0  # lead in log error that needs no twins: the error is twelve times as large
+MIN_TWINS = 19  # twins after which a rival is refuted if none comes near ...
+MIN_LEAD_RATIO = 2.0  # ... that is, within this factor of its lead
+# Lead in log error that needs no twins: the error is twelve times as large.
+LEAD_WITHOUT_TWINS_LOG = 5.0
 
 
 def twin_chance(
@@ -63,7 +64,7 @@ def twin_chance(
     float
     """
     observed, n_twins = _lead(rival, design, options, records), draws_for(level, N_TWINS)
-    if observed > FAR:
+    if observed > LEAD_WITHOUT_TWINS_LOG:
         return 1.0 / (1 + n_twins)
     maker = _twins_of(rival, design, records)
     if not maker.is_finite and _twins_of(options[0], design, records).is_finite:
@@ -74,7 +75,7 @@ def twin_chance(
         stands = np.sum(np.array(leads) >= observed) > level * (n_twins + 1)
         if stands:
             break
-        if len(leads) >= FEWEST and CLEAR * max(leads) < observed:
+        if len(leads) >= MIN_TWINS and MIN_LEAD_RATIO * max(leads) < observed:
             return 1.0 / (1 + n_twins)
     return p_value_of(observed, leads)
 

@@ -45,7 +45,7 @@ from ..twins.chance import draws_for, p_value_of
 __all__ = ["Left", "chance", "explained"]
 
 N_SIGNS = 999
-NEW = 1e-6  # share of a column's square that must be left for it to be new
+MIN_NEW_SHARE = 1e-6  # share of a column's square that must be left for it to be new
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ def _projected(grams: np.ndarray, model: Sequence[int]) -> np.ndarray:
     within = maps.T @ grams[:, base][:, :, base] @ maps
     free = grams - crossed - np.swapaxes(crossed, 1, 2) + within
     square, total_square = np.diagonal(free.sum(axis=0)), np.diagonal(total)
-    new = square > NEW * total_square
+    new = square > MIN_NEW_SHARE * total_square
     new[base] = False
     unit = np.where(new, 1.0 / np.sqrt(np.where(new, square, 1.0)), 0.0)
     unit[-1] = 1.0

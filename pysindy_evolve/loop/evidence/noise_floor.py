@@ -17,10 +17,11 @@ from ..given.segments import Segments
 from ..given.sensor import as_observed
 from .spectral import spectral_rows
 
-__all__ = ["EXCESS", "NoiseFloor", "noise_alone"]
+__all__ = ["MIN_POWER_OVER_NOISE", "NoiseFloor", "noise_alone"]
 
 N_DRAWS = 4  # draws of the noise
-EXCESS = 1.5  # power of a residual in a band over that of noise alone; less may be chance
+# Power of a residual in a band over that of noise alone; less may be chance.
+MIN_POWER_OVER_NOISE = 1.5
 N_BANDS, FEWEST = 16, 4  # bands, and frequencies in each
 
 

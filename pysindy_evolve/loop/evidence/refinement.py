@@ -20,7 +20,7 @@ from ..given.segments import Segments
 from ..twins.chance import p_value_of
 from ..twins.twins import TwinMaker
 from ..twins.values import twin_values
-from .scoring import MARGIN, columns_of, quick_fit, score
+from .scoring import MIN_GAIN_LOG, columns_of, quick_fit, score
 
 __all__ = ["justified"]
 
@@ -65,7 +65,7 @@ def justified(
     equations = quick_fit(design.adding(columns_of(null, design)), part)
     lead = partial(_lead, design=design, forms=forms, plain=[s.group[0] for s in plain])
     observed = lead(part)
-    if observed < MARGIN:
+    if observed < MIN_GAIN_LOG:
         return null
     maker = TwinMaker.of(equations, part.records)
     twins = twin_values(maker, part, lead, observed, rules, rng)

@@ -30,10 +30,11 @@ ROUNDED = 0.1  # width of a rounded sign, in standard deviations of its argument
 # Share of what an effect explains that a rival must explain in its place. Where much else is
 # missing, the test alone refutes nothing, as a large residual could hide anything.
 EXPLAINED = 1.0 / 3.0
-FARTHER = 2.0  # a rival with so many times the held-out squares of an effect is outdone
-STEADY = 0.1  # standard deviation over mean, below which a term counts as constant
-ENOUGH = 3  # stop after this many refuted names in a row: the rest fit worse
-MORE = 2  # extra nodes that another form of a grown term may have
+# A rival with so many times the held-out squares of an effect is outdone.
+OUTDONE_SQUARES_RATIO = 2.0
+MAX_CONSTANT_SPREAD = 0.1  # standard deviation over mean, below which a term counts as constant
+MAX_REFUTED_IN_A_ROW = 3  # stop after this many refuted names in a row: the rest fit worse
+MAX_EXTRA_NODES = 2  # extra nodes that another form of a grown term may have
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +132,9 @@ def _is_outdone(
     two apart, as the scatter over the pieces is then large.
     """
     theirs, ours = (fold_errors(grams, np.array([model]), folds)[0] for model in (rival, own))
-    return bool(theirs.sum() > FARTHER * ours.sum() and np.median(theirs / ours) > 1.0)
+    return bool(
+        theirs.sum() > OUTDONE_SQUARES_RATIO * ours.sum() and np.median(theirs / ours) > 1.0
+    )
 
 
 def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:
@@ -186,7 +189,7 @@ def _by_twins(
         if p_value > level:
             found.append(Rival(option, p_value))
         n_refuted = 0 if p_value > level else n_refuted + 1
-        if n_refuted == ENOUGH:
+        if n_refuted == MAX_REFUTED_IN_A_ROW:
             break
     return tuple(sorted(found, key=lambda rival: -rival.p_value))
 
@@ -206,7 +209,7 @@ def _is_form(one: Candidate, other: Candidate) -> bool:
 def _hardly_varies(candidate: Candidate, part: Segments) -> bool:
     """Tell whether an effect is nearly constant, as cos(q) of small angles is."""
     columns = [term.evaluate(part.rows) for term in candidate.terms]
-    return all(column.std() < STEADY * abs(column.mean()) for column in columns)
+    return all(column.std() < MAX_CONSTANT_SPREAD * abs(column.mean()) for column in columns)
 
 
 def _grown_forms(candidate: Candidate, grown: Sequence[Candidate]) -> list[Candidate]:
@@ -220,7 +223,7 @@ def _grown_forms(candidate: Candidate, grown: Sequence[Candidate]) -> list[Candi
         one
         for one in grown
         if (one.name, one.state) == (EVOLVED, candidate.state)
-        and one.size <= candidate.size + MORE
+        and one.size <= candidate.size + MAX_EXTRA_NODES
         and candidate.form not in (one.form, (with_units(one) or one).form)
     ]
 

@@ -14,7 +14,7 @@ from ..given.design import Column
 
 __all__ = ["span"]
 
-ROUNDING = 1e-9  # singular values of unit rows: smaller ones count as zero
+RANK_TOLERANCE = 1e-9  # singular values of unit rows: smaller ones count as zero
 
 
 def span(columns: Sequence[Column], others: Sequence[Column]) -> bool:
@@ -36,7 +36,7 @@ def span(columns: Sequence[Column], others: Sequence[Column]) -> bool:
 
 
 def _rank(rows: np.ndarray) -> int:
-    return int(np.linalg.matrix_rank(rows, tol=ROUNDING))
+    return int(np.linalg.matrix_rank(rows, tol=RANK_TOLERANCE))
 
 
 def _numbers(columns: Sequence[Column]) -> np.ndarray:

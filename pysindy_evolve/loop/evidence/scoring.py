@@ -36,8 +36,8 @@ from .spectral import spectral_grams
 from .trace import rank, ranked
 
 __all__ = [
-    "MARGIN",
-    "PRICE",
+    "MIN_GAIN_LOG",
+    "PRICE_PER_NODE_LOG",
     "Proposer",
     "columns_of",
     "net",
@@ -50,14 +50,16 @@ __all__ = [
     "tuned",
 ]
 
-LOOKS = 16  # evaluations for each number of a shape
+EVALUATIONS_PER_NUMBER = 16  # evaluations for each number of a shape
 Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
 
-MARGIN = 0.02  # gain in log error: names do not change for less
-PRICE = 0.1  # log error that a grown term must gain for each node: one of ten nodes must gain 1.0
-# Log error: extra gain asked of an effect that brings a hidden state. A filter makes the
-# sign of a speed look as if it remembered; with less, a pendulum lost its drag to a hysteresis.
-LEAD = 0.1
+MIN_GAIN_LOG = 0.02  # gain in log error: names do not change for less
+# Log error that a grown term must gain for each node: one of ten nodes must gain 1.0.
+PRICE_PER_NODE_LOG = 0.1
+# Log error: extra gain asked of an effect that brings a hidden state, as much as a node of a grown
+# term costs. A filter makes the sign of a speed look as if it remembered; with less, a pendulum
+# lost its drag to a hysteresis.
+HIDDEN_STATE_LEAD_LOG = PRICE_PER_NODE_LOG
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
@@ -147,7 +149,7 @@ def score(
 
 def net(score: Score) -> float:
     """Return what a group gains per effect, less the price of its nodes."""
-    return score.value - PRICE * sum(c.size for c in score.group) / len(score.group)
+    return score.value - PRICE_PER_NODE_LOG * sum(c.size for c in score.group) / len(score.group)
 
 
 def columns_of(candidate: Candidate, design: Design) -> tuple[Column, ...]:
@@ -174,7 +176,7 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
     best_shapes: dict[tuple[str, int, int], Candidate] = {}
     for s in scores:
         (c,) = s.group
-        if c.shape is not None and s.value > max(MARGIN, best_value / 2):
+        if c.shape is not None and s.value > max(MIN_GAIN_LOG, best_value / 2):
             best_shapes.setdefault((c.name, c.state, c.shape.branch), c)
     parents = {_by_itself(c): c.parents for c in proposed}
     sharp = [replace(tuned(c, design, part), parents=parents[c]) for c in best_shapes.values()]
@@ -206,10 +208,12 @@ def tuned(candidate: Candidate, design: Design, part: Segments) -> Candidate:
     start = np.log(shape.values)
     bounds = np.column_stack([start - shape.reach, start + shape.reach])
     if len(start) == 1:
-        best = minimize_scalar(loss, bounds=bounds[0], method="bounded", options={"maxiter": LOOKS})
+        best = minimize_scalar(
+            loss, bounds=bounds[0], method="bounded", options={"maxiter": EVALUATIONS_PER_NUMBER}
+        )
     else:
         simplex = np.vstack([start, start + 0.5 * shape.reach * np.eye(len(start))])
-        options = {"maxfev": LOOKS * len(start), "initial_simplex": simplex}
+        options = {"maxfev": EVALUATIONS_PER_NUMBER * len(start), "initial_simplex": simplex}
         best = minimize(loss, start, method="Nelder-Mead", bounds=bounds, options=options)
     return at(np.atleast_1d(best.x)) if best.fun < loss(start) else candidate
 

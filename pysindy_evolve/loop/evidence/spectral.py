@@ -19,7 +19,7 @@ from ...terms import Cache
 from ..fitting.linear import solve
 from ..fitting.residual import force_on
 from ..given.design import Column, Design
-from ..given.rows import LARGEST
+from ..given.rows import MAX_TERM_VALUE
 from ..given.segments import Segments
 
 __all__ = ["n_frequencies", "spectral_grams", "spectral_rows", "spectral_weights"]
@@ -79,7 +79,7 @@ def spectral_rows(part: Segments, columns: np.ndarray) -> np.ndarray:
 def _transformed(part: Segments, columns: np.ndarray) -> np.ndarray:
     """Transform tapered segments, (n_columns, n_segments, n) to (..., n_frequencies)."""
     taper, n_frequencies = _taper(columns.shape[-1], part.dt, part.cutoff)
-    usable = np.all(np.abs(columns) < LARGEST, axis=(1, 2))  # False for NaN too
+    usable = np.all(np.abs(columns) < MAX_TERM_VALUE, axis=(1, 2))  # False for NaN too
     columns = columns if usable.all() else np.where(usable[:, None, None], columns, 0.0)
     return np.asarray(fft.rfft(columns * taper, axis=-1)[..., :n_frequencies])
 

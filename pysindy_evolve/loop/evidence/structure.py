@@ -28,7 +28,7 @@ from ..twins.chance import p_value_of
 from ..twins.colored import ColoredTwins
 from ..twins.twins import TwinMaker
 from ..twins.values import twin_values
-from .noise_floor import EXCESS, NoiseFloor
+from .noise_floor import MIN_POWER_OVER_NOISE, NoiseFloor
 from .nulls import chance_of, without_noise_shift
 from .scoring import quick_fit
 from .shares import is_exact
@@ -40,7 +40,7 @@ __all__ = ["may_have_structure", "structure_chance"]
 MAX_COLUMNS = 60  # of a generic model, in each equation
 LAGS = (1, 2, 4, 8)  # of the inputs, in eighths of the width of the windows
 N_WAVES = 7  # most periods of a slow wave in a record: faster ones are no drift
-NOTABLE = 0.05  # log error that the generic model must gain, or one of its terms
+MIN_STRUCTURE_GAIN_LOG = 0.05  # log error that the generic model must gain, or one of its terms
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def structure_chance(
         return 1.0
     models = generic_models(design, part)
     observed = generic_gain(design, models, part)
-    if observed < NOTABLE or is_exact(design, part):
+    if observed < MIN_STRUCTURE_GAIN_LOG or is_exact(design, part):
         return 1.0
     equations = quick_fit(design, part)
     if not _exceeds_noise(equations, design, part, rng.spawn(1)[0]):
@@ -127,7 +127,7 @@ def may_have_structure(design: Design, part: Segments) -> bool:
         If False, other functions of the variables are unlikely to gain either: a polynomial term
         would explain part of them.
     """
-    return generic_gain(design, generic_models(design, part), part) >= NOTABLE
+    return generic_gain(design, generic_models(design, part), part) >= MIN_STRUCTURE_GAIN_LOG
 
 
 def generic_models(design: Design, part: Segments) -> list[list[Column]]:
@@ -147,7 +147,7 @@ def _exceeds_noise(
     Twins do not show this, as no controller answered their noise.
     """
     floor = NoiseFloor.of(equations, design, part, rng)
-    return floor is None or floor.excess(equations) > EXCESS
+    return floor is None or floor.excess(equations) > MIN_POWER_OVER_NOISE
 
 
 def generic_columns(design: Design, part: Segments) -> list[Column]:

@@ -19,7 +19,7 @@ from ...checks import TINY
 from ...terms import Sum
 from ..effects.candidate import Candidate
 from ..fitting.linear import errors_of, solve_many, summed
-from ..given.rows import LARGEST
+from ..given.rows import MAX_TERM_VALUE
 from .pairing import groups_to_try, posing_as_offset
 from .ranking import Ranking, values_of
 
@@ -27,8 +27,8 @@ Judge = Callable[[np.ndarray], np.ndarray]  # columns of models to their errors 
 
 __all__ = ["are_new", "fold_errors", "rank", "ranked"]
 
-ROUNDING = 1e-16  # least error, relative to the square of the target
-NEW = 1e-6  # share of a column's square that the model's columns must leave
+MIN_RELATIVE_ERROR = 1e-16  # least error, relative to the square of the target
+MIN_NEW_SHARE = 1e-6  # share of a column's square that the model's columns must leave
 IDLE = 0.05  # of what an effect gains beside its offset: an offset that gains less is not needed
 
 
@@ -60,7 +60,7 @@ def _judge_of(grams: np.ndarray, folds: np.ndarray) -> Judge:
     rest[1:] += before[:-1]
     rest[:-1] += after[-2::-1]
     # Errors below rounding do not compare, and their ratios would overflow.
-    floor = ROUNDING * held[:, -1, -1]
+    floor = MIN_RELATIVE_ERROR * held[:, -1, -1]
     return lambda models: np.maximum(errors_of(rest, held, models), floor)
 
 
@@ -210,5 +210,5 @@ def are_new(gram: np.ndarray, n_fixed: int) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         fits = solve_many(gram[:n_fixed, :n_fixed], beside)
         left = size - np.sum(fits * beside, axis=0)
-        repeated = left <= NEW * size
-    return np.asarray((size > TINY) & (size < LARGEST**2) & ~repeated)
+        repeated = left <= MIN_NEW_SHARE * size
+    return np.asarray((size > TINY) & (size < MAX_TERM_VALUE**2) & ~repeated)

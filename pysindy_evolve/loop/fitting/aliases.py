@@ -35,13 +35,15 @@ from .fit import derivative_fit_errors, refit
 
 __all__ = ["share_of_steps", "without_aliases"]
 
-LONGEST = 10.0  # longest delay or lag, in sampling times
-DELAYS = np.arange(0.4, LONGEST, 0.4)  # grid of delays, in sampling times
-LAGS = np.geomspace(0.1, LONGEST, 9)  # grid of lags, in sampling times
-CLEAR = 1.02  # a delay or lag is taken only if the error without it is larger by this factor
-STEP = 1e-4  # finite difference for the gain of an input, relative to its range
-SECOND = 0.05  # factor of the third derivative in the next term, for steps at the samples
-ROUNDED = 0.1  # sampling time over lag below which the series is more accurate
+MAX_LENGTH_IN_SAMPLES = 10.0  # longest delay or lag, in sampling times
+DELAYS = np.arange(0.4, MAX_LENGTH_IN_SAMPLES, 0.4)  # grid of delays, in sampling times
+LAGS = np.geomspace(0.1, MAX_LENGTH_IN_SAMPLES, 9)  # grid of lags, in sampling times
+# A delay or lag is taken only if the error without it is larger by this factor.
+MIN_ERROR_RATIO = 1.02
+INPUT_STEP_SHARE = 1e-4  # finite difference for the gain of an input, relative to its range
+# Factor of the third derivative in the next term, for steps at the samples.
+THIRD_DERIVATIVE_FACTOR = 0.05
+MAX_SERIES_RATIO = 0.1  # sampling time over lag below which the series is more accurate
 
 
 def without_aliases(
@@ -97,7 +99,7 @@ def share_of_steps(memory: Memory | None, step: float) -> float:
         part = (value / step) % 1.0
         return (1.0 - 6.0 * part * (1.0 - part)) / 12.0
     ratio = step / value
-    if ratio < ROUNDED:
+    if ratio < MAX_SERIES_RATIO:
         return ratio**2 / 720.0
     return float(1.0 / 12.0 + ratio**-2 - 0.5 / (ratio * np.tanh(0.5 * ratio)))
 
@@ -128,7 +130,7 @@ class _Way:
         kinds = ((DELAY, step * DELAYS), (LAG, step * LAGS))
         options = [self._best(kind, column, values) for kind, values in kinds]
         best = min(options, key=_Way.error)
-        return best if self.error() > CLEAR * best.error() else self
+        return best if self.error() > MIN_ERROR_RATIO * best.error() else self
 
     def _best(self, kind: str, column: int, values: np.ndarray) -> _Way:
         """Return the same with the delay or lag of least error."""
@@ -193,7 +195,9 @@ def _response(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> tuple[np.n
     """
     response = u if memory is None else memory.response(t, u)
     share = share_of_steps(memory, float(t[-1] - t[0]) / (len(t) - 1))
-    return response, share * (rates_of(response, 1) - SECOND * rates_of(response, 3))
+    return response, share * (
+        rates_of(response, 1) - THIRD_DERIVATIVE_FACTOR * rates_of(response, 3)
+    )
 
 
 def _smooth(equations: Equations, record: Record, through: dict[int, Memory]) -> Record:
@@ -220,7 +224,7 @@ def _gain(equations: Equations, record: Record, column: int) -> np.ndarray:
     """Return the slope of the derivatives in an input as it acts, (n_samples, n_states)."""
     u = np.asarray(record.u)
     size = float(np.ptp(acts_as(record, column, u[:, column])))
-    nudge = STEP * (size or 1.0)  # an input may rest in one record
+    nudge = INPUT_STEP_SHARE * (size or 1.0)  # an input may rest in one record
     sides = []
     for step in (-nudge, nudge):
         nudged = u.copy()

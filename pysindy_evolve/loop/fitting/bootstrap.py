@@ -23,7 +23,8 @@ __all__ = ["block_intervals"]
 
 N_RESAMPLES = 400
 CHANCES = (0.025, 0.975)
-LEAST = 0.5  # degrees of freedom: if one block tells a number, its interval is 200 times as wide
+# Degrees of freedom: if one block tells a number, its interval is 200 times as wide.
+MIN_DEGREES_OF_FREEDOM = 0.5
 
 
 def block_intervals(grams: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -56,4 +57,6 @@ def _freedom(grams: np.ndarray) -> np.ndarray:
     weights = solve_many(columns.sum(axis=0), np.eye(columns.shape[-1]))
     information = np.maximum(np.einsum("ij,bik,kj->bj", weights, columns, weights), 0.0)
     shares = information / np.maximum(information.sum(axis=0), TINY)
-    return np.maximum(1.0 / np.maximum(np.sum(shares**2, axis=0), TINY) - 1.0, LEAST)
+    return np.maximum(
+        1.0 / np.maximum(np.sum(shares**2, axis=0), TINY) - 1.0, MIN_DEGREES_OF_FREEDOM
+    )

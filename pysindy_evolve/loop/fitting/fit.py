@@ -39,7 +39,7 @@ __all__ = [
 N_BLOCKS = 40  # of the derivative fit; each much longer than a residual is correlated
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each with its own initial state
 JUDGED = 16  # stretches on which simulation fit and derivative fit are compared
-ROUNDING = 1e-16  # least squared residual, relative to the squared target
+MIN_RELATIVE_SQUARE = 1e-16  # least squared residual, relative to the squared target
 # A model that lacks something fits simulation and derivative with different coefficients. If the
 # simulation fit raises the squared derivative error by more than this factor, it is not used.
 MAX_TORN = 2.0
@@ -140,7 +140,7 @@ def _normalized(grams: np.ndarray) -> np.ndarray:
     """Sum over the stretches, in units of the squared residual of the best fit to them."""
     total = grams.sum(axis=0)
     residual = sum(square_of(g, _solve(grams)) for g in grams)
-    return total / max(residual, ROUNDING * float(total[-1, -1]), 1e-100)
+    return total / max(residual, MIN_RELATIVE_SQUARE * float(total[-1, -1]), 1e-100)
 
 
 def _block_grams(design: Design, records: Sequence[Record]) -> np.ndarray:

@@ -25,10 +25,10 @@ __all__ = [
     "with_estimated_past",
 ]
 
-LONGEST = 8  # at most one eighth of a record is used to estimate how it began
+HEADS_PER_RECORD = 8  # at most one eighth of a record is used to estimate how it began
 PAST_HALVES = 4.0  # factor by which another past must lower the mean square: it halves the error
 FADED = 0.05  # share of an initial hidden state below which it no longer matters
-CLEAR = 3.0  # least RMS error of the first rows, in standard deviations of the noise
+MIN_ERROR_OVER_NOISE = 3.0  # least RMS error of the first rows, in standard deviations of the noise
 MOST_WAIT = 0.25  # largest share of a record to leave out until hidden states have settled
 _SHORTEST = 2  # rows: a record holds no less
 
@@ -56,7 +56,7 @@ def with_estimated_past(equations: Equations, record: Record, *, doubted: bool =
     """
     if not isinstance(equations, MemoryEquations):
         return record
-    clear = 0.0 if doubted else CLEAR
+    clear = 0.0 if doubted else MIN_ERROR_OVER_NOISE
     for memory in equations.memories:
         if memory.has_state:
             record = _with_estimated_input(
@@ -69,7 +69,7 @@ def _with_estimated_input(
     equations: MemoryEquations, record: Record, column: int, time_constant: float, clear: float
 ) -> Record:
     raw = record.raw_u
-    longest = max(_SHORTEST, len(record) // LONGEST)
+    longest = max(_SHORTEST, len(record) // HEADS_PER_RECORD)
     n = int(np.clip(np.ceil(time_constant / record.dt), _SHORTEST, longest))
     noise = np.array([noise_of(record, state, 1) for state in range(record.n_states)])
     scale = np.maximum(clear * noise, 1e-9 * scale_of([record.x_dot]))
@@ -214,7 +214,7 @@ def _remembered(
     span: tuple[float, float],
 ) -> float:
     """Estimate one hidden state at the first row within a span, given the others."""
-    head = record[: max(_SHORTEST, len(record) // LONGEST)]
+    head = record[: max(_SHORTEST, len(record) // HEADS_PER_RECORD)]
     rows = stack(head.x, head.u, head.t)
 
     def along(start: float, n: int) -> np.ndarray:

@@ -24,8 +24,9 @@ from ...terms import Sum
 
 __all__ = ["saltation"]
 
-STEP = 1e-6  # finite difference, relative to the size of a state or of g; far above rounding
-LARGEST = 10.0  # entry of a matrix; beyond, a run only grazes g = 0, and is not linearized
+# Finite difference, relative to the size of a state or of g; far above rounding.
+RELATIVE_STEP = 1e-6
+MAX_ENTRY = 10.0  # entry of a matrix; beyond, a run only grazes g = 0, and is not linearized
 
 
 def saltation(
@@ -84,14 +85,14 @@ class _Surface:
         g0, g1 = g.evaluate(z0), g.evaluate(z1)
         share = np.where(g0 == g1, 1.0, g0 / np.where(g0 == g1, 1.0, g0 - g1))
         self.z = z0 + share[:, None] * (z1 - z0)
-        steps = STEP * scale
+        steps = RELATIVE_STEP * scale
         moves = steps[:, None] * np.eye(len(scale), z0.shape[1])
         ahead, behind = ([g.evaluate(self.z + s * move) for move in moves] for s in (1.0, -1.0))
         self.normal = (np.column_stack(ahead) - np.column_stack(behind)) / (2.0 * steps)
         x = self.z[:, : len(scale)]
         first, last = (g.evaluate(np.column_stack([x, z[:, len(scale) :]])) for z in (z0, z1))
         self.own_rate = (last - first) / dt  # rate of g by inputs and time alone
-        self.reach = STEP * np.sqrt(np.sum((self.normal * scale) ** 2, axis=1))
+        self.reach = RELATIVE_STEP * np.sqrt(np.sum((self.normal * scale) ** 2, axis=1))
 
     def matrices(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         """Return the matrix of each step, given the signs of g before and after it."""
@@ -105,7 +106,7 @@ class _Surface:
         jump = np.where(slides, old - other, new - old)
         rate = np.where(slides[:, 0], -self.across(jump), across)
         gain = jump[:, :, None] * _ratio(self.normal, rate[:, None])[:, None, :]
-        usable = np.all(np.abs(gain) <= LARGEST, axis=(1, 2))[:, None, None]
+        usable = np.all(np.abs(gain) <= MAX_ENTRY, axis=(1, 2))[:, None, None]
         return np.eye(self.n_states) + np.where(usable, gain, 0.0)
 
     def rates(self, side: np.ndarray) -> np.ndarray:

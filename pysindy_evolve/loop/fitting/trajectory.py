@@ -43,14 +43,15 @@ from ...checks import TINY
 from ...signals import Preparation, Record
 from ...terms import Cache
 from ..given.design import Column, Design
-from ..given.rows import LARGEST, variables_of
+from ..given.rows import MAX_TERM_VALUE, variables_of
 from .linear import errors_of, solve_gram
 from .random_force import NOISES, drift_size, whitening
 
 __all__ = ["Disturbance", "Trajectories", "followable", "made_of"]
 
 MAX_ROWS = 256  # of a record; more rows are averaged in groups, which loses little
-ROUNDING = 1e-14  # relative to the square of the target
+# Least squared residual, relative to the square of the target: below it is rounding.
+MIN_RELATIVE_SQUARE = 1e-14
 
 
 def followable(design: Design, records: Sequence[Record]) -> bool:
@@ -135,7 +136,7 @@ class _Course:
         places = np.zeros(self.rows[0].shape[1], dtype=int)
         places[self.acting] = np.arange(1, len(self.acting) + 1)
         distinct, inverse = np.unique(places[models], axis=0, return_inverse=True)
-        least = ROUNDING * self.grams[:, -1, -1] + TINY
+        least = MIN_RELATIVE_SQUARE * self.grams[:, -1, -1] + TINY
         squares = np.maximum(errors_of(self.grams, self.grams, distinct), least).T[
             :, inverse.ravel()
         ]
@@ -148,7 +149,7 @@ class _Course:
         gram = self.gram(place)
         square = gram[-1, -1] - solve_gram(gram) @ gram[:-1, -1]
         free = max(self.n_free - n_columns, 1)
-        return place, float(max(square, ROUNDING * gram[-1, -1], TINY)) / free
+        return place, float(max(square, MIN_RELATIVE_SQUARE * gram[-1, -1], TINY)) / free
 
 
 class Trajectories:
@@ -240,7 +241,7 @@ def _integrated(columns: Sequence[Column], state: int, record: Record, cache: Ca
     rows = np.zeros((len(record), len(columns)))
     for place, column in enumerate(columns):
         values = column.values_in(state, variables, cache)
-        if values is not None and np.all(np.abs(values) < LARGEST):  # False for NaN too
+        if values is not None and np.all(np.abs(values) < MAX_TERM_VALUE):  # False for NaN too
             rows[:, place] = values
     for _ in range(made.order):
         rows = cumulative_simpson(rows, dx=record.dt, axis=0, initial=0.0)

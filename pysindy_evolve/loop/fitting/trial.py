@@ -30,10 +30,10 @@ from .saltation import saltation
 
 __all__ = ["Rows", "Trial", "after_gauss_newton", "converged", "runs_of"]
 
-ROWS = 2000  # about how many rows of the runs a step uses
+ROWS_PER_STEP = 2000  # about how many rows of the runs a step uses
 N_STEPS = 6  # Gauss-Newton steps, shortened ones included
 SHORTER = 0.3  # factor for a step that made the error larger, when it is tried again
-SETTLED = 1e-4  # stop when a step gains less than this share of the error
+MIN_GAIN_SHARE = 1e-4  # stop when a step gains less than this share of the error
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ class Trial:
         by more than `most_growth`.
         """
         n_stretches, length, _ = self.x.shape
-        keep = max(1, n_stretches * length // ROWS)
+        keep = max(1, n_stretches * length // ROWS_PER_STEP)
         free, response = map(self._of_seen, self.sensitivities(keep))
         growth = np.max(np.abs(free), axis=(1, 2))
         if not (np.max(growth) <= MAX_GROWTH and np.median(growth) <= most_growth):
@@ -228,7 +228,7 @@ def converged(trials: Sequence[Trial]) -> list[Trial]:
 def after_gauss_newton(
     trials: Sequence[Trial],
     run: Runner | None = None,
-    least_gain: float = SETTLED,
+    least_gain: float = MIN_GAIN_SHARE,
     n_steps: int = N_STEPS,
 ) -> list[Trial]:
     """Take Gauss-Newton steps from trials that have been run, until they gain nothing more.

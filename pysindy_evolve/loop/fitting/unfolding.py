@@ -33,7 +33,7 @@ from .past import first_state
 
 __all__ = ["paths_of", "records_with_hidden_states", "retuned", "square_left", "with_hidden_states"]
 
-FARTHEST = 4.0  # factor by which runs may change a number; a larger change is rejected
+MAX_CHANGE_FACTOR = 4.0  # factor by which runs may change a number; a larger change is rejected
 
 
 def paths_of(design: Design) -> tuple[Call, ...]:
@@ -170,7 +170,7 @@ def retuned(candidate: Candidate, path: Call, weights: np.ndarray) -> Candidate:
         return candidate
     kind = kind_of(path)
     old, new = kind.numbers(path), kind.numbers_from(weights)
-    if max(new[0] / old[0], old[0] / new[0]) > FARTHEST:
+    if max(new[0] / old[0], old[0] / new[0]) > MAX_CHANGE_FACTOR:
         return candidate
     shape = replace(candidate.shape, values=new)
     return replace(candidate, terms=shape.terms, shape=shape)

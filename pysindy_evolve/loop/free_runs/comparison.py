@@ -28,7 +28,7 @@ from ..effects.names import EVOLVED
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, PRICE
+from ..evidence.scoring import MIN_GAIN_LOG, PRICE_PER_NODE_LOG
 from ..fitting.trial import Trial, converged
 from ..given.rules import Rules
 from .contenders import Pool, steady_drift, trial_with
@@ -118,7 +118,7 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
         best_named = min(names, key=lambda one: one.error, default=best)
         if not is_closer(best.trial, best_named.trial, matter, level):
             best = best_named
-    as_good = [one for one in tuned if one.error <= np.exp(MARGIN) * best.error]
+    as_good = [one for one in tuned if one.error <= np.exp(MIN_GAIN_LOG) * best.error]
     if best.candidate.name == EVOLVED:
         best = min([best, *as_good], key=lambda one: one.candidate.plainness)
     named = [one for one in as_good if one.candidate.name != EVOLVED]
@@ -135,7 +135,7 @@ def _burden(candidate: Candidate) -> tuple[int, bool]:
 def _price(one: Contender, other: Contender) -> float:
     """Return the price (log error) of the nodes by which a grown term is longer than another."""
     longer = max(one.candidate.size - other.candidate.size, 0)
-    return PRICE * longer if one.candidate.name == EVOLVED else 0.0
+    return PRICE_PER_NODE_LOG * longer if one.candidate.name == EVOLVED else 0.0
 
 
 def is_closer(one: Trial, other: Trial, least: float, level: float) -> bool:

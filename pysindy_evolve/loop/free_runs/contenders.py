@@ -12,7 +12,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.names import EVOLVED
 from ..effects.pumps import other_pumps
-from ..evidence.scoring import MARGIN, columns_of, score, sharpened
+from ..evidence.scoring import MIN_GAIN_LOG, columns_of, score, sharpened
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, converged
 from ..given.design import Design
@@ -29,7 +29,9 @@ __all__ = ["Pool", "plainest", "steady_drift", "trial_with"]
 
 N_RIVALS = 5  # effects that score best in the spectral view
 STRETCHES = (16, 32, 64, 128)  # to try in this order; the first steady number is taken
-STEADY = 10.0  # factor by which a deviation may grow; in chaos, long runs only compare luck
+# Factor by which a deviation may grow; in chaos, long runs only compare luck, as those did in which
+# deviations grew a hundredfold.
+MAX_STEADY_GROWTH = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +118,7 @@ class Pool:
 def plainest(contenders: Sequence[Contender]) -> Contender:
     """Return the plainest of the contenders that come as close to the record as the best."""
     least = min(one.error for one in contenders)
-    as_good = [one for one in contenders if one.error <= np.exp(MARGIN) * least] or contenders
+    as_good = [one for one in contenders if one.error <= np.exp(MIN_GAIN_LOG) * least] or contenders
     return min(as_good, key=lambda one: (*one.candidate.plainness, one.error))
 
 
@@ -152,7 +154,7 @@ def steady_drift(
     model: Model, effects: Sequence[Candidate], records: Sequence[Record]
 ) -> Drift | None:
     """Return the drift of a model with effects, over stretches on which deviations stay small."""
-    return drift_of(*_fitted_with(model, effects, records), records, STRETCHES, STEADY)
+    return drift_of(*_fitted_with(model, effects, records), records, STRETCHES, MAX_STEADY_GROWTH)
 
 
 def _fitted_with(

@@ -18,7 +18,7 @@ from ..effects.missing import candidates, with_parents
 from ..evidence.findings import Finding, MemoryFinding, limits_in, memories_in, with_columns
 from ..evidence.ranking import Score
 from ..evidence.rejected import Rejected
-from ..evidence.scoring import MARGIN, columns_of, score
+from ..evidence.scoring import MIN_GAIN_LOG, columns_of, score
 from ..fitting.fit import refit
 from ..fitting.trial import converged
 from ..given.design import Design
@@ -30,12 +30,12 @@ from ..given.segments import segments
 from ..given.sticking import may_rest, noise_of
 from ..memories.reach import exchanged
 from ..twins.chance import draws_for, p_value_of
-from .drift import LONG, Drift, chance_of_models, drift_of, gains_of_models
+from .drift import N_LONG_STRETCHES, Drift, chance_of_models, drift_of, gains_of_models
 from .memory_tuning import tuned_memories
 from .variants import Model, Variant
 
 __all__ = [
-    "EXCESS",
+    "MAX_SQUARES_OVER_NOISE",
     "best_of",
     "matters",
     "model_of",
@@ -50,7 +50,8 @@ __all__ = [
 N_SIGNS = 999  # draws of signs, which cost next to nothing
 
 SQUARES_HALVED = float(np.log(2.0))  # gain in log error that halves the squared misses
-EXCESS = 3.0  # squared misses over squared sensor noise; below, noise is a good part of them
+# Squared misses over squared sensor noise; below, noise is a good part of them.
+MAX_SQUARES_OVER_NOISE = 3.0
 
 Judged = tuple[Variant, float, float]  # a variant, its log gain, and its p-value
 
@@ -196,7 +197,7 @@ def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
         gain = scores[0].value if scores else 0.0
     else:
         gain = 0.0
-    return gain < -MARGIN
+    return gain < -MIN_GAIN_LOG
 
 
 def _is_clear(drift: Drift, gain: float) -> bool:
@@ -205,7 +206,7 @@ def _is_clear(drift: Drift, gain: float) -> bool:
     Where an unmeasured force drives the runs away from the record, and an input reacts to it, terms
     of the motion can imitate that force.
     """
-    return gain >= SQUARES_HALVED or over_noise(drift) * np.exp(-gain) <= EXCESS
+    return gain >= SQUARES_HALVED or over_noise(drift) * np.exp(-gain) <= MAX_SQUARES_OVER_NOISE
 
 
 def over_noise(drift: Drift) -> float:
@@ -243,10 +244,10 @@ def _judged(
 
 def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
     """Tune variants on long runs, and return the plainest of those as good as the best."""
-    long = drift_of(drift.model, drift.trial.coef, drift.records, LONG) or drift
+    long = drift_of(drift.model, drift.trial.coef, drift.records, N_LONG_STRETCHES) or drift
     variants = [one[0].with_model(tuned_memories(long, one[0].model)) for one in passing]
     gains = gains_of_models(long, [variant.model for variant in variants])[0]
-    near = gains >= gains.max() - max(MARGIN, 0.01 * gains.max())
+    near = gains >= gains.max() - max(MIN_GAIN_LOG, 0.01 * gains.max())
     k = min(np.flatnonzero(near).tolist(), key=lambda k: variants[k].plainness)
     return variants[k], passing[k][1], passing[k][2]
 

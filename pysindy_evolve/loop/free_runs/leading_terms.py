@@ -15,7 +15,7 @@ import numpy as np
 
 from ..effects.candidate import Candidate
 from ..effects.missing import with_parents
-from ..evidence.scoring import PRICE, columns_of
+from ..evidence.scoring import PRICE_PER_NODE_LOG, columns_of
 from .drift import Drift, gains_of_terms
 
 __all__ = ["leading_terms", "stand_ins"]
@@ -73,7 +73,7 @@ def stand_ins(
     related = [c for c in terms if c.state == own.state and own.variables & c.variables]
     others = [c for c in related if c.terms != own.terms]
     near, gains = _near(drift, others, n_replaced=len(own.terms))
-    prices = PRICE * np.array([c.size - own.size for c in near])
+    prices = PRICE_PER_NODE_LOG * np.array([c.size - own.size for c in near])
     return _leaders(near, gains - np.maximum(prices, least))
 
 

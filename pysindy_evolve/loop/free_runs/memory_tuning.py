@@ -13,15 +13,16 @@ from ..fitting.fit import Fit
 from ..fitting.linear import solve_gram
 from ..fitting.trial import Trial, converged, runs_of
 from ..given.design import Design
-from .drift import LONG, Drift, drift_of
+from .drift import N_LONG_STRETCHES, Drift, drift_of
 from .variants import Model, Pasts
 
 __all__ = ["fit_by_runs", "intervals_by_runs", "tuned_memories"]
 
-STEP = 0.02  # finite difference: of log(number), or of a past input relative to its range
-REACH = 1.5  # how far a logarithm may move from its start
+# Finite difference: of log(number), or of a past input relative to its range.
+DIFFERENCE_STEP = 0.02
+REACH_IN_LOG = 1.5  # how far a logarithm may move from its start: a factor of 4.5
 MAX_STEPS = 50
-SETTLED = 1e-4  # stop when a step gains less than this share of the error
+MIN_GAIN_SHARE = 1e-4  # stop when a step gains less than this share of the error
 DAMPINGS = (1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)  # tried in each step, see `Rows.change`
 N_RESAMPLES = 400  # draws of stretches for the intervals
 
@@ -54,7 +55,7 @@ def tuned_memories(drift: Drift, model: Model) -> Model:
         gain = 0.0 if best is None else 1.0 - moved[best].error / max(current.error, TINY)
         if best is not None and gain > 0.0:
             current, place = moved[best], tried[best][1]
-        if gain < SETTLED:
+        if gain < MIN_GAIN_SHARE:
             break
     return numbers.at(place)
 
@@ -115,7 +116,7 @@ def fit_by_runs(
     -------
     Fit
     """
-    long = drift_of(Model(design), fitted.coef, records, LONG)
+    long = drift_of(Model(design), fitted.coef, records, N_LONG_STRETCHES)
     if long is None:
         return fitted
     intervals = intervals_by_runs(Model(design), long.trial.coef, records, rng)
@@ -205,9 +206,12 @@ class _Numbers:
         return cls(
             model,
             np.append(logs, pasts),
-            np.append(logs - REACH, least),
-            np.append(logs + REACH, most),
-            np.append(np.full(len(logs), STEP), STEP * np.maximum(most - least, TINY)),
+            np.append(logs - REACH_IN_LOG, least),
+            np.append(logs + REACH_IN_LOG, most),
+            np.append(
+                np.full(len(logs), DIFFERENCE_STEP),
+                DIFFERENCE_STEP * np.maximum(most - least, TINY),
+            ),
             free,
             given,
             columns,

@@ -40,12 +40,12 @@ __all__ = ["as_quotients"]
 
 POWERS = (1, 2)  # of the distance to a pole: Coulomb's law in a plane and in space
 EXPONENTS = (1, 2, 3, 4, 5)  # of powers that may replace a curved function
-EVEN = ((0, 2), (1, 2), (0, 4))  # (m, n) of x^m / (x^n + length^n)
+EVEN_EXPONENTS = ((0, 2), (1, 2), (0, 4))  # (m, n) of x^m / (x^n + length^n)
 # Logarithms of the distance to a pole, in units of the argument of the exponential, or of the
 # length, in units of the largest value of the variable.
 GRID = np.linspace(-3.0, 4.0, 15)
-ENOUGH = 2000  # rows on which terms are compared
-CLOSE = 0.3  # largest share that a replacement may miss, see `_Place.missed`
+N_COMPARED_ROWS = 2000  # rows on which terms are compared
+MAX_MISSED_SHARE = 0.3  # largest share that a replacement may miss, see `_Place.missed`
 
 Family = Callable[[float], Sum]
 
@@ -74,7 +74,7 @@ def as_quotients(candidate: Candidate, design: Design, part: Segments) -> list[C
     ((_, product),) = terms[0].parts
     place = _Place.of(product, candidate.state, design, part.rows)
     found = _closest(product, place, part.rows) if place.is_known else ()
-    forms = dict.fromkeys(bare(term) for term in found if place.missed(term) <= CLOSE)
+    forms = dict.fromkeys(bare(term) for term in found if place.missed(term) <= MAX_MISSED_SHARE)
     has_offset = (candidate.state, OFFSET) in terms_in(design)
     offsets: list[tuple[Sum, ...]] = [()] if has_offset else [(), (OFFSET,)]
     return [
@@ -93,7 +93,7 @@ class _Place:
     @classmethod
     def of(cls, product: Product, state: int, design: Design, rows: np.ndarray) -> _Place:
         """Evaluate a term, the columns of a design and an offset on some of the rows."""
-        rows = rows[:: max(1, len(rows) // ENOUGH)]
+        rows = rows[:: max(1, len(rows) // N_COMPARED_ROWS)]
         equation = [OFFSET, *(column.parts[state] for column in design.columns)]
         columns = [side.evaluate(rows) for side in equation if side.parts]
         return cls(product.evaluate(rows), np.column_stack(columns), rows)
@@ -165,7 +165,7 @@ def _without(product: Product, dropped: Collection[Atom]) -> Sum:
 
 def _quotients(rest: Sum, index: int, largest: float) -> Iterator[Family]:
     """Yield the families of quotients of a variable, times the rest of the product."""
-    for m, n in EVEN if largest > 0.0 else ():
+    for m, n in EVEN_EXPONENTS if largest > 0.0 else ():
         yield partial(_over_even, mul(rest, power(variable(index), m)), index, largest, n)
 
 

@@ -25,9 +25,9 @@ from .variants import Model
 __all__ = ["Contender", "slopes_of", "tuned_by_runs"]
 
 N_STEPS = 2
-FAR = 100.0  # times the least error: contenders with more are not tuned
-MOST = 0.7  # largest change of a logarithm in one step: a factor of two
-SLOPE = 1e-3  # finite difference of a logarithm
+MAX_ERROR_RATIO = 100.0  # times the least error: contenders with more are not tuned
+MAX_STEP_IN_LOG = 0.7  # largest change of a logarithm in one step: a factor of two
+DIFFERENCE_STEP = 1e-3  # finite difference of a logarithm
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,9 @@ def tuned_by_runs(contenders: Sequence[Contender], model: Model, drift: Drift) -
     """
     found = list(contenders)
     least = min(one.error for one in found)
-    active = [k for k, one in enumerate(found) if one.error <= FAR * least and not one.tied]
+    active = [
+        k for k, one in enumerate(found) if one.error <= MAX_ERROR_RATIO * least and not one.tied
+    ]
     for _ in range(N_STEPS):
         moved = {k: _moved(found[k], model, drift) for k in active}
         stepped = {k: one for k, one in moved.items() if one is not None}
@@ -86,7 +88,7 @@ def _moved(contender: Contender, model: Model, drift: Drift) -> Contender | None
     if shape is None or change is None:
         return None
     n_coef = len(trial.coef)
-    steps = np.clip(np.nan_to_num(change[0][n_coef:]), -MOST, MOST)
+    steps = np.clip(np.nan_to_num(change[0][n_coef:]), -MAX_STEP_IN_LOG, MAX_STEP_IN_LOG)
     candidate = _at(contender.candidate, shape, steps)
     stepped_model = replace(model, design=model.design.adding(columns_of(candidate, model.design)))
     coef = trial.coef + change[0][:n_coef]
@@ -115,7 +117,7 @@ def _with_slopes(contender: Contender, shape: Shape, model: Model) -> Trial:
     """Return a trial with columns added: the slopes of an effect's terms in its numbers."""
     candidate, trial = contender.candidate, contender.trial
     weights = trial.coef[len(trial.coef) - candidate.n_columns :]
-    columns = slopes_of(candidate, shape, model.design, weights, SLOPE)
+    columns = slopes_of(candidate, shape, model.design, weights, DIFFERENCE_STEP)
     coef = np.append(trial.coef, np.zeros(len(columns)))
     return replace(trial, design=trial.design.adding(columns), coef=coef)
 

@@ -20,7 +20,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.names import EVOLVED
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, score
+from ..evidence.scoring import MIN_GAIN_LOG, score
 from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.rules import Rules
@@ -82,7 +82,7 @@ def _best_pairs(design: Design, present: Candidate, part: Segments) -> list[tupl
     offered = [c for c in candidates(design, part.ranges) if c.state == present.state]
     scores = score(design, part, list(dict.fromkeys([*offered, present])), pairs=True)
     alone = max((s.value for s in scores if s.group == (present,)), default=0.0)
-    pairs = [s for s in scores if len(s.group) == 2 and 2.0 * s.value > alone - MARGIN]
+    pairs = [s for s in scores if len(s.group) == 2 and 2.0 * s.value > alone - MIN_GAIN_LOG]
     best = sorted(pairs, key=lambda s: -s.value)[:N_PAIRS]
     return [s.group for s in takewhile(lambda s: present not in s.group, best)]
 
@@ -103,7 +103,7 @@ def _closest(
     best = min(range(len(pairs)), key=lambda k: of_pairs[k].error)
     effect, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
     if effect.name == EVOLVED and size <= effect.size:
-        is_better = of_pairs[best].error <= np.exp(MARGIN) * present.error
+        is_better = of_pairs[best].error <= np.exp(MIN_GAIN_LOG) * present.error
     else:
         is_better = is_closer(of_pairs[best], present, rules.notable_gain, rules.significance)
     return pairs[best] if is_better else ()

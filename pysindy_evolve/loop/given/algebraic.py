@@ -15,7 +15,8 @@ from ...signals import Record
 
 __all__ = ["as_algebraic", "motions_of"]
 
-ALIKE = 0.98  # correlation from which on an input counts as the slope of another one
+# Correlation from which on an input counts as the slope of another one.
+MIN_SLOPE_CORRELATION = 0.98
 
 
 def as_algebraic(record: Record) -> Record:
@@ -50,7 +51,7 @@ def motions_of(records: Sequence[Record], n_states: int) -> tuple[tuple[int, int
             ]
             slope, given = (np.concatenate(side) for side in zip(*pairs, strict=True))
             if slope.std() > 0.0 and given.std() > 0.0:
-                is_slope = np.corrcoef(slope, given)[0, 1] > ALIKE
+                is_slope = np.corrcoef(slope, given)[0, 1] > MIN_SLOPE_CORRELATION
                 if is_slope and np.isclose(slope.std(), given.std(), rtol=0.2):
                     found.append((n_states + position, n_states + velocity))
     return tuple(found)

@@ -18,9 +18,9 @@ from ...signals.spectral import SpectralFilter
 
 __all__ = ["Band", "driven", "straightened"]
 
-WIDER = 2.0  # cutoff of the inputs of runs, in cutoffs of the states ...
-OVER = 1.5  # ... and at most half the sampling rate over this
-SHORTEST = 4  # samples; no parabola continues the ends of a shorter piece
+MAX_CUTOFF_RATIO = 2.0  # cutoff of the inputs of runs, in cutoffs of the states ...
+MIN_NYQUIST_RATIO = 1.5  # ... and at most half the sampling rate over this
+MIN_SAMPLES = 4  # samples; no parabola continues the ends of a shorter piece
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Band:
         found = np.array(x)
         for k, record in enumerate(self.records):
             in_record = np.flatnonzero([place[0] == k for place in self.places])
-            if len(in_record) and self.length >= SHORTEST and record.cutoff is not None:
+            if len(in_record) and self.length >= MIN_SAMPLES and record.cutoff is not None:
                 before, after = self._cut(k, record.x), self._cut(k, self._passed[k])
                 columns = np.moveaxis(x[in_record] - before, 0, 1)  # (n, n_pieces, n_states)
                 passed = _low_passed(record, columns.reshape(self.length, -1))
@@ -87,7 +87,9 @@ def driven(record: Record) -> Record:
         return record
     if made.decimation == 1:
         return replace(record, u=made.u[made.trim : made.t.size - made.trim][slice(*made.rows)])
-    wide = float(np.clip(0.5 / (OVER * record.dt), made.cutoff, WIDER * made.cutoff))
+    wide = float(
+        np.clip(0.5 / (MIN_NYQUIST_RATIO * record.dt), made.cutoff, MAX_CUTOFF_RATIO * made.cutoff)
+    )
     return replace(record, u=replace(made, cutoff=wide).lowpass(made.u))
 
 
@@ -96,7 +98,7 @@ def straightened(record: Record) -> Record:
 
     Linear interpolation makes a sine smaller by the share (omega dt)^2 / 12.
     """
-    if record.preparation is None or record.u is None or len(record) < SHORTEST:
+    if record.preparation is None or record.u is None or len(record) < MIN_SAMPLES:
         return record
     u = record.u.copy()
     u[1:-1] -= np.diff(record.u, n=2, axis=0) / 12.0

@@ -29,13 +29,14 @@ __all__ = [
     "may_be_steps",
 ]
 
-STILL = 0.2  # an input is held if this share of its steps from sample to sample is small ...
-SMALL = 0.1  # ... relative to their RMS; of a steady sine, a fifth is below 0.4
-LARGE = 0.25  # a jump is a step above this share of the largest one
+# An input is held if this share of its steps from sample to sample is small ...
+STILL_STEP_SHARE = 0.2
+MAX_STILL_STEP = 0.1  # ... relative to their RMS; of a steady sine, a fifth is below 0.4
+MIN_JUMP_SHARE = 0.25  # a jump is a step above this share of the largest one
 QUICKER = 1.0 / 6.0  # factor of the second difference that corrects a directly driven state
 TYPICAL = 1.0 / np.sqrt(12.0)  # RMS error, in samples, of a jump at any time between two
 FORETOLD = 0.25  # correlation of successive steps below which they are random; means have 0.5
-DOUBT = 0.05  # largest unknown share of a held input at the frequencies of the search
+MAX_UNKNOWN_SHARE = 0.05  # largest unknown share of a held input at the frequencies of the search
 
 
 def as_held(record: Record) -> Record:
@@ -82,7 +83,7 @@ def known_up_to(record: Record) -> float:
     """Return the frequency up to which inputs are known well, cycles per unit of t."""
     if not record.has_raw_inputs or not _samples_of_jumps(record.raw_u).any():
         return np.inf
-    return float(np.sqrt(DOUBT / QUICKER) / (2.0 * np.pi * record.raw_dt))
+    return float(np.sqrt(MAX_UNKNOWN_SHARE / QUICKER) / (2.0 * np.pi * record.raw_dt))
 
 
 def input_error(
@@ -167,9 +168,9 @@ def _samples_of_jumps(u: np.ndarray) -> np.ndarray:
 def _samples_of_jump(u: np.ndarray) -> int:
     steps = np.diff(u)
     sizes = np.abs(steps)
-    if np.quantile(sizes, STILL) >= SMALL * np.sqrt(np.mean(steps**2)):
+    if np.quantile(sizes, STILL_STEP_SHARE) >= MAX_STILL_STEP * np.sqrt(np.mean(steps**2)):
         return 0
-    least = LARGE * sizes.max()
+    least = MIN_JUMP_SHARE * sizes.max()
     lengths = [np.bincount(label(signed > least)[0])[1:] for signed in (steps, -steps)]
     median = int(np.median(np.concatenate(lengths)))
     return median if median <= 2 else 0

@@ -18,7 +18,8 @@ from .sensor import ends_of
 __all__ = ["LIMITED", "Limit", "limited", "limits_of", "off_limits"]
 
 LIMITED = "saturation"  # name of the effect
-NEAR = 0.01  # distance, in standard deviations, at which a state counts as being at a limit
+# Distance, in standard deviations, at which a state counts as being at a limit.
+MAX_DISTANCE_FROM_LIMIT = 0.01
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ def off_limits(part: Segments, limits: Sequence[Limit]) -> Segments:
     """Return pieces in which rows at a limit carry no weight: there no equation holds."""
     weight = part.weight.copy()
     for limit in limits:
-        x, near = part.z[:, :, limit.state], NEAR * part.state_scale[limit.state]
+        x, near = part.z[:, :, limit.state], MAX_DISTANCE_FROM_LIMIT * part.state_scale[limit.state]
         at_limit = x >= limit.value - near if limit.upper else x <= limit.value + near
         # The windows spread what happens at a limit as far as they reach.
         affected = maximum_filter1d(at_limit.astype(int), 2 * part.windows.width + 1, axis=1)

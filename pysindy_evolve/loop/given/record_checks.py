@@ -13,14 +13,14 @@ from ...warn import warn
 from .common_step import TOLERANCE
 from .design import Design
 from .records import HELD_OUT
-from .rows import LARGEST, variables_of
+from .rows import MAX_TERM_VALUE, variables_of
 from .through import with_functions
 
 __all__ = ["check_records", "doubt_held_out"]
 
 MIN_SAMPLES = 32
-LATE = 100.0  # largest start time without a warning, in lengths of all records
-ROUNDING = 1e-13  # relative variation that a filter leaves in a constant column
+MAX_START_IN_LENGTHS = 100.0  # largest start time without a warning, in lengths of all records
+MAX_CONSTANT_SPREAD = 1e-13  # relative variation that a filter leaves in a constant column
 
 
 def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> None:
@@ -70,7 +70,7 @@ def check_records(design: Design, records: Sequence[Record], whole: int = 0) -> 
 def _doubt_clock(records: Sequence[Record]) -> None:
     """Warn if times begin so late that functions of them look like an offset."""
     start, end = records[0].t[0], max(record.t[-1] for record in records)
-    if abs(start) > LATE * (end - start):
+    if abs(start) > MAX_START_IN_LENGTHS * (end - start):
         warn(
             f"close_loop(train=..., test=...): times begin at {start:.10g}, long after zero. A "
             "drift from there is next to constant, and the phase of a forcing needs all digits of "
@@ -173,7 +173,7 @@ def _check_columns(design: Design, records: Sequence[Record]) -> None:
                 f"{called[index]}. Use other units."
             )
         spread = np.ptp(stacked, axis=0)
-        still = largest == 0.0 if name == "x_dot" else spread <= ROUNDING * largest
+        still = largest == 0.0 if name == "x_dot" else spread <= MAX_CONSTANT_SPREAD * largest
         for index in np.flatnonzero(still):
             made = ", and declare a free constant for what it makes" if name == "u" else ""
             raise ValueError(
@@ -201,7 +201,8 @@ def _check_finite(design: Design, record: Record) -> None:
         parts = [("known", design.known(variables))]
         parts += [(column.name, column.evaluate(variables)) for column in design.columns]
     for name, values in parts:
-        bad = np.flatnonzero(~(np.abs(values) < LARGEST).all(axis=1))  # NaN is not below either
+        is_small = (np.abs(values) < MAX_TERM_VALUE).all(axis=1)  # False for NaN too
+        bad = np.flatnonzero(~is_small)
         if len(bad):
             what = "the known part" if name == "known" else f"what {name!r} multiplies"
             raise ValueError(

@@ -11,8 +11,8 @@ from .common_step import TOLERANCE, common_step
 
 __all__ = ["at_one_step", "undecimated", "widened"]
 
-WIDER = 2.0  # cutoff of the search, in cutoffs of the record ...
-HIGHEST = 0.4  # ... and at most, in sampling rates of the raw record
+SEARCH_CUTOFF_RATIO = 2.0  # cutoff of the search, in cutoffs of the record ...
+MAX_SAMPLING_RATE_SHARE = 0.4  # ... and at most, in sampling rates of the raw record
 MOST_RAW = 100_000  # rows of all records up to which they are used undecimated
 
 
@@ -99,7 +99,7 @@ def widened(records: list[Record]) -> list[Record]:
     if len(cutoffs) < len(records) or max(steps) > 1.001 * min(steps):
         return records
     raw = max(steps)
-    cutoff = min(WIDER * max(cutoffs), HIGHEST / raw)
+    cutoff = min(SEARCH_CUTOFF_RATIO * max(cutoffs), MAX_SAMPLING_RATE_SHARE / raw)
     if cutoff <= max(cutoffs):
         return records
     step = raw * max(1, int(1.0 / (8.0 * cutoff * raw)))

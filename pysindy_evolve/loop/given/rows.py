@@ -10,9 +10,9 @@ from ...equations import stack
 from ...signals import Record
 from ...terms import Sum
 
-__all__ = ["LARGEST", "have_values", "scale_of", "variables_of"]
+__all__ = ["MAX_TERM_VALUE", "have_values", "scale_of", "variables_of"]
 
-LARGEST = 1e100  # value of a term: its square is finite, and so is the cube of a large state
+MAX_TERM_VALUE = 1e100  # value of a term: its square is finite, and so is the cube of a large state
 
 
 def variables_of(record: Record) -> np.ndarray:
@@ -25,7 +25,7 @@ def have_values(expressions: Sequence[Sum], records: Sequence[Record]) -> bool:
     rows = [variables_of(record) for record in records]
     with np.errstate(all="ignore"):
         values = (one.evaluate(z) for one in expressions for z in rows)
-        return all(bool((np.abs(value) < LARGEST).all()) for value in values)
+        return all(bool((np.abs(value) < MAX_TERM_VALUE).all()) for value in values)
 
 
 def scale_of(parts: Sequence[np.ndarray]) -> np.ndarray:

@@ -23,9 +23,13 @@ N_SEGMENTS = 16
 N_FOLDS = 8
 TO_TRANSFER = 3  # number of records from which on folds are made of whole records
 MAX_ROWS = 24_000  # of the search; coefficients are fitted on all rows
-LOST = 0.01  # share of the rows to give up for a length whose Fourier transform is fast
-LOOK = 0.6  # share of the cutoff that is searched; below, the low-pass hardly changes the states
-BAND = 0.999  # share of the power of a derivative that is searched, if no cutoff is known
+# Share of the rows to give up for a length whose Fourier transform is fast; short pieces that lost
+# 3 % lost a grown term too.
+MAX_LOST_SHARE = 0.01
+# Share of the cutoff that is searched; below, the low-pass hardly changes the states.
+SEARCHED_CUTOFF_SHARE = 0.6
+# Share of the power of a derivative that is searched, if no cutoff is known.
+SEARCHED_POWER_SHARE = 0.999
 FEWEST_FREQUENCIES = 8  # of a segment, below the cutoff of the search
 
 
@@ -136,7 +140,7 @@ class Segments:
         """Whether notably many rows were left out between the pieces."""
         length = self.z.shape[1]
         steps = [b[1] - a[1] for a, b in pairwise(self.places) if a[0] == b[0]]
-        return max(steps, default=length) > (1.0 + 2.0 * LOST) * length
+        return max(steps, default=length) > (1.0 + 2.0 * MAX_LOST_SHARE) * length
 
     def cut(self, columns: Sequence[np.ndarray]) -> np.ndarray:
         """Return the rows of all pieces, (n_segments, n, ...), of one array for each record."""
@@ -250,7 +254,7 @@ def places_of(
     if max_rows is not None:
         length = max(8, min(step, max_rows // n_segments))
         fast = prev_fast_len(length)
-        length = fast if length - fast <= LOST * length else length
+        length = fast if length - fast <= MAX_LOST_SHARE * length else length
     places = ((i, start) for i, n in enumerate(sizes) for start in range(0, n - length + 1, step))
     return tuple(places), length
 
@@ -293,12 +297,12 @@ def _band(record: Record, slowest: float) -> float:
     """
     made = record.motion if record.preparation is None else record.preparation
     if made is not None:
-        return LOOK * (made.cutoff or np.inf)
+        return SEARCHED_CUTOFF_SHARE * (made.cutoff or np.inf)
     rates = record.x_dot[:, np.ptp(record.x_dot, axis=0) > 0.0]
     if rates.shape[1] == 0:
         return np.inf
     # Cosine transform: no taper, so what happens at the ends counts as well.
     power = dct(rates / np.ptp(rates, axis=0), axis=0)[1:] ** 2
     share = np.cumsum(power, axis=0) / power.sum(axis=0)
-    reached = 1 + int(np.max(np.argmax(share >= BAND, axis=0)))
+    reached = 1 + int(np.max(np.argmax(share >= SEARCHED_POWER_SHARE, axis=0)))
     return max(reached / (2.0 * record.n_samples * record.dt), slowest)

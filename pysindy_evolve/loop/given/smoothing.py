@@ -24,13 +24,14 @@ from .design import Design
 
 __all__ = ["with_own_slopes"]
 
-MISSED = 0.001  # share of a slope; a larger systematic miss shows in the loop
-LAW = 0.5  # share of the miss that 1 - b f^2 may leave; more is not due to smoothing
-LOST = 0.15  # share of a slope missed at the new cutoff; there states are right to a few percent
+MIN_MISSED_SHARE = 0.001  # share of a slope; a larger systematic miss shows in the loop
+MAX_SHARE_OFF_LAW = 0.5  # share of the miss that 1 - b f^2 may leave; more is not due to smoothing
+# Share of a slope missed at the new cutoff; there states are right to a few percent.
+MISSED_SHARE_AT_CUTOFF = 0.15
 MOTION = 0.99  # share of the power of a derivative in the band of the motion
-FEWEST = 200  # samples; fewer tell no spectra apart
-FAST = 0.1  # share of the slopes that may lie above the new cutoff
-EVEN = 1e-3  # largest spread of the time steps, relative to their mean
+MIN_SAMPLES = 200  # samples; fewer tell no spectra apart
+MAX_FAST_SHARE = 0.1  # share of the slopes that may lie above the new cutoff
+MAX_TIME_STEP_SPREAD = 1e-3  # largest spread of the time steps, relative to their mean
 
 
 def with_own_slopes(
@@ -64,11 +65,13 @@ def with_own_slopes(
     cutoff = min(map(_whole_up_to, train))
     if not np.isfinite(cutoff):
         return train, test, True
-    shown = _is_linear(design) or all(_fast_share(record, cutoff) <= FAST for record in train)
+    shown = _is_linear(design) or all(
+        _fast_share(record, cutoff) <= MAX_FAST_SHARE for record in train
+    )
     warn(
         "close_loop(train=..., test=...): the derivatives of the records fall short of the slopes "
-        f"of their states, by {LOST:.0%} at {cutoff:.3g} cycles per unit of t: they are smoothed "
-        "too much. They are taken anew from the states, up to there. "
+        f"of their states, by {MISSED_SHARE_AT_CUTOFF:.0%} at {cutoff:.3g} cycles per unit of t: "
+        "they are smoothed too much. They are taken anew from the states, up to there. "
         + ("" if shown else "The motion is faster than that, so no effect is looked for. ")
         + "Give the measurement as it is to prepare(t, y, u).",
     )
@@ -97,9 +100,9 @@ def _is_linear(design: Design) -> bool:
 def _is_made_by_user(record: Record) -> bool:
     """Tell whether a record was made by the user, is long and even, and all of it moves."""
     steps = np.diff(record.t)
-    is_even = bool(np.ptp(steps) <= EVEN * steps.mean())
+    is_even = bool(np.ptp(steps) <= MAX_TIME_STEP_SPREAD * steps.mean())
     moves = bool(np.all(np.ptp(record.x, axis=0) > 0.0))
-    return record.preparation is None and record.n_samples >= FEWEST and is_even and moves
+    return record.preparation is None and record.n_samples >= MIN_SAMPLES and is_even and moves
 
 
 def _whole_up_to(record: Record) -> float:
@@ -113,16 +116,20 @@ def _whole_up_to(record: Record) -> float:
 
 
 def _short_from(frequency: np.ndarray, slope: np.ndarray, given: np.ndarray) -> float:
-    """Return the frequency where `LOST` of a slope is missed; infinite if not by 1 - b f^2."""
+    """Return where `MISSED_SHARE_AT_CUTOFF` of a slope is missed; infinite if not by 1 - b f^2."""
     band = _band_of_motion(given)
     missing, bent = (slope - given)[band], (frequency**2 * slope)[band]
     size = float(np.sum(np.abs(bent) ** 2))
     b = float(np.sum((missing * bent.conj()).real)) / size if size > 0.0 else 0.0
     missing_power, rest = (np.sum(np.abs(part) ** 2) for part in (missing, missing - b * bent))
     slope_power = np.sum(np.abs(slope[band]) ** 2)
-    if b <= 0.0 or missing_power <= MISSED**2 * slope_power or rest > LAW**2 * missing_power:
+    if (
+        b <= 0.0
+        or missing_power <= MIN_MISSED_SHARE**2 * slope_power
+        or rest > MAX_SHARE_OFF_LAW**2 * missing_power
+    ):
         return np.inf
-    return float(np.sqrt(LOST / b))
+    return float(np.sqrt(MISSED_SHARE_AT_CUTOFF / b))
 
 
 def _fast_share(record: Record, cutoff: float) -> float:

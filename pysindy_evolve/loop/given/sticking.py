@@ -22,12 +22,13 @@ __all__ = ["may_rest", "noise_of", "weights_in_motion"]
 
 AT_REST = 4.0  # standard deviations of the velocity noise below which a row has no weight ...
 IN_MOTION = 8.0  # ... and above which it has all
-LEAST = 1e-3  # share of the RMS velocity that counts as rest, however little noise there is
+# Share of the RMS velocity that counts as rest, however little noise there is.
+REST_SHARE_OF_RMS = 1e-3
 STUCK = 1.0  # least length of a rest, in periods of the cutoff
-CREEP = 0.3  # largest median speed of a rest, relative to the speed that counts as slow
-OFTEN = 3  # rests between motions of a record from which on a body sticks repeatedly
+MAX_CREEP_RATIO = 0.3  # largest median speed of a rest, relative to the speed that counts as slow
+MIN_RESTS = 3  # rests between motions of a record from which on a body sticks repeatedly
 MIXED, FORGOTTEN = 0.75, 1.5  # distance from a rest, in periods, of weight 0 and of weight 1
-ENOUGH = 0.2  # least mean weight; a body that moves less has weight one everywhere
+MIN_MEAN_WEIGHT = 0.2  # least mean weight; a body that moves less has weight one everywhere
 
 
 def may_rest(design: Design, records: Sequence[Record]) -> tuple[int, ...]:
@@ -85,8 +86,8 @@ def weights_in_motion(record: Record, resting: Sequence[int]) -> np.ndarray:
         speed = _speed(record, state)
         share = np.clip((speed - 1.0) / (IN_MOTION / AT_REST - 1.0), 0.0, 1.0)
         without_rests = share * _away_from_rest(record, speed)
-        share = without_rests if without_rests.mean() >= ENOUGH else share
-        if share.mean() >= ENOUGH:
+        share = without_rests if without_rests.mean() >= MIN_MEAN_WEIGHT else share
+        if share.mean() >= MIN_MEAN_WEIGHT:
             weights[:, state] = share * share * (3.0 - 2.0 * share)
     if record.seen is not None:  # each equation may hold every state
         weights *= np.all(record.seen, axis=1)[:, None]
@@ -96,7 +97,8 @@ def weights_in_motion(record: Record, resting: Sequence[int]) -> np.ndarray:
 def _speed(record: Record, state: int) -> np.ndarray:
     """Return the magnitude of a state, relative to what counts as slow."""
     speed = np.abs(record.x[:, state])
-    low = max(AT_REST * noise_of(record, state), LEAST * float(np.sqrt(np.mean(speed**2))))
+    rms = float(np.sqrt(np.mean(speed**2)))
+    low = max(AT_REST * noise_of(record, state), REST_SHARE_OF_RMS * rms)
     return speed / max(low, TINY)
 
 
@@ -125,8 +127,8 @@ def _stuck(speed: np.ndarray, n_rows: int) -> np.ndarray:
     """
     spans, n_spans = ndimage.label(ndimage.binary_opening(speed < 1.0, np.ones(n_rows, dtype=bool)))
     typical = ndimage.median(speed, spans, np.arange(1, n_spans + 1))
-    rests = set(1 + np.flatnonzero(np.asarray(typical) < CREEP)) - {spans[0], spans[-1]}
-    return np.isin(spans, list(rests) if len(rests) >= OFTEN else [])
+    rests = set(1 + np.flatnonzero(np.asarray(typical) < MAX_CREEP_RATIO)) - {spans[0], spans[-1]}
+    return np.isin(spans, list(rests) if len(rests) >= MIN_RESTS else [])
 
 
 def noise_of(record: Record, state: int, further: int = 0) -> float:

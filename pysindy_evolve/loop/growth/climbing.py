@@ -17,7 +17,7 @@ from ...terms import ONE, Product, Sum, constant, mul, of_term, sub
 from ..effects.candidate import Candidate
 from ..effects.shaping import shape_of
 from ..evidence.ranking import Score
-from ..evidence.scoring import MARGIN, PRICE, net, score, tuned
+from ..evidence.scoring import MIN_GAIN_LOG, PRICE_PER_NODE_LOG, net, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 from .naming import nodes_saved
@@ -26,7 +26,7 @@ from .seeds import functions
 __all__ = ["climbed", "with_best_numbers"]
 
 N_TUNED = 6  # most promising terms, whose numbers are tuned
-SLOPE = 1e-3  # step in the logarithm of a number, to take its derivative
+STEP_IN_LOG = 1e-3  # step in the logarithm of a number, to take its derivative
 MOST_FACTORS = 3  # distinct factors of a term: with more it fits something else
 MAX_STEPS = 4  # exchanges: the right term is seldom farther from where a search ended
 
@@ -67,7 +67,7 @@ def climbed(
             _with_term(begin, term, declared) for term in _neighbors(best.group[0], factors)
         ]
         neighbor = _best(design, part, _promising(design, part, neighbors), declared)
-        if neighbor is None or net(neighbor) <= net(best) + MARGIN:
+        if neighbor is None or net(neighbor) <= net(best) + MIN_GAIN_LOG:
             break
         best = neighbor
     return best.group[0] if best else begin
@@ -113,7 +113,10 @@ def _promising(design: Design, part: Segments, candidates: Sequence[Candidate]) 
     """
     originals = {_with_slopes(candidate): candidate for candidate in candidates}
     scores = score(design, part, list(originals), pairs=False)
-    gains = {originals[s.group[0]]: s.value - PRICE * originals[s.group[0]].size for s in scores}
+    gains = {
+        originals[s.group[0]]: s.value - PRICE_PER_NODE_LOG * originals[s.group[0]].size
+        for s in scores
+    }
     return sorted(gains, key=lambda candidate: -gains[candidate])[:N_TUNED]
 
 
@@ -121,10 +124,11 @@ def _with_slopes(candidate: Candidate) -> Candidate:
     shape = shape_of(candidate)
     if shape is None:
         return candidate
-    steps = np.array(shape.values) * np.exp(SLOPE * np.eye(len(shape.values)))
+    steps = np.array(shape.values) * np.exp(STEP_IN_LOG * np.eye(len(shape.values)))
     shifted_terms = (replace(shape, values=tuple(row.tolist())).terms[0] for row in steps)
     slopes = (
-        mul(constant(1.0 / SLOPE), sub(shifted, candidate.terms[0])) for shifted in shifted_terms
+        mul(constant(1.0 / STEP_IN_LOG), sub(shifted, candidate.terms[0]))
+        for shifted in shifted_terms
     )
     return replace(candidate, terms=(*candidate.terms, *slopes))
 

@@ -16,7 +16,7 @@ from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
 from ..effects.candidate import OFFSET, Candidate, CandidateMaker, Shape
 from ..effects.names import EVOLVED
-from ..effects.stops import LEAST, PLACES, is_stop, stops
+from ..effects.stops import MIN_DISTANCE_SHARE, PLACES, is_stop, stops
 from ..evidence.scoring import sharpened
 from ..given.design import Design
 from ..given.segments import Segments
@@ -67,7 +67,7 @@ def _flows(
         yield [
             _at_level(effect, h, place, power, side)
             for place in places
-            if abs(place) >= LEAST * largest
+            if abs(place) >= MIN_DISTANCE_SHARE * largest
             for side in (-1, 1)
         ]
 

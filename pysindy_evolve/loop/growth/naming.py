@@ -19,7 +19,7 @@ from .seeds import small_terms
 
 __all__ = ["has_arbitrary_zero", "named", "nodes_saved", "small_candidates", "without_signs"]
 
-MEAN = 0.3  # share of its RMS that the mean of a term must exceed to pose as an offset
+MIN_MEAN_SHARE = 0.3  # share of its RMS that the mean of a term must exceed to pose as an offset
 
 
 def small_candidates(
@@ -190,4 +190,4 @@ def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -
     if not all(signed[v] for v in term.variables):
         return False
     column = term.evaluate(variables)
-    return bool(abs(column.mean()) > MEAN * np.sqrt(np.mean(column**2)))
+    return bool(abs(column.mean()) > MIN_MEAN_SHARE * np.sqrt(np.mean(column**2)))

@@ -35,8 +35,9 @@ from .seeds import small_terms
 
 __all__ = ["find_small", "is_better"]
 
-MOST = 300  # terms to try in all equations together; the smallest are kept
-BETTER = 0.1  # gain in log error that a term needs per node that it has more than the names
+MAX_TERMS = 300  # terms to try in all equations together; the smallest are kept
+# Gain in log error that a term needs per node that it has more than the names.
+MIN_GAIN_PER_NODE_LOG = 0.1
 
 
 def find_small(
@@ -92,7 +93,7 @@ def is_better(
     """
     errors = [_error(with_columns(declared, findings), part) for findings in (names, found)]
     sizes = [sum(finding.candidate.size for finding in findings) for findings in (names, found)]
-    return not names or log_ratio(*errors) > BETTER * max(sizes[1] - sizes[0], 1)
+    return not names or log_ratio(*errors) > MIN_GAIN_PER_NODE_LOG * max(sizes[1] - sizes[0], 1)
 
 
 def _error(design: Design, part: Segments) -> float:
@@ -106,7 +107,7 @@ def _proposed(
     """Return the small terms that are not in the vocabulary; each is scored by itself."""
     rows = np.concatenate([variables_of(record) for record in part.records])
     terms = sorted(_terms(operators, rows[:, :-1]), key=lambda term: (term.size, term.constants))
-    terms = terms[: MOST // len(design.open_states)]
+    terms = terms[: MAX_TERMS // len(design.open_states)]
     ranges = Ranges.of(rows)
     known, present = candidates(design, ranges), fitted_terms(design)
     found = []

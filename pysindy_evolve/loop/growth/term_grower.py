@@ -35,7 +35,7 @@ __all__ = ["Grown", "TermGrower"]
 
 # Factor by which a grown term must gain more than names, or two names more than a grown term: a
 # filtered copy of the same effect gains a little more by itself.
-BETTER = 1.25
+MIN_GAIN_RATIO = 1.25
 USEFUL = 0.1  # log error that a term must also gain in the derivative or in the simulation
 MIN_FRESH = 4  # segments to test on, at least; on a shorter record nothing grows
 
@@ -99,15 +99,16 @@ class TermGrower:
             design, self.fresh, [*names, *_zeros_beside(names, design)], pairs=True
         )
         named_gains = [len(s.group) * net(s) for s in named_scores if set(names) <= set(s.group)]
-        bar = BETTER * max(named_gains, default=0.0)
+        bar = MIN_GAIN_RATIO * max(named_gains, default=0.0)
         fresh = [c for c in self.grown.first if c.name == EVOLVED or is_stop(c)]
         best = max(score(design, self.fresh, fresh, pairs=False), key=net, default=None)
         leak = self._leak(design, names[0].state)
-        if leak is not None and 2.0 * net(leak) > max(bar, net(best) / BETTER if best else 0.0):
+        leak_bar = max(bar, net(best) / MIN_GAIN_RATIO if best else 0.0)
+        if leak is not None and 2.0 * net(leak) > leak_bar:
             return self._test(design, list(leak.group), rng)
         if best is None or net(best) <= bar:
             return []
-        if BETTER * net(best) <= self._gain_of_two_names(design, best.group[0].state):
+        if MIN_GAIN_RATIO * net(best) <= self._gain_of_two_names(design, best.group[0].state):
             return []
         return self._test(design, list(best.group), rng)
 

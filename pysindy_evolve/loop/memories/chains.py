@@ -17,7 +17,7 @@ from ..evidence.findings import Finding, MemoryFinding
 
 __all__ = ["Chain", "Traded", "chains_in", "with_trade", "with_trades_done"]
 
-MOST = 0.95  # largest share of a memory that may be traded for another one
+MAX_TRADED_SHARE = 0.95  # largest share of a memory that may be traded for another one
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Traded(Memory):
     @property
     def leaves_some(self) -> bool:
         """Whether a notable part of the other memory is left."""
-        return self.given <= MOST * self.present
+        return self.given <= MAX_TRADED_SHARE * self.present
 
     def response(self, t: np.ndarray, u: np.ndarray) -> np.ndarray:
         """Return what acts, from an input behind the whole other memory; `u` if none is left."""
@@ -88,7 +88,7 @@ def with_trade(memory: Memory, present: Sequence[Memory]) -> Memory:
     if len(others) != 1 or {memory.kind, others[0].kind} != {DELAY, LAG}:
         return memory
     present_value = others[0].values[0]
-    if memory.values[0] > MOST * present_value:
+    if memory.values[0] > MAX_TRADED_SHARE * present_value:
         return memory
     return Traded(memory.kind, memory.column, memory.values, present_value, memory.values[0])
 

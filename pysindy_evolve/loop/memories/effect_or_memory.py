@@ -16,7 +16,7 @@ from ...hidden_states.memory import VESSEL, Memory
 from ..effects.candidate import Candidate, rewritten
 from ..evidence.findings import Finding
 from ..evidence.offers import leading
-from ..evidence.scoring import MARGIN, score, tuned
+from ..evidence.scoring import MIN_GAIN_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 from .probes import MemoryCandidate, Probes
@@ -84,7 +84,9 @@ def memory_instead(
     own_total = totals.get(frozenset(comparison.own), np.inf)
     gains = [totals.get(frozenset([late]), -np.inf) for late in comparison.late]
     return (
-        comparison.late[int(np.argmax(gains))].memory if max(gains) > own_total + MARGIN else None
+        comparison.late[int(np.argmax(gains))].memory
+        if max(gains) > own_total + MIN_GAIN_LOG
+        else None
     )
 
 

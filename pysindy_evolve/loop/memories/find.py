@@ -16,7 +16,7 @@ from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in, 
 from ..evidence.offers import offer_for
 from ..evidence.rejected import Rejected
 from ..evidence.rivals import Rival
-from ..evidence.scoring import MARGIN
+from ..evidence.scoring import MIN_GAIN_LOG
 from ..evidence.step import Look, find
 from ..given.design import Design
 from ..given.rules import Rules
@@ -158,7 +158,7 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
         (exchange,) = exchanged([tuned], design, pieces)
         place = kept.index(finding)
         kept[place : place + 1] = (
-            [replace(finding, memory=tuned)] if exchange.gain >= MARGIN else []
+            [replace(finding, memory=tuned)] if exchange.gain >= MIN_GAIN_LOG else []
         )
     return kept
 

@@ -18,9 +18,9 @@ import numpy as np
 
 from ...hidden_states.memory import DELAY, Memory
 from ...signals import Record
-from ...signals.zero_order_hold import HALF
+from ...signals.zero_order_hold import HALF_SAMPLE
 from ..effects.candidate import Candidate
-from ..evidence.scoring import LEAD, MARGIN, propose, quick_fit, score
+from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, MIN_GAIN_LOG, propose, quick_fit, score
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
 from ..given.segments import Segments, segments
@@ -34,7 +34,8 @@ __all__ = [
     "memory_beside_hold",
 ]
 
-EVEN = 0.01  # share of a sampling time by which records that are sampled alike may differ
+# Share of a sampling time by which records that are sampled alike may differ.
+MAX_TIME_STEP_SPREAD = 0.01
 SHORTEST, LONGEST = 0.4, 0.6  # delay of a hold that a user's low-pass has hidden, sampling times
 LATEST = 0.6  # largest delay of a hold, sampling times: half of one, and some error
 
@@ -58,7 +59,7 @@ class _BehindHold(Memory):
 def _held(t: np.ndarray, u: np.ndarray, column: int) -> np.ndarray:
     if not may_be_steps(u):
         return u
-    return Memory(DELAY, column, (HALF * float(t[1] - t[0]),)).response(t, u)
+    return Memory(DELAY, column, (HALF_SAMPLE * float(t[1] - t[0]),)).response(t, u)
 
 
 def _may_be_hold(memory: Memory, records: Sequence[Record]) -> bool:
@@ -86,7 +87,9 @@ def holds_alone(design: Design, part: Segments) -> dict[int, float]:
     """
     free = free_to_be_held(part.records)
     gains = _gains(free, design, in_pieces(part)) if free else []
-    return {column: HALF for column, gain in zip(free, gains, strict=True) if gain > MARGIN}
+    return {
+        column: HALF_SAMPLE for column, gain in zip(free, gains, strict=True) if gain > MIN_GAIN_LOG
+    }
 
 
 def hold_beside_another(column: int, design: Design, part: Segments, held: Segments) -> bool:
@@ -113,7 +116,7 @@ def hold_beside_another(column: int, design: Design, part: Segments, held: Segme
         score(design, pieces, _missing(design, pieces), pairs=False) for pieces in (held, part)
     ]
     gain_if_held, gain = (scores[0].value if scores else 0.0 for scores in rankings)
-    return alone + gain_if_held - gain > LEAD
+    return alone + gain_if_held - gain > HIDDEN_STATE_LEAD_LOG
 
 
 def free_to_be_held(records: Sequence[Record]) -> list[int]:
@@ -136,7 +139,7 @@ def _best(memories: Sequence[Memory], design: Design, part: Segments) -> Memory:
 
 
 def _gains(columns: Sequence[int], design: Design, part: Segments) -> list[float]:
-    late = (HALF * part.records[0].raw_dt,)
+    late = (HALF_SAMPLE * part.records[0].raw_dt,)
     holds = [_Hold(DELAY, column, late) for column in columns]
     return [exchange.gain for exchange in exchanged(holds, design, part)]
 
@@ -171,17 +174,17 @@ def memory_beside_hold(
     column, kind, records = memory.column, memory.kind, part.records
     known = any(column in record.held for record in records)
     if known or not any(may_be_held(record, column) for record in records):
-        return (0.0, memory) if known or not _may_be_hold(memory, records) else (HALF, None)
+        return (0.0, memory) if known or not _may_be_hold(memory, records) else (HALF_SAMPLE, None)
     steps = [record.raw_dt for record in records]
     jumping = all(jumps_at_once(record, column) for record in records)
-    alike = jumping and np.ptp(steps) <= EVEN * steps[0]
+    alike = jumping and np.ptp(steps) <= MAX_TIME_STEP_SPREAD * steps[0]
     share = memory.values[0] / steps[0]
     hold = _Hold(kind, column, memory.values)
     if alike and kind == DELAY and share < LATEST:
-        return (HALF if _best([hold, memory], design, part) is hold else share), None
+        return (HALF_SAMPLE if _best([hold, memory], design, part) is hold else share), None
     behind = reach_of(_BehindHold(kind, column, memory.values), design, part)
     alone = [] if alike and kind == DELAY else [hold]
     best = _best([*alone, behind, memory], design, part)
     if best is memory:
         return 0.0, memory
-    return HALF, Memory(kind, column, behind.values) if best is behind else None
+    return HALF_SAMPLE, Memory(kind, column, behind.values) if best is behind else None

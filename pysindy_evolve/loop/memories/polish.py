@@ -32,8 +32,8 @@ from .reach import swapped
 __all__ = ["polished", "row_interval"]
 
 N_ROUNDS = 3  # over all memories, as they affect each other
-STEP = 0.02  # relative step of a delay or time constant, to take the derivative by it
-FARTHEST = 0.2  # largest relative change of a number in one step
+RELATIVE_STEP = 0.02  # relative step of a delay or time constant, to take the derivative by it
+MAX_RELATIVE_CHANGE = 0.2  # largest relative change of a number in one step
 
 
 def polished(
@@ -129,7 +129,7 @@ def _stepped(
         key=lambda ends: ends[2] - ends[0],
     )
     (value,) = finding.memory.values
-    new = value + min(max(step, -FARTHEST * value), FARTHEST * value)
+    new = value + min(max(step, -MAX_RELATIVE_CHANGE * value), MAX_RELATIVE_CHANGE * value)
     interval = max(value + low, 0.0), max(value + high, 0.0)
     return replace(finding, memory=replace(finding.memory, values=(new,)), interval=interval)
 
@@ -143,13 +143,13 @@ def _ends(intervals: np.ndarray, coef: np.ndarray) -> tuple[float, float, float]
 def _with_derivative(memory: Memory, design: Design, coef: np.ndarray) -> tuple[Design, Probes]:
     """Return a model whose last column is the derivative of the rates by a memory's number."""
     (value,) = memory.values
-    probes = Probes(design, (memory, replace(memory, values=(value * (1.0 + STEP),))))
+    probes = Probes(design, (memory, replace(memory, values=(value * (1.0 + RELATIVE_STEP),))))
     swap, swap_longer = probes.swap(0), probes.swap(1)
     index = len(design.states) + memory.column
     sides = [probes.widen(side) for side in design.equations(coef).sums]
     slopes = tuple(
         mul(
-            constant(1.0 / (STEP * value)),
+            constant(1.0 / (RELATIVE_STEP * value)),
             sub(substituted(side, swap_longer), substituted(side, swap)),
         )
         if index in side.variables

@@ -29,9 +29,10 @@ from .chains import with_trade
 
 __all__ = ["RATIO", "Exchange", "MemoryCandidate", "Probes", "exchanges", "grid_of", "users_of"]
 
-SHORTEST = 0.02  # delay or time constant, in periods of the highest frequency looked at
+# Delay or time constant, in periods of the highest frequency looked at.
+MIN_LENGTH_IN_PERIODS = 0.02
 RATIO = 2.5  # of neighboring lengths on the grid
-LONGEST = 0.25  # share of a segment; of a record for a lag or a vessel
+MAX_LENGTH_SHARE = 0.25  # share of a segment; of a record for a lag or a vessel
 OWN = 0.5  # share of the gain of input and probe together that the probe alone must reach
 
 
@@ -82,15 +83,15 @@ def grid_of(design: Design, part: Segments, present: Sequence[Memory] = ()) -> l
         if not users_of(design, column):
             continue
         kinds = {memory.kind for memory in present if memory.column == column}
-        longest = {DELAY: LONGEST * segment}
-        longest[LAG] = max(longest[DELAY], LONGEST * record)
+        longest = {DELAY: MAX_LENGTH_SHARE * segment}
+        longest[LAG] = max(longest[DELAY], MAX_LENGTH_SHARE * record)
         if all(r.raw_u[:, column].min() >= 0.0 for r in part.records):
             longest[VESSEL] = longest[LAG]
         if {LAG, VESSEL} & kinds:
             longest.pop(LAG)
             longest.pop(VESSEL, None)
         for kind in (k for k in longest if k not in kinds):
-            value = SHORTEST / highest
+            value = MIN_LENGTH_IN_PERIODS / highest
             while value < longest[kind]:
                 found.append(with_trade(Memory(kind, column, (value,)), present))
                 value *= RATIO

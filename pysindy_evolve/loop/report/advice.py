@@ -14,10 +14,11 @@ if TYPE_CHECKING:
     from .effect import Alternative, Effect
     from .experiment import Experiment, Plan
 
-__all__ = ["ENOUGH", "as_sentences", "paragraphs"]
+__all__ = ["ENOUGH_STANDARD_ERRORS", "as_sentences", "paragraphs"]
 
 MAX_RECORDS = 20  # a motion that needs more records is not proposed
-ENOUGH = 5.0  # standard errors: a test at 5 % among many candidates then misses one in twenty
+# Standard errors: a test at 5 % among many candidates then misses one in twenty.
+ENOUGH_STANDARD_ERRORS = 5.0
 
 
 def as_sentences(plan: Plan, units: Mapping[str, str] | None = None) -> str:
@@ -55,7 +56,7 @@ def _alike(plan: Plan) -> list[list[Experiment]]:
 
 def _is_known(experiment: Experiment) -> bool:
     """Tell whether the record at hand already tells the two apart."""
-    return experiment.now >= ENOUGH
+    return experiment.now >= ENOUGH_STANDARD_ERRORS
 
 
 def _is_hopeless(experiment: Experiment) -> bool:

@@ -15,7 +15,7 @@ from .dilution import dilution_sentences
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import extrapolation_sentences
 from .held_delays import held_delays, short_delays
-from .missed import RUNAWAY, misfit_sentences
+from .missed import RUNAWAY_NRMSE, misfit_sentences
 from .one_force import one_force
 from .record_numbers import numbers_by_record
 from .record_offsets import offsets_by_record
@@ -100,7 +100,8 @@ def _worse(report: LoopReport) -> list[str]:
     grew = []
     for kind, title in zip(errors_named, labels, strict=True):
         before, after = (getattr(errors, kind) for errors in (report.before, report.after))
-        worse = (before < RUNAWAY) & ~(after <= np.maximum(GREW_TIMES * before, before + GREW_BY))
+        tolerated = np.maximum(GREW_TIMES * before, before + GREW_BY)
+        worse = (before < RUNAWAY_NRMSE) & ~(after <= tolerated)
         if kind == "simulation_error" and not model.n_algebraic and worse.any():
             by_start = after - before <= run_std_from_start_noise(report.after.model, report.test)
             worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts

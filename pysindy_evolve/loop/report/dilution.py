@@ -32,7 +32,9 @@ __all__ = ["dilution_sentences"]
 
 NOISE_SHARE = 0.1  # noise in the mean square of a combination: its weight is too small by as much
 PARTICIPATES = 0.1  # of the largest term of a combination: smaller ones are not named
-LOST_RUN = 50.0  # percent, error of a free run; below it the run confirms the coefficients
+MAX_CONFIRMING_NRMSE = (
+    50.0  # percent, error of a free run; below it the run confirms the coefficients
+)
 RIDGE = 1e-12  # of the mean square of a term: keeps the Gram matrix of collinear terms invertible
 
 
@@ -57,7 +59,7 @@ def dilution_sentences(report: LoopReport) -> list[str]:
     said = []
     for state in design.open_states:
         columns = [column for column in design.columns if column.parts[state].parts]
-        if not columns or report.after.simulation_error[state] <= LOST_RUN:
+        if not columns or report.after.simulation_error[state] <= MAX_CONFIRMING_NRMSE:
             continue
         share, sizes = _noisiest([column.parts[state] for column in columns], records)
         names = [c.name for c, size in zip(columns, sizes, strict=True) if size > PARTICIPATES]

@@ -30,7 +30,7 @@ from ..fitting.residual import forces
 from ..given.design import Design, in_state
 from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
-from .advice import ENOUGH, as_sentences
+from .advice import ENOUGH_STANDARD_ERRORS, as_sentences
 from .effect import Alternative, Effect
 from .motions import Motion, Motions
 from .units import check_units
@@ -82,7 +82,7 @@ class Experiment:
         Squared standard errors add up over the records.
         """
         each = max(self.then**2 - self.now**2, 1e-12)
-        return max(1, int(np.ceil((ENOUGH**2 - self.now**2) / each)))
+        return max(1, int(np.ceil((ENOUGH_STANDARD_ERRORS**2 - self.now**2) / each)))
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ def _best(judge: _Judge, exchanged: Design, effect: Effect, rival: Alternative) 
         then = _apart(recorded + gram)
         if best is None or then > best[0]:
             best = then, motion, recorded + gram
-        if then >= ENOUGH:
+        if then >= ENOUGH_STANDARD_ERRORS:
             break
     if best is None:  # the recorded motion itself is among them
         raise RuntimeError("LoopReport.suggest_experiment found no motion. Report this as a bug.")

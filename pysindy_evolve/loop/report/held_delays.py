@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...hidden_states.memory import DELAY
-from ...signals.zero_order_hold import HALF
+from ...signals.zero_order_hold import HALF_SAMPLE
 from ..given.held import held_inputs
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def held_delays(report: LoopReport) -> list[Effect]:
             continue
         (low, high), difference = (
             effect.confidence_intervals[0],
-            effect.coefficients[0] - HALF * step,
+            effect.coefficients[0] - HALF_SAMPLE * step,
         )
         if abs(difference) < max(HELD * step, 0.5 * (high - low)):
             found.append(effect)

@@ -14,11 +14,11 @@ from .units import percent
 if TYPE_CHECKING:
     from .report import LoopReport
 
-__all__ = ["NOTABLE", "RUNAWAY", "misfit_sentences"]
+__all__ = ["NOTABLE_NRMSE", "RUNAWAY_NRMSE", "misfit_sentences"]
 
 # Errors of a free run, percent of the standard deviation.
-NOTABLE = 20.0  # more than a small error of a parameter causes
-RUNAWAY = 100.0  # the run has lost the record
+NOTABLE_NRMSE = 20.0  # more than a small error of a parameter causes
+RUNAWAY_NRMSE = 100.0  # the run has lost the record
 BY_START = 0.5  # share of the error: if noise in the first state causes more, the run says little
 
 RANDOM = (
@@ -48,9 +48,9 @@ def misfit_sentences(report: LoopReport) -> list[str]:
         run has lost the record.
     """
     error = float(np.max(report.after.simulation_error))
-    if error < RUNAWAY and report.verdict == "untraced":
+    if error < RUNAWAY_NRMSE and report.verdict == "untraced":
         return []
-    sentences = _of_rates(report) if error < NOTABLE else _of_run(report, error)
+    sentences = _of_rates(report) if error < NOTABLE_NRMSE else _of_run(report, error)
     if sentences and report.rules.by_trajectory:
         sentences[-1] += f" {SHORT}"
     return sentences
@@ -75,7 +75,7 @@ def _of_run(report: LoopReport, error: float) -> list[str]:
             f"readings, and their noise alone {does}: judge by the derivative."
         )
         return [sentence, *_of_rates(report)]
-    if error < RUNAWAY:
+    if error < RUNAWAY_NRMSE:
         return [f"The free run still misses the record by {percent(error)}. {_why(report)}"]
     lost = (
         "The free run leaves the record by more than the record varies. Either the model amplifies "

@@ -20,7 +20,7 @@ __all__ = ["numbers_by_record"]
 
 LESS_SQUARE = 0.8  # largest ratio of squared errors, with a value for each record over common ones
 SAME = 0.01  # relative spread of a parameter below which the records count as the same
-NOTABLE = 0.5  # share of the largest change of the rates by any parameter that differs
+MIN_CHANGE_SHARE = 0.5  # share of the largest change of the rates by any parameter that differs
 
 
 def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
@@ -49,7 +49,7 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
         for k, column in enumerate(design.columns)
         if column.name.isidentifier()
         and column.name in report.before.parameters
-        and spreads[k] >= NOTABLE * spreads.max()
+        and spreads[k] >= MIN_CHANGE_SHARE * spreads.max()
         and np.ptp(each[:, k]) > _spread_by_chance(report, column.name)
         and np.ptp(each[:, k]) > SAME * np.abs(each[:, k]).max()
     }

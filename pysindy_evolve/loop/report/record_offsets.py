@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["offsets_by_record"]
 
 N_BLOCKS = 8  # blocks of a record; the scatter of their means gives the standard error of its mean
-SURE = 6.0  # standard errors; so many, as they are estimated from eight blocks only
+MIN_STANDARD_ERRORS = 6.0  # standard errors; so many, as they are estimated from eight blocks only
 LEAST_SHARE = 0.5  # share of the mean square of the residual that the offsets must make up
 
 
@@ -39,5 +39,6 @@ def offsets_by_record(report: LoopReport) -> dict[str, np.ndarray]:
     errors = np.array([rows.std(axis=0, ddof=1) for rows in blocks]) / np.sqrt(N_BLOCKS)
     deviation = np.abs(means - means.mean(axis=0))
     power = np.mean([np.mean(rows**2, axis=0) for rows in residuals], axis=0)
-    differs = np.any(deviation > SURE * errors, axis=0) & (means.var(axis=0) > LEAST_SHARE * power)
+    is_sure = np.any(deviation > MIN_STANDARD_ERRORS * errors, axis=0)
+    differs = is_sure & (means.var(axis=0) > LEAST_SHARE * power)
     return {model.states[k]: means[:, k] for k in report.design.open_states if differs[k]}

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["remains"]
 
 NEGLIGIBLE = 1e-3  # share of the explainable error; a candidate that removes less is not named
-LIKELY = 0.5  # p-value from which on the best candidate is no better than chance
+MIN_CHANCE_P_VALUE = 0.5  # p-value from which on the best candidate is no better than chance
 
 
 def remains(report: LoopReport) -> list[str]:
@@ -61,7 +61,7 @@ def _best_rejected(report: LoopReport) -> str:
     name = f"{further}{best.name} in the equation of {_equations(report)}"
     n_twins = len(best.twin_scores)
     count = f"{round(best.p_value * (1 + n_twins)) - 1} of {n_twins}" if is_tested else ""
-    if is_tested and best.p_value >= LIKELY:
+    if is_tested and best.p_value >= MIN_CHANCE_P_VALUE:
         return (
             f"No other effect stands out: {count} twins, in which nothing is missing, show one as "
             f"good as the best one here, {name} ({_p_value(best, report)})."

@@ -14,7 +14,8 @@ from ..given.sensor import as_observed
 
 __all__ = ["in_percent", "percent_left", "residual_of"]
 
-STEADY = 1e-6  # standard deviation over RMS of a derivative; below it, its variation is rounding
+# Standard deviation over RMS of a derivative; below it, its variation is rounding.
+MIN_RELATIVE_SPREAD = 1e-6
 
 
 def residual_of(equations: Equations, record: Record) -> np.ndarray:
@@ -37,5 +38,5 @@ def in_percent(columns: np.ndarray, records: Sequence[Record]) -> np.ndarray:
     """
     rates = np.concatenate([record.x_dot for record in records])
     spread, size = rates.std(axis=0), np.sqrt(np.mean(rates**2, axis=0))
-    scale = np.where(spread > STEADY * size, spread, np.nan)
+    scale = np.where(spread > MIN_RELATIVE_SPREAD * size, spread, np.nan)
     return np.asarray(100.0 * np.sqrt(np.nanmean(columns**2, axis=0)) / scale)

@@ -13,7 +13,7 @@ from ...export.hinges import as_hinges
 from .advice import paragraphs
 from .effect_text import evidence, sentence
 from .interval_text import ends, value_within
-from .missed import NOTABLE
+from .missed import NOTABLE_NRMSE
 from .remains import remains
 from .unexplained import unexplained
 from .units import percent_cell
@@ -60,7 +60,7 @@ def verdict_of(report: LoopReport) -> str:
     """Return the verdict in a sentence."""
     if report.verdict == "complete" and unexplained(report):
         return MUCH_LEFT if report.rules.max_effects else NOT_LOOKED
-    runs_off = float(np.max(report.after.simulation_error)) >= NOTABLE
+    runs_off = float(np.max(report.after.simulation_error)) >= NOTABLE_NRMSE
     if report.verdict == "traced" and runs_off and unexplained(report):
         return IN_PART
     if report.leaves_structure:

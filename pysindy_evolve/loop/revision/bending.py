@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..effects.varying import hyperbolas
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
-from ..evidence.scoring import LEAD, score, tuned
+from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -43,7 +43,7 @@ def with_hyperbolas(declared: Design, findings: Sequence[Finding], part: Segment
         if own is None or ranked[0].group == own.group:
             continue
         (best,) = score(design, part, [tuned(ranked[0].group[0], design, part)], pairs=False)[:1]
-        if best.value > own.value + LEAD:  # it has one more number
+        if best.value > own.value + HIDDEN_STATE_LEAD_LOG:  # it has one more number
             bent = finding.with_candidate(best.group[0], design)
             kept[place] = replace(bent, score=best.value)
     return kept

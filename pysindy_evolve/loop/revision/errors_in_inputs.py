@@ -23,10 +23,11 @@ from ..given.design import Design
 from ..given.input_errors import input_error
 from ..given.segments import Segments
 
-__all__ = ["EXCESS", "N_DRAWS", "is_of_inputs", "without_errors_in_inputs"]
+__all__ = ["MIN_POWER_OVER_ERRORS", "N_DRAWS", "is_of_inputs", "without_errors_in_inputs"]
 
 N_DRAWS = 4  # of the noise
-EXCESS = 1.25  # power that an effect explains over that of these errors; less may be chance
+# Power that an effect explains over that of these errors; less may be chance.
+MIN_POWER_OVER_ERRORS = 1.25
 
 
 def without_errors_in_inputs(
@@ -66,7 +67,7 @@ def without_errors_in_inputs(
     while suspects:
         worth = [_worth(f, declared, kept, part) / max(errors[f], TINY) for f in suspects]
         least = int(np.argmin(worth))
-        if worth[least] > EXCESS:
+        if worth[least] > MIN_POWER_OVER_ERRORS:
             break
         kept.remove(suspects.pop(least))
     return kept

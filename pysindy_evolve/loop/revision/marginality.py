@@ -17,7 +17,7 @@ from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import terms_in
 from ..effects.names import ASYMMETRIC_FRICTION, NONLINEAR_DAMPING
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, score
+from ..evidence.scoring import MIN_GAIN_LOG, score
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -50,7 +50,7 @@ def without_parents(declared: Design, findings: Sequence[Finding], part: Segment
             if not dropped or any(is_needed(f, rest) for f in dropped):
                 continue
             design = with_columns(declared, (*rest, *staying, child))
-            if _gain(dropped, design, part) < MARGIN * len(dropped):
+            if _gain(dropped, design, part) < MIN_GAIN_LOG * len(dropped):
                 orphan = replace(child, candidate=_with_parents(child.candidate, staying))
                 kept = [orphan if f is child else f for f in findings if f not in dropped]
                 return without_parents(declared, kept, part)

@@ -20,7 +20,7 @@ from ..free_runs.judging import model_of
 from ..free_runs.state_limits import drift_from
 from ..given.design import Design
 from ..given.input_errors import input_error
-from .errors_in_inputs import EXCESS, N_DRAWS, is_of_inputs
+from .errors_in_inputs import MIN_POWER_OVER_ERRORS, N_DRAWS, is_of_inputs
 
 __all__ = ["without_noise_in_runs"]
 
@@ -72,7 +72,8 @@ def _is_noise(
     inputs = frozenset(v - len(declared.states) for v in finding.candidate.variables)
     drawn = [_moved_by_noise(drift, inputs, child) for child in rng.spawn(N_DRAWS)]
     removed = _power(rows, drift.trial.miss) - _power(rows, with_it.miss)
-    return removed <= EXCESS * float(np.mean([_power(rows, moved) for moved in drawn]))
+    by_noise = float(np.mean([_power(rows, moved) for moved in drawn]))
+    return removed <= MIN_POWER_OVER_ERRORS * by_noise
 
 
 def _moved_by_noise(drift: Drift, inputs: frozenset[int], rng: np.random.Generator) -> np.ndarray:

@@ -12,7 +12,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.stops import begun_at_same
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
-from ..evidence.scoring import LEAD, MARGIN, PRICE, score, tuned
+from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, MIN_GAIN_LOG, PRICE_PER_NODE_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 from .marginality import without_parents
@@ -45,8 +45,8 @@ def exchange(
             continue
         better, n_present = scores[0].group[0], finding.candidate.n_columns
         # To replace a straight line, or to add coefficients, an effect must do much better.
-        least = PRICE if finding.candidate.is_straight else MARGIN
-        least += LEAD * max(better.n_columns - n_present, 0)
+        least = PRICE_PER_NODE_LOG if finding.candidate.is_straight else MIN_GAIN_LOG
+        least += HIDDEN_STATE_LEAD_LOG * max(better.n_columns - n_present, 0)
         if scores[0].value > present.value + least:
             exchanged = finding.with_candidate(better, design)
             findings[place] = replace(exchanged, score=scores[0].value)
@@ -102,7 +102,11 @@ def _in_place_of(
         return None
     (candidate,) = best.group
     # A filter rounds a kink, and an offset makes up for a part of that.
-    least = PRICE if any(candidate.terms == mirror.terms for mirror in mirrors) else MARGIN
+    least = (
+        PRICE_PER_NODE_LOG
+        if any(candidate.terms == mirror.terms for mirror in mirrors)
+        else MIN_GAIN_LOG
+    )
     if best.value < pair_score - least:
         return None
     weaker = max(first, second, key=lambda f: f.p_value)
@@ -132,6 +136,6 @@ def prune(declared: Design, findings: Sequence[Finding], part: Segments) -> list
             continue
         design = with_columns(declared, rest)
         scores = score(design, part, [finding.candidate], pairs=False)
-        if not scores or scores[0].value < MARGIN:
+        if not scores or scores[0].value < MIN_GAIN_LOG:
             findings = rest
     return without_parents(declared, findings, part)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ..effects.candidate import Candidate
 from ..effects.partners import joined, partnerships
 from ..evidence.findings import Finding, at_numbers, with_columns
-from ..evidence.scoring import MARGIN, score, tuned
+from ..evidence.scoring import MIN_GAIN_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -62,5 +62,5 @@ def _shared(group: Sequence[Candidate], design: Design, part: Segments) -> tuple
     # Scored in one call, since the noise weights depend on all columns together.
     gains = {s.group[0]: s.value for s in score(design, part, [unshared, *together], pairs=False)}
     best = max(together, key=lambda effect: gains.get(effect, -math.inf))
-    least = gains.get(unshared, -math.inf) - MARGIN
+    least = gains.get(unshared, -math.inf) - MIN_GAIN_LOG
     return best.shape.values if best.shape and gains.get(best, -math.inf) > least else None

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, excluding, is_needed
-from ..evidence.scoring import MARGIN
+from ..evidence.scoring import MIN_GAIN_LOG
 from ..fitting.fit import derivative_square, refit
 from ..fitting.linear import log_ratio
 from ..fitting.trial import converged
@@ -46,7 +46,10 @@ def without_superseded(
         rest = excluding(findings, finding)
         if _may_be_superseded(finding, rest):
             sides = model_of(declared, findings), model_of(declared, rest)
-            if _derivative_loss(*sides, wide) < MARGIN and _loss_of_runs(*sides, records) < MARGIN:
+            if (
+                _derivative_loss(*sides, wide) < MIN_GAIN_LOG
+                and _loss_of_runs(*sides, records) < MIN_GAIN_LOG
+            ):
                 return without_superseded(declared, rest, records, wide)
     return list(findings)
 

@@ -16,7 +16,7 @@ import numpy as np
 from ..effects.names import EVOLVED, HYSTERESIS
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
-from ..evidence.scoring import MARGIN, tuned
+from ..evidence.scoring import MIN_GAIN_LOG, tuned
 from ..evidence.spectral import spectral_grams
 from ..evidence.trace import fold_errors
 from ..given.design import Design
@@ -80,7 +80,7 @@ def _without(
     candidate = replace(grown.candidate, terms=tuned(free, design, part).terms)
     refitted = grown.with_candidate(candidate, design)
     loss = _loss(design, [*dropped, grown], [refitted], part)
-    if loss >= MARGIN * len(dropped):
+    if loss >= MIN_GAIN_LOG * len(dropped):
         return []
     return [refitted if f is grown else f for f in findings if f not in dropped]
 

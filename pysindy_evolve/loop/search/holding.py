@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...signals.zero_order_hold import HALF
+from ...signals.zero_order_hold import HALF_SAMPLE
 from ..evidence.findings import Finding, MemoryFinding, excluding, with_findings
 from ..evidence.offers import after_settling
 from ..given.held import held_where_it_may_be
@@ -80,9 +80,9 @@ def _hidden_holds(found: Found) -> dict[int, float]:
     part, late = in_pieces(found.corrected_pieces), {}
     for column in columns:
         held_pieces = after_settling(
-            found.design, found.pieces_with(found.findings, {column: HALF})
+            found.design, found.pieces_with(found.findings, {column: HALF_SAMPLE})
         )
         held = in_pieces(held_pieces)
         if any(hold_beside_another(column, design, part, held) for design in designs):
-            late[column] = HALF
+            late[column] = HALF_SAMPLE
     return late

@@ -14,7 +14,7 @@ from .look_at_names import find_named
 __all__ = ["grow_terms"]
 
 N_SEARCHES = 5  # for grown terms, where they are the only hope: one search may miss them
-LIKELY = 0.2  # chance that the residual has no structure, up to which there is such a hope
+MAX_CHANCE = 0.2  # chance that the residual has no structure, up to which there is such a hope
 
 
 def grow_terms(found: Found, rng: np.random.Generator) -> Iterator[Found]:
@@ -52,7 +52,7 @@ def _may_lack_more(found: Found) -> bool:
 def _n_searches(found: Found, rng: np.random.Generator) -> int:
     # Not on the pieces that grown terms are tested on: their number would depend on those.
     chance = structure_chance(found.declared, found.grower.seen, found.rules, rng)
-    return N_SEARCHES if chance <= LIKELY else 1
+    return N_SEARCHES if chance <= MAX_CHANCE else 1
 
 
 def _grow_by_trajectory(found: Found, rng: np.random.Generator) -> Iterator[Found]:

@@ -21,7 +21,8 @@ from ..given.segments import Segments
 
 __all__ = ["with_stops_on_steep_side"]
 
-NEAR = 1e-3  # of the largest magnitude of the position: how far from its end a stop is looked at
+# Of the largest magnitude of the position: how far from its end a stop is looked at.
+DISTANCE_FROM_END = 1e-3
 
 
 def with_stops_on_steep_side(
@@ -71,7 +72,7 @@ def _is_open(candidate: Candidate, design: Design) -> bool:
 def _is_on_steep_side(candidate: Candidate, end: float, design: Design, part: Segments) -> bool:
     """Tell whether a stop acts where the rate changes faster over the position."""
     (position,) = candidate.variables
-    step = NEAR * float(np.abs(part.z[..., position]).max())
+    step = DISTANCE_FROM_END * float(np.abs(part.z[..., position]).max())
     rows = np.tile(part.z[..., :-1].mean(axis=(0, 1)), (3, 1))
     rows[:, position] = end + step * np.array([-1.0, 0.0, 1.0])
     n = part.n_states

@@ -21,7 +21,8 @@ from .bias import unbiased
 
 __all__ = ["judge"]
 
-BEATEN = 1.2  # times both errors of another fit: more than the choice among good fits makes
+# Times both errors of another fit: more than the choice among good fits makes.
+MIN_ERROR_RATIO = 1.2
 
 
 def judge(
@@ -71,7 +72,7 @@ def _unless_beaten(
     """
     other = fit(design, train, rng)
     own, its = (_training_errors(design, one.coef, train) for one in (fitted, other))
-    return other if np.all(own > BEATEN * its) else fitted
+    return other if np.all(own > MIN_ERROR_RATIO * its) else fitted
 
 
 def _training_errors(design: Design, coef: np.ndarray, train: Sequence[Record]) -> np.ndarray:

@@ -14,13 +14,13 @@ from ...signals import Record
 from ..evidence.findings import Finding, excluding
 from ..fitting.trial import converged
 from ..free_runs.contenders import steady_drift, trial_with
-from ..free_runs.judging import EXCESS, model_of, over_noise
+from ..free_runs.judging import MAX_SQUARES_OVER_NOISE, model_of, over_noise
 from ..free_runs.shape_tuning import Contender, tuned_by_runs
 from ..given.design import Design
 
 __all__ = ["without_refuted_rivals"]
 
-FARTHER = 2.0  # times the squares that the runs of an effect miss
+MAX_SQUARES_RATIO = 2.0  # times the squares that the runs of an effect miss
 
 
 def without_refuted_rivals(
@@ -51,7 +51,7 @@ def _without_refuted_rivals(
         return finding
     rest = model_of(declared, excluding(findings, finding))
     drift = steady_drift(rest, [finding.candidate], records)
-    if drift is None or over_noise(drift) > EXCESS:
+    if drift is None or over_noise(drift) > MAX_SQUARES_OVER_NOISE:
         return finding
     rivals = [rival.candidate for rival in finding.rivals]
     started = [trial_with(rest, [rival], drift) for rival in rivals]
@@ -59,5 +59,5 @@ def _without_refuted_rivals(
     fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
     tuned = tuned_by_runs(fitted, rest, drift)
     pairs = zip(finding.rivals, tuned, strict=True)
-    kept = [rival for rival, one in pairs if one.error <= FARTHER * own.error]
+    kept = [rival for rival, one in pairs if one.error <= MAX_SQUARES_RATIO * own.error]
     return replace(finding, rivals=tuple(kept))

@@ -20,13 +20,13 @@ from ..fitting.residual import MAX_GROWTH, jacobian, respond
 from ..fitting.runs import simulation_errors
 from ..given.segments import segments
 
-__all__ = ["LOST", "last_free", "last_runaway"]
+__all__ = ["LOST_NRMSE", "last_free", "last_runaway"]
 
-CLOSE = 20.0  # percent NRMSE: a run that misses no more follows its record all along
-FOLLOWS = 50.0  # percent NRMSE: a run that misses no more follows its record ...
-LOST = 100.0  # ... one that misses more than this tells less than the mean of the record ...
-AWAY = 1e5  # ... and one that only drifts does not miss by so much
-ROWS = 64  # of a record, at which it is seen how deviations have grown
+CLOSE_NRMSE = 20.0  # percent NRMSE: a run that misses no more follows its record all along
+FOLLOWING_NRMSE = 50.0  # percent NRMSE: a run that misses no more follows its record ...
+LOST_NRMSE = 100.0  # ... one that misses more than this tells less than the mean of the record ...
+FAR_AWAY_NRMSE = 1e5  # ... and one that only drifts does not miss by so much
+N_GROWTH_ROWS = 64  # of a record, at which it is seen how deviations have grown
 
 
 def last_runaway(
@@ -59,12 +59,13 @@ def last_runaway(
         return None
     for record in records:
         after = simulation_errors(corrected, [record]).max()
-        if after <= LOST:  # that of the declared model may be wild, and take long
+        if after <= LOST_NRMSE:  # that of the declared model may be wild, and take long
             continue
         before = simulation_errors(declared, [record]).max()
-        if before < CLOSE:  # the machine itself is stable then
+        if before < CLOSE_NRMSE:  # the machine itself is stable then
             return last
-        if before < FOLLOWS or before < AWAY <= after:  # lost, or far away only now
+        # With the effects it is lost, or it is far away only now.
+        if before < FOLLOWING_NRMSE or before < FAR_AWAY_NRMSE <= after:
             return None if _is_unstable(corrected, record) else last
     return None
 
@@ -88,6 +89,6 @@ def _is_unstable(equations: Equations, record: Record) -> bool:
     whole = segments([record], (), 1, max_rows=None)
     slopes = jacobian(equations, whole.z, whole.state_scale)
     nothing = np.zeros((*slopes.shape[:3], 0))
-    keep = max(1, slopes.shape[1] // ROWS)
+    keep = max(1, slopes.shape[1] // N_GROWTH_ROWS)
     grown, _ = respond(slopes, nothing, whole.dt, whole.state_scale, keep)
     return bool(np.max(np.abs(grown)) > MAX_GROWTH)

@@ -37,7 +37,7 @@ from .worsened import last_worsened
 
 __all__ = ["settled"]
 
-FLAT = 0.5  # of the cutoff, up to which a low-pass leaves what there is
+FLAT_CUTOFF_SHARE = 0.5  # of the cutoff, up to which a low-pass leaves what there is
 
 
 def settled(
@@ -137,7 +137,7 @@ def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> b
     """
     made = [record.preparation for record in records]
     cutoff = min((one.cutoff for one in made if one is not None and one.cutoff), default=np.inf)
-    return any(frequency_of(finding.candidate) > FLAT * cutoff for finding in findings)
+    return any(frequency_of(finding.candidate) > FLAT_CUTOFF_SHARE * cutoff for finding in findings)
 
 
 def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:

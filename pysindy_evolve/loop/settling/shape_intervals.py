@@ -31,8 +31,9 @@ from ..report.report import LoopReport
 
 __all__ = ["with_numbers_known"]
 
-STEP = 1 / 60  # of how far a logarithm may be tuned, to see what it changes: mostly 2 % of a number
-LEAST = 1e-9  # of the rates: a change that moves them by less is rounding
+# Of how far a logarithm may be tuned, to see what it changes: mostly 2 % of a number.
+STEP_PER_REACH = 1 / 60
+MIN_RELATIVE_CHANGE = 1e-9  # of the rates: a change that moves them by less is rounding
 
 
 def with_numbers_known(
@@ -117,14 +118,14 @@ def _changes(
         return []
     whole = joined([findings[place].candidate for place in group])
     weights = np.concatenate([effects[place].coefficients for place in group])
-    return slopes_of(whole, shape, design, weights, STEP * shape.reach)
+    return slopes_of(whole, shape, design, weights, STEP_PER_REACH * shape.reach)
 
 
 def _shows(change: Column, acted: Sequence[Record]) -> bool:
     """Tell whether records show a change: it has values, and they are more than rounding."""
     values = np.concatenate([change.evaluate(variables_of(record)) for record in acted])
     largest = max(np.abs(record.x_dot).max() for record in acted)
-    return bool(np.isfinite(values).all() and np.abs(values).max() > LEAST * largest)
+    return bool(np.isfinite(values).all() and np.abs(values).max() > MIN_RELATIVE_CHANGE * largest)
 
 
 def _half_widths(

@@ -28,10 +28,12 @@ from ..given.segments import Segments
 
 __all__ = ["last_untransferred"]
 
-MOST_LOST = 0.2  # of what it would gain with numbers of their own: phases 50 degrees apart
-AS_WELL = 1.05  # times the squares that are left
-BETTER = 0.8  # times the squares that are left, where records have numbers of their own
-WITHIN = 0.5  # of what an effect explains, at least, it must explain within the records
+MAX_LOST_SHARE = 0.2  # of what it would gain with numbers of their own: phases 50 degrees apart
+MAX_SQUARES_WITH_LOADS = 1.05  # times the squares that are left
+# Times the squares that are left, where records have numbers of their own.
+MAX_SQUARES_BY_RECORD = 0.8
+# Of what an effect explains, at least, it must explain within the records.
+MIN_SHARE_WITHIN_RECORDS = 0.5
 
 
 def last_untransferred(
@@ -91,7 +93,7 @@ def _differs(finding: Finding, design: Design, part: Segments, records: np.ndarr
         right = coef[own] + wrong
         lost.append(float(wrong @ inner @ wrong))
         gained.append(float(right @ inner @ right))
-    return max(lost) > MOST_LOST * float(np.mean(gained))
+    return max(lost) > MAX_LOST_SHARE * float(np.mean(gained))
 
 
 def _is_load(few: Design, many: Design, part: Segments, records: np.ndarray) -> bool:
@@ -101,7 +103,7 @@ def _is_load(few: Design, many: Design, part: Segments, records: np.ndarray) -> 
         load = in_state("load", OFFSET, state, len(few.states))
         grams = summed(derivative_grams(part, few, (load, *few.columns)), records)
         freed = sum(gram - np.outer(gram[0], gram[0]) / gram[0, 0] for gram in grams)[1:, 1:]
-        if _left(freed) <= AS_WELL * _left(own):
+        if _left(freed) <= MAX_SQUARES_WITH_LOADS * _left(own):
             return True
     return False
 
@@ -114,7 +116,10 @@ def _tells_records_apart(few: Design, many: Design, part: Segments, records: np.
     loads = [in_state("load", OFFSET, state, len(few.states)) for state in few.open_states]
     for load in ((), loads):
         within, left = _gained(few.adding(load), many.adding(load), part, records)
-        if within + left < BETTER * best and within < WITHIN * explained:
+        if (
+            within + left < MAX_SQUARES_BY_RECORD * best
+            and within < MIN_SHARE_WITHIN_RECORDS * explained
+        ):
             return True
     return False
 

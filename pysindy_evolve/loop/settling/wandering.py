@@ -25,8 +25,8 @@ from ..report.effect import Effect
 
 __all__ = ["last_wandering"]
 
-ROWS = 64  # of a record, means over equal times: what wanders is slow
-SLOW = 0.1  # of an effect's variance, at most, is within these times
+MAX_MEANS_PER_RECORD = 64  # of a record, means over equal times: what wanders is slow
+MAX_VARIANCE_SHARE_WITHIN = 0.1  # of an effect's variance, at most, is within these times
 
 
 def last_wandering(
@@ -77,13 +77,13 @@ def _pieces(
     variables, terms = variables_of(record), finding.candidate.terms
     done = np.column_stack([term.evaluate(variables) for term in terms]) @ coef[: len(terms)]
     left = derivative_residual(corrected, record)[:, finding.candidate.state] + done
-    return np.array_split(np.column_stack([done, left]), min(ROWS, len(record)))
+    return np.array_split(np.column_stack([done, left]), min(MAX_MEANS_PER_RECORD, len(record)))
 
 
 def _is_slow(pieces: Sequence[np.ndarray]) -> bool:
     """Tell whether an effect hardly changes within each of the pieces."""
     within = np.mean([piece[:, 0].var() for piece in pieces])
-    return bool(within < SLOW * np.concatenate(pieces)[:, 0].var())
+    return bool(within < MAX_VARIANCE_SHARE_WITHIN * np.concatenate(pieces)[:, 0].var())
 
 
 def _chance_of_walk(records: Sequence[Sequence[np.ndarray]]) -> float:

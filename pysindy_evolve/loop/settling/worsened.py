@@ -17,7 +17,7 @@ from ..evidence.findings import Finding
 from ..fitting.past import derivative_residual
 from ..fitting.runs import simulation_errors
 from ..given.rows import scale_of
-from .runaway import LOST, last_free
+from .runaway import LOST_NRMSE, last_free
 
 __all__ = ["last_worsened"]
 
@@ -57,7 +57,7 @@ def last_worsened(
 def _runs_closer(declared: Equations, corrected: Equations, record: Record) -> bool:
     """Tell whether a run comes closer to a record, which one that is lost does not."""
     before, after = (simulation_errors(e, [record]).max() for e in (declared, corrected))
-    return bool(after < min(before, LOST))
+    return bool(after < min(before, LOST_NRMSE))
 
 
 def _left(equations: Equations, records: Sequence[Record]) -> float:

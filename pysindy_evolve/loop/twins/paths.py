@@ -25,8 +25,9 @@ from ...substitution import without_unused_inputs
 
 __all__ = ["Path", "follow"]
 
-FAITHFUL = 0.5  # largest RMS distance of a path from the record, in its standard deviations
-SHORTEST = 64  # raw samples of a piece, at least: in less, little of the model shows
+# Largest RMS distance of a path from the record, in its standard deviations.
+MAX_PATH_DISTANCE = 0.5
+MIN_PIECE_SAMPLES = 64  # raw samples of a piece, at least: in less, little of the model shows
 FADE = 4  # pieces fade into one another over 1/FADE of their length
 TOLERANCES = (1e-10, 1e-7)  # limits, of a simulation step: far below noise that may be rounding
 REFINEMENT = 4  # steps per raw sample of an input, by splines, where that is cheap
@@ -73,7 +74,7 @@ def follow(equations: Equations, record: Record) -> Path | None:
     course = _Course(with_memories(equations, ()), record, made)
     length = int(course.samples[-1] + 1 - course.samples[0])
     path = course.path(length)
-    while path is None and length // 2 >= max(SHORTEST, 2 * made.trim):
+    while path is None and length // 2 >= max(MIN_PIECE_SAMPLES, 2 * made.trim):
         length //= 2
         path = course.path(length)
     return path
@@ -138,7 +139,7 @@ class _Course:
         measured = x[:, : self.record.n_states : self.made.order]
         stray = measured - y[first:stop]
         seen = np.clip(measured, *self.made.limits) - y[first:stop]
-        if np.any(np.sqrt(np.mean(seen**2, axis=0)) >= FAITHFUL * y.std(axis=0)):
+        if np.any(np.sqrt(np.mean(seen**2, axis=0)) >= MAX_PATH_DISTANCE * y.std(axis=0)):
             return None
         y[:first] += stray[0]  # what lies outside only needs to join without a jump
         y[first:stop] += stray

@@ -18,7 +18,8 @@ from .twins import TwinMaker
 __all__ = ["twin_values"]
 
 BATCH = 4  # twins, after which it is decided whether more are needed
-CLEAR = 2.0  # a statistic so many times the best of all twins passes without more of them
+# A statistic so many times the best of all twins passes without more of them.
+MIN_RATIO_TO_TWINS = 2.0
 
 Maker = TwinMaker | DriftingTwins | ColoredTwins
 Statistic = Callable[[Segments], float]
@@ -49,7 +50,7 @@ def twin_values(
             found += parallel(delayed(_in_twin)(maker, part, statistic, c) for c in batch)
             bar.update(len(batch))
             fails = np.sum(np.array(found) >= observed) > allowed
-            passes = len(found) >= enough and observed > CLEAR * max(found)
+            passes = len(found) >= enough and observed > MIN_RATIO_TO_TWINS * max(found)
             if fails or passes:
                 break
     return np.array(found)

@@ -5,7 +5,7 @@ import pytest
 
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.ranking import Score
-from pysindy_evolve.loop.evidence.scoring import PRICE, net
+from pysindy_evolve.loop.evidence.scoring import PRICE_PER_NODE_LOG, net
 from pysindy_evolve.loop.growth.naming import named, nodes_saved
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, of_term, power, variable
@@ -56,7 +56,7 @@ def test_spared_nodes_have_no_price():
     )
     assert (dear.size, cheap.size) == (term.size, term.size - 3)
     gains = [net(Score((one,), 0, np.ones(1), np.ones(1), 1.0)) for one in (cheap, dear)]
-    assert gains[0] - gains[1] == pytest.approx(3 * PRICE)
+    assert gains[0] - gains[1] == pytest.approx(3 * PRICE_PER_NODE_LOG)
 
 
 def test_a_number_inside_a_grown_term_costs_as_much_as_three_nodes():
