@@ -126,13 +126,13 @@ def close_loop(
     rules = replace(rules, by_trajectory=segments.by_trajectory, max_effects=n_sought)
     basis = resolve(operators, "close_loop") if operators else ()
     start = Found(given.design, given.train, segments, rules, basis)
-    found, is_finished = _search(start, rng)
-    report = settled(found, given.test, is_finished and found.has_room, rng)
-    return replace(report, shows_motion=given.shows_motion)
+    found, interrupted = _search(start, rng)
+    report = settled(found, given.test, found.has_room and not interrupted, rng)
+    return replace(report, shows_motion=given.shows_motion, interrupted=interrupted)
 
 
 def _search(found: Found, rng: np.random.Generator) -> tuple[Found, bool]:
-    """Search for effects; also tell whether the search ended by itself, not by an interrupt."""
+    """Search for effects; also tell whether an interrupt ended the search."""
     try:
         for step in look_for_effects(found, rng):
             found = step
@@ -143,5 +143,5 @@ def _search(found: Found, rng: np.random.Generator) -> tuple[Found, bool]:
             "close_loop was interrupted. The report is being made from what was found so far; "
             "press Ctrl-C again to stop without a report.",
         )
-        return found, False
-    return found, True
+        return found, True
+    return found, False

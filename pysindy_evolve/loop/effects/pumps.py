@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...terms import Call, Sum
-from ..given.design import Design
+from ..given.design import Column, Design
 from .candidate import Candidate, CandidateMaker, Shape
 from .modulation import pumping
 from .names import FORCING
@@ -112,21 +113,44 @@ def partner_pumps(design: Design, length: float) -> list[Candidate]:
     ]
 
 
-def is_partner_pump(candidate: Candidate) -> bool:
-    """Tell whether a candidate is one of `partner_pumps`."""
-    return candidate.name == FORCING and candidate.branch < 0
+def is_partner_pump(candidate: Candidate, found: Sequence[Column], time: int) -> bool:
+    """Tell whether a candidate is one of `partner_pumps`, of a wave found in another equation.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Any candidate.
+    found : sequence of Column
+        What was found, without the declared model.
+    time : int
+        The variable that is the time.
+
+    Returns
+    -------
+    bool
+        False in an equation where such a wave was found: there it is another effect.
+    """
+    if candidate.name != FORCING or candidate.branch >= 0:
+        return False
+    here = _frequencies_of(found, time, candidate.state)
+    return bool(_frequencies_of(found, time)) and not here
 
 
 def _frequencies_in(design: Design) -> list[float]:
     """Return the frequencies of waves of the time in a model, cycles per unit of t."""
-    sides = (side for column in design.columns for side in column.parts)
+    return _frequencies_of(design.columns, design.time)
+
+
+def _frequencies_of(columns: Iterable[Column], time: int, state: int | None = None) -> list[float]:
+    """Return the frequencies of waves of the time in columns, of one equation or of all."""
+    sides = (side for one in columns for k, side in enumerate(one.parts) if state in (None, k))
     atoms = (atom for side in sides for _, term in side.parts for atom, _ in term.factors)
     waves = [
         atom.args[0]
         for atom in atoms
         if isinstance(atom, Call) and atom.operator.name in ("sin", "cos")
     ]
-    found = (wave.parts[-1][0] for wave in waves if wave.variables == {design.time})
+    found = (wave.parts[-1][0] for wave in waves if wave.variables == {time})
     return list(dict.fromkeys(abs(omega) / (2.0 * np.pi) for omega in found))
 
 

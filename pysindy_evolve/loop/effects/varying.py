@@ -35,10 +35,11 @@ from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .names import COUPLING, DRIFT, FORCING, INPUT_GAIN, NONLINEAR_DAMPING, SATURATING, VALVE
 
-__all__ = ["drifts", "hyperbolas", "parts_of", "saturating", "throttled", "varying"]
+__all__ = ["drifts", "hyperbolas", "parabolas", "parts_of", "saturating", "throttled", "varying"]
 
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, over the largest level
-LENGTHS = (1.3, 2.0, 4.0)  # of hyperbolas, over the largest magnitude of the variable
+LENGTHS = (1.3, 2.0, 3.2, 5.0)  # of hyperbolas, over the largest magnitude of the variable
+LENGTH_REACH = 0.25  # in the log of a length: the smallest of them stays beyond the range, no pole
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, over the largest pressure of the record
 
 
@@ -58,15 +59,16 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
 
 
 def hyperbolas(candidate: Candidate, design: Design, scales: np.ndarray) -> list[Candidate]:
-    """Return hyperbolas in the place of a declared term times a variable.
+    """Return hyperbolas in the place of a declared term times another variable.
 
-    The stiffness of a belt or a string goes with 1 / (L - x): in a short range it varies in
-    proportion to x, and so the product is found first.
+    The stiffness of a belt goes with 1 / (L - x): in a short range it varies in proportion to x,
+    and so the product is found first.
 
     Parameters
     ----------
     candidate : Candidate
-        What was found; the list is empty unless it is such a product.
+        What was found; the list is empty unless it is such a product. A power of one variable
+        is none: a spring that is curved is rather a polynomial.
     design : Design
         The model without it.
     scales : ndarray of shape (n_variables,)
@@ -77,18 +79,43 @@ def hyperbolas(candidate: Candidate, design: Design, scales: np.ndarray) -> list
     list of Candidate
         With both signs of the length and several lengths, all beyond the range that was measured.
     """
-    if len(candidate.terms) != 1:
-        return []
-    term, found = bare(candidate.terms[0]), list[Candidate]()
-    for part in parts_of(design, candidate.state):
-        for place in range(design.time):
-            if bare(mul(variable(place), part)) == term:
-                for sign, factor in product((1.0, -1.0), LENGTHS):
-                    length = factor * float(scales[place])
-                    build = partial(_over_distance, part, place, sign)
-                    shape = Shape((length,), (build,), meanings=("length",), branch=int(sign))
-                    found.append(replace(candidate, terms=shape.terms, shape=shape, parents=()))
+    found = list[Candidate]()
+    for part, place in _factored(candidate, design):
+        for sign, factor in product((1.0, -1.0), LENGTHS):
+            length = factor * float(scales[place])
+            build = partial(_over_distance, part, place, sign)
+            shape = Shape((length,), (build,), LENGTH_REACH, ("length",), int(sign))
+            found.append(replace(candidate, terms=shape.terms, shape=shape))
     return found
+
+
+def parabolas(candidate: Candidate, design: Design) -> list[Candidate]:
+    """Return a product with its variable, and with the square of that, each by its own coefficient.
+
+    Parameters
+    ----------
+    candidate, design
+        As in `hyperbolas`.
+
+    Returns
+    -------
+    list of Candidate
+        One for each variable that may be the factor.
+    """
+    term = candidate.terms[0]
+    return [
+        replace(candidate, terms=(term, mul(variable(place), term)), shape=None)
+        for _, place in _factored(candidate, design)
+    ]
+
+
+def _factored(candidate: Candidate, design: Design) -> list[tuple[Sum, int]]:
+    """Return the declared terms and the variables whose product a candidate is."""
+    if len(candidate.terms) != 1 or len(candidate.variables) < 2:
+        return []
+    term = bare(candidate.terms[0])
+    pairs = product(parts_of(design, candidate.state), range(design.time))
+    return [(part, place) for part, place in pairs if bare(mul(variable(place), part)) == term]
 
 
 def _over_distance(part: Sum, place: int, sign: float, length: float) -> Sum:

@@ -73,7 +73,7 @@ def posing_as_offset(
 def _lacks_offset_alone(candidate: Candidate, present: Keys) -> bool:
     """Tell whether a candidate lacks no parent but the offset, beside which it is never tried.
 
-    One that is tried in pairs comes with the offset, unless that is all that it needs.
+    One with more parents that may be paired gets its offset as the partner of a pair.
     """
     if candidate.parents != (OFFSET,) and not candidate.never_paired:
         return False

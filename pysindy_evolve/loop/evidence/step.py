@@ -12,7 +12,7 @@ from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.missing import offsets_setting_zeros, terms_in
 from ..effects.pumps import is_partner_pump
-from ..given.design import Design
+from ..given.design import Column, Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .findings import Finding
@@ -99,6 +99,8 @@ class _Scored:
     tuned: Sequence[Score]
     shares: Shares
     zeros: set[tuple[int, Sum]]  # offsets that need no minimum share
+    added: Sequence[Column]  # what was found before
+    time: int  # the variable that is the time
 
     @property
     def improving(self) -> list[Score]:
@@ -113,7 +115,8 @@ class _Scored:
         """Return whether candidates are tuned in the twins too, and the score to compare.
 
         That takes long, so it is done only where the best effect gains far more off the grid.
-        Otherwise its score on the grid is compared with those of the twins on the grid.
+        Otherwise the twins are not tuned, and a tuned score would beat them unfairly: then no more
+        counts than the best one on the grid.
         """
         on_grid = self.on_grid[0].value
         tunes = best.value >= on_grid + ERROR_HALVED
@@ -128,7 +131,9 @@ class _Scored:
         That is the zero of a state, or a term pumped as one in another equation is.
         """
         terms = {(c.state, term) for c in score.group for term in c.terms}
-        return len(score.group) == 1 and (terms <= self.zeros or is_partner_pump(*score.group))
+        if len(score.group) > 1:
+            return False
+        return terms <= self.zeros or is_partner_pump(score.group[0], self.added, self.time)
 
 
 def _scored(declared: Design, design: Design, part: Segments, proposed: list[Candidate]) -> _Scored:
@@ -137,7 +142,8 @@ def _scored(declared: Design, design: Design, part: Segments, proposed: list[Can
     tuned_scores = score(design, part, proposed)
     shares = Shares(declared, design, part, proposed)
     zeros = offsets_setting_zeros(terms_in(design) - terms_in(declared), len(design.states))
-    return _Scored(proposed, on_grid, tuned_scores, shares, zeros)
+    added = [column for column in design.columns if column not in declared.columns]
+    return _Scored(proposed, on_grid, tuned_scores, shares, zeros, added, design.time)
 
 
 def _tuned_group(

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...checks import TINY
 from ...terms import Sum
-from ..effects.candidate import Candidate
+from ..effects.candidate import OFFSET, Candidate
 from ..fitting.linear import errors_of, solve_many, summed
 from ..given.rows import MAX_TERM_VALUE
 from .pairing import groups_to_try, posing_as_offset
@@ -130,13 +130,18 @@ def ranked(
     new = [i for i, places in enumerate(columns) if all(fresh[k - n_fixed] for k in places)]
     groups = groups_to_try(candidates, new, present, pairs=pairs)
     errors = partial(_errors, judge, n_fixed)
-    without = judge(np.arange(n_fixed)[None, :])[0]
+    base_error = judge(np.arange(n_fixed)[None, :])[0]
     lacking = posing_as_offset(candidates, new, present)
-    free = _without_offset(partial(errors, columns), without, lacking)
-    tried = [*candidates, *(replace(candidates[i], parents=()) for i in free)]
+    free = _needing_no_offset(partial(errors, columns), base_error, lacking)
+    tried = [*candidates, *(_without_offset(candidates[i]) for i in free)]
     columns += [columns[i] for i in free]
     groups += [(place,) for place in range(len(candidates), len(tried))]
-    return Ranking(tried, columns, groups, without, errors(columns, groups))
+    return Ranking(tried, columns, groups, base_error, errors(columns, groups))
+
+
+def _without_offset(candidate: Candidate) -> Candidate:
+    """Return a candidate that needs no offset beside it; its other parents it still needs."""
+    return replace(candidate, parents=tuple(p for p in candidate.parents if p != OFFSET))
 
 
 def _errors(
@@ -163,7 +168,7 @@ def _errors(
     return errors
 
 
-def _without_offset(
+def _needing_no_offset(
     errors: Callable[[Sequence[tuple[int, ...]]], np.ndarray],
     without: np.ndarray,
     lacking: Sequence[tuple[int, int]],

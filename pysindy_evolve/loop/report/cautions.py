@@ -33,7 +33,9 @@ __all__ = ["cautions"]
 # An error grew if it exceeds both. The first is more than refitted coefficients can cause.
 GREW_TIMES = 1.1  # times the error of the declared model
 GREW_BY = 0.1  # added to it, percent of the standard deviation
-LOST_AGAIN = 2.0  # times the error after an earlier effect: the later ones take back what it gained
+# A derivative is lost again if its error exceeds both. A final fit to free runs changes it by less.
+LOST_AGAIN = 2.0  # times the error after an earlier effect
+LOST_BY = 1.0  # added to it, percent of the standard deviation
 # Ratio of a parameter after and before. Smaller: little is left of it. A change of sign counts
 # between this and its inverse.
 NEGLIGIBLE = 0.05
@@ -117,19 +119,20 @@ def _worse(report: LoopReport) -> list[str]:
 
 
 def _worse_than_before(report: LoopReport) -> list[str]:
-    """Name the derivatives that an earlier effect explained better than all of them together."""
-    if len(report.steps) < 2 or report.before.model.n_algebraic:
+    """Name the derivatives that the model explained better before its last effects."""
+    stages = list(dict.fromkeys(step.errors for step in report.steps))  # pairs share one
+    if len(stages) < 2 or report.before.model.n_algebraic:
         return []
-    errors = np.array([step.errors.derivative_error for step in report.steps])
-    last, best = report.after.derivative_error, np.argmin(errors, axis=0)
-    said = []
-    for k, place in enumerate(best):
+    errors = np.nan_to_num([stage.derivative_error for stage in stages], nan=np.inf)
+    last, said = report.after.derivative_error, []
+    for k, place in enumerate(np.argmin(errors, axis=0)):
         least = errors[place, k]
-        if last[k] > max(LOST_AGAIN * least, least + 1.0):
+        if last[k] > max(LOST_AGAIN * least, least + LOST_BY):
+            names = " and ".join(s.name for s in report.steps if s.errors is stages[place])
             said.append(
-                f"After {report.steps[place].name} (effect {place + 1}) the held-out error of "
-                f"d{report.after.model.states[k]}/dt was {percent(least)}; with all effects it is "
-                f"{percent(last[k])}. One of the later effects is probably wrong."
+                f"With {names} the held-out error of d{report.after.model.states[k]}/dt came down "
+                f"to {percent(least)}; with all effects it is {percent(last[k])}. One of the later "
+                "effects may be wrong, or the final fit favors the free run."
             )
     return said
 

@@ -43,9 +43,8 @@ def _unfinished(report: LoopReport) -> str:
         return "No effect was looked for: the records are smoothed so much that they show none."
     if report.rules.max_effects == 0:
         return "No effect was looked for, as max_effects is 0."
-    if len(report.effects) >= report.rules.max_effects:
-        return "The search stopped early: it reached max_effects."
-    return "The search stopped early: it was interrupted."
+    why = "was interrupted" if report.interrupted else "reached max_effects"
+    return f"The search stopped early: it {why}."
 
 
 def _best_rejected(report: LoopReport) -> str:

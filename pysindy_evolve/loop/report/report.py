@@ -60,6 +60,8 @@ class LoopReport:
         was seen or the test was not made.
     found_held : tuple of int
         Inputs that the loop found to be held from one sample to the next (zero-order hold).
+    interrupted : bool
+        Whether an interrupt ended the search.
     shows_motion : bool
         False if the user's derivatives were smoothed so much that no effect was looked for.
     """
@@ -78,6 +80,7 @@ class LoopReport:
     chance_left: float = 1.0
     found_held: tuple[int, ...] = ()
     shows_motion: bool = True
+    interrupted: bool = False
 
     @property
     def equations(self) -> Equations:

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..effects.varying import hyperbolas
+import numpy as np
+
+from ..effects.candidate import Candidate
+from ..effects.varying import hyperbolas, parabolas
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
+from ..evidence.ranking import Score
 from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
@@ -36,14 +40,28 @@ def with_hyperbolas(declared: Design, findings: Sequence[Finding], part: Segment
         rest = excluding(kept, finding)
         design = with_columns(declared, rest)
         options = hyperbolas(finding.candidate, design, part.ranges.largest)
-        if not options or is_needed(finding, rest):
-            continue
-        ranked = score(design, part, [finding.candidate, *options], pairs=False)
-        own = next((s for s in ranked if s.group == (finding.candidate,)), None)
-        if own is None or ranked[0].group == own.group:
-            continue
-        (best,) = score(design, part, [tuned(ranked[0].group[0], design, part)], pairs=False)[:1]
-        if best.value > own.value + HIDDEN_STATE_LEAD_LOG:  # it has one more number
-            bent = finding.with_candidate(best.group[0], design)
-            kept[place] = replace(bent, score=best.value)
+        if options and not is_needed(finding, rest):
+            best = _best(finding.candidate, options, design, part)
+            if best is not None:
+                kept[place] = replace(
+                    finding.with_candidate(best.group[0], design), score=best.value
+                )
     return kept
+
+
+def _best(
+    found: Candidate, options: Sequence[Candidate], design: Design, part: Segments
+) -> Score | None:
+    """Return the score of the best hyperbola, tuned, if it does clearly better than the product.
+
+    It must also do better than a parabola, which has as many numbers: otherwise the coefficient is
+    curved, but goes nowhere to infinity.
+    """
+    ranked = score(design, part, options, pairs=False)
+    if not ranked:
+        return None
+    bent = tuned(ranked[0].group[0], design, part)
+    ranked = score(design, part, [found, bent, *parabolas(found, design)], pairs=False)
+    best, values = ranked[0], {s.group[0]: s.value for s in ranked}
+    is_clear = best.value > values.get(found, np.inf) + HIDDEN_STATE_LEAD_LOG  # one more number
+    return best if best.group[0] == bent and is_clear else None

@@ -1,6 +1,7 @@
 """The search for what a model lacks: its looks, their order, and what they have found.
 
-`look_for_effects.py` is where to begin. It calls the looks in the order of this table.
+`look_for_effects.py` is where to begin. It looks at names, at names again where inputs turn out to
+be held, at runs, at grown terms, and at runs again.
 
 ===================  ====================================================================
 look_for_effects     calls all looks in their order, and begins again where it must
@@ -13,6 +14,7 @@ look_at_runs         what only free runs show, and what they say of all that was
 look_at_grown_terms  terms without a name, where no name explains what is left
 ===================  ====================================================================
 
-Nothing here changes: a look takes what was `Found`, and yields what is known after each of its
-steps, so that an interrupt leaves the last of them.
+A look takes what was `Found`, and yields what is known after each of its steps, so that an
+interrupt leaves the last of them. `Found` does not change; only what `Grown` remembers is shared,
+as growing takes long.
 """

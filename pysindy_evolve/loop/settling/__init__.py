@@ -25,6 +25,6 @@ doubtful         an effect whose interval contains zero
 transfer         an effect that differs from record to record
 wandering        an effect of the time that a random walk shows as well
 runaway          an effect that makes free runs diverge from the training records
-worsened         an effect without which free runs are closer to the training records
+worsened         an effect with which neither derivatives nor free runs are closer
 ===============  =======================================================================
 """

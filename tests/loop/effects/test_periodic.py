@@ -219,8 +219,11 @@ def test_what_is_pumped_in_one_equation_may_be_in_another():
     found = [(one.state, *one.parents) for one in partner_pumps(with_it, 30.0)]
     product = mul(variable(0), variable(1))
     assert found == [(0, variable(0)), (0, product), (1, product)]
-    assert all(map(is_partner_pump, partner_pumps(with_it, 30.0)))
-    assert not is_partner_pump(wave)
+    partners = partner_pumps(with_it, 30.0)
+    added = with_it.columns[len(design.columns) :]
+    assert [is_partner_pump(one, added, 2) for one in partners] == [False, False, True]
+    assert not any(is_partner_pump(one, (), 2) for one in partners)  # the wave was declared
+    assert not is_partner_pump(wave, added, 2)
 
 
 @pytest.mark.slow

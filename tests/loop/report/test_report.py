@@ -494,12 +494,20 @@ def test_errors_that_grew_on_held_out_data_are_mentioned(report):
     assert "errors grew" not in str(report)
 
 
-def test_an_error_that_an_earlier_effect_had_made_small_is_mentioned(report):
+def test_an_error_that_earlier_effects_had_made_small_is_mentioned(report):
     low, high = (replace(report.after, derivative_error=np.array([0.0, e])) for e in (2.0, 30.0))
-    steps = [Step("drag", "v", low), Step("input gain", "v", high)]
+    steps = [Step("drag", "v", low), Step("offset", "v", low), Step("input gain", "v", high)]
     said = " ".join(str(replace(report, steps=steps, after=high)).split())
-    assert "After drag (effect 1) the held-out error of dv/dt was 2 %; with all effects" in said
-    assert "One of the later effects is probably wrong" not in str(report)
+    assert "With drag and offset the held-out error of dv/dt came down to 2 %" in said
+    assert "One of the later effects may be wrong" not in str(report)
+
+
+@pytest.mark.parametrize(("interrupted", "why"), [(True, "interrupted"), (False, "max_effects")])
+def test_a_search_that_stopped_early_says_why_also_if_effects_were_withdrawn(
+    report, interrupted, why
+):
+    said = str(replace(report, finished=False, interrupted=interrupted))
+    assert why in said.split("The search stopped early: it ")[1]
 
 
 def test_a_corrected_model_that_diverges_where_the_declared_one_did_not_is_mentioned(report):

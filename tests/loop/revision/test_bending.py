@@ -9,27 +9,28 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.revision.bending import with_hyperbolas
-from pysindy_evolve.terms import power, variable
+from pysindy_evolve.terms import mul, variable
 
-SQUARE = Candidate("quadratic stiffness", 1, (power(variable(0), 2),))
+PRODUCT = Candidate("coupling", 1, (mul(variable(0), variable(1)),))
 
 
 def after(term):
-    """Return the square of the position as found, looked at again on a record."""
-    machine = oscillator("quadratic stiffness", term, size=8.0)
+    """Return a damping that varies with the position, looked at again on a record."""
+    machine = oscillator("coupling", term, size=12.0)
     record, design = machine.record(duration=20.0), machine.model.design()
-    found = Finding(SQUARE, columns_of(SQUARE, design), 1.0, 0.01, np.zeros(9))
+    found = Finding(PRODUCT, columns_of(PRODUCT, design), 1.0, 0.01, np.zeros(9))
     (kept,) = with_hyperbolas(design, [found], segments([record]))
     return kept.candidate
 
 
-def test_the_stiffness_of_a_string_is_a_hyperbola():
-    """With 1 / (1 - q/L) it is the declared one times 1 + q/(L - q)."""
-    candidate = after("- 40*q*q/(1.5 - q)")
+def test_a_coefficient_that_goes_with_one_over_a_distance_is_a_hyperbola():
+    """With c / (1 - q/L) it is the declared one times 1 + q/(L - q)."""
+    candidate = after("- 2*v*q/(1.5 - q)")
     assert candidate.shape is not None
     assert candidate.shape.values == pytest.approx((1.5,), rel=0.02)
     assert candidate.shape.meanings == ("length",)
 
 
-def test_a_stiffness_that_varies_in_proportion_stays():
-    assert after("- 10*q**2") is SQUARE
+@pytest.mark.parametrize("term", ["- 2*q*v", "- 2*q*v - 1.5*q^2*v"])
+def test_what_varies_in_proportion_or_as_a_parabola_stays(term):
+    assert after(term) is PRODUCT
