@@ -25,9 +25,9 @@ def after(term):
 
 def test_a_coefficient_that_goes_with_one_over_a_distance_is_a_hyperbola():
     """With c / (1 - q/L) it is the declared one times 1 + q/(L - q)."""
-    candidate = after("- 2*v*q/(1.5 - q)")
+    candidate = after("- 2*v*q/(2.5 - q)")
     assert candidate.shape is not None
-    assert candidate.shape.values == pytest.approx((1.5,), rel=0.02)
+    assert candidate.shape.values == pytest.approx((2.5,), rel=0.02)
     assert candidate.shape.meanings == ("length",)
 
 
