@@ -169,22 +169,22 @@ class Found:
         grown = self.grown if alike else Grown()
         return replace(self, findings=tuple(findings), grown=grown)
 
-    def rejecting(self, rejected: Rejected | None) -> Found:
+    def with_rejected(self, rejected: Rejected | None) -> Found:
         """Return the same after a look that rejected something, if it did."""
         return replace(self, rejected=rejected or self.rejected)
 
-    def read(self, records: Sequence[Record], wide: Sequence[Record]) -> Found:
+    def with_records(self, records: Sequence[Record], wide: Sequence[Record]) -> Found:
         """Return the same with records that are read otherwise, both at their two cutoffs."""
         return replace(self, records=records, pieces=self.pieces.of(wide), grown=Grown())
 
     def with_held(self, late: Mapping[int, float], holding: Holding) -> Found:
         """Return the same with inputs held between samples, each late by so many of them."""
-        return self.read(
+        return self.with_records(
             [holding(record, late) for record in self.records],
             [holding(record, late) for record in self.wide_records],
         )
 
-    def held_instead(self) -> Found:
+    def with_holds_for_delays(self) -> Found:
         """Return the same with inputs held instead of late, where that was all that was found."""
         step = self.records[0].raw_dt
         late = {one.column: one.values[0] / step for one in memories_in(self.findings)}
@@ -194,13 +194,13 @@ class Found:
         """Return the same with records that differ in what came before them."""
         return replace(self, records=records, pieces=self.pieces.with_pasts_of(wide), grown=Grown())
 
-    def after(self, pasts: Sequence[Sequence[float]]) -> Found:
+    def with_past_inputs(self, pasts: Sequence[Sequence[float]]) -> Found:
         """Return the same with inputs before the first sample of each record."""
         sides = (self.records, self.wide_records)
         records, wide = (list(map(with_past_inputs, side, pasts)) for side in sides)
         return self.with_pasts_of(records, wide)
 
-    def emptied(self) -> Found:
+    def without_findings(self) -> Found:
         """Return the records as they are read by now, without findings."""
         return replace(self, findings=(), outdone=(), rejected=None, grown=Grown())
 

@@ -37,7 +37,7 @@ def with_holds(found: Found) -> Found | None:
     if found.declared.algebraic:
         return None
     late = holds_alone(found.design, found.corrected_pieces) or _hidden_holds(found)
-    return found.with_held(late, held_where_it_may_be).emptied() if late else None
+    return found.with_held(late, held_where_it_may_be).without_findings() if late else None
 
 
 def without_holds(found: Found, new: list[Finding]) -> tuple[Found, list[Finding]]:

@@ -35,7 +35,7 @@ def through_functions(found: Found) -> Found | None:
     if len(through) == len(found.records[0].through):
         return None
     wide = [acting_through(record, through) for record in found.wide_records]
-    return found.read(acting, wide).emptied()
+    return found.with_records(acting, wide).without_findings()
 
 
 def _acting(found: Found) -> Sequence[Record]:

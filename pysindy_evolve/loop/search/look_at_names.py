@@ -91,7 +91,7 @@ def _look_once(found: Found, rng: np.random.Generator) -> tuple[Found, list[Find
         relaxing=found.relaxing and not memories,
         springs=found.relaxing,
     )
-    return found.rejecting(look.rejected), found.numbered(look.found)
+    return found.with_rejected(look.rejected), found.numbered(look.found)
 
 
 def _or_grown(

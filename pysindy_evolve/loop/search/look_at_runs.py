@@ -56,7 +56,7 @@ def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     look, pasts = find_by_runs(
         found.declared, found.findings, found.records, found.wide_records, found.rules, child
     )
-    found = found.rejecting(look.rejected)
+    found = found.with_rejected(look.rejected)
     more = list(look.found[len(found.findings) :])
     if more:
         found, new = without_holds(found, more)
@@ -64,7 +64,7 @@ def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
             yield from find_in_runs(found, rng)
             return
         findings = with_trades_done([*found.findings, *new])
-        found = (found.after(pasts) if pasts else found).with_findings(findings)
+        found = (found.with_past_inputs(pasts) if pasts else found).with_findings(findings)
         found = _of_kinds_again(found, child)
     yield found
 
@@ -113,7 +113,7 @@ def _with_unnamed(found: Found, rng: np.random.Generator) -> Found:
         found.rules,
         child,
     )
-    more = found.rejecting(look.rejected).with_findings(look.found)
+    more = found.with_rejected(look.rejected).with_findings(look.found)
     return _of_kinds_again(more, child) if len(look.found) > len(found.findings) else more
 
 

@@ -64,7 +64,7 @@ def settled(
         findings = _with_alternatives(found, rng)
         report = _reported(found, findings, test, is_whole, rng)
         if is_hold_only(report):
-            found = found.held_instead().judged(rng)
+            found = found.with_holds_for_delays().judged(rng)
             continue
         gone = _what_falls(found, findings, report)
         if gone is None:

@@ -71,7 +71,7 @@ def test_what_grew_is_forgotten_once_the_records_are_read_otherwise(start):
     known = Found(start.declared, start.records, start.pieces, start.rules, (), grown=grown)
     assert known.with_findings([offset(start, 1)]).grown is grown
     assert known.with_findings([delay()]).grown.terms == []
-    assert known.read(known.records, known.wide_records).grown.terms == []
+    assert known.with_records(known.records, known.wide_records).grown.terms == []
 
 
 def test_another_step_has_another_number(start):
