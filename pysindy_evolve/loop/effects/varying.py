@@ -39,6 +39,7 @@ __all__ = ["drifts", "hyperbolas", "parabolas", "parts_of", "saturating", "throt
 
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, over the largest level
 LENGTHS = (1.3, 2.0, 3.2, 5.0)  # of hyperbolas, over the largest magnitude of the variable
+POWERS = (1, 2)  # of hyperbolas: a belt or a string, a magnet
 LENGTH_REACH = 0.25  # in the log of a length: the smallest of them stays beyond the range, no pole
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, over the largest pressure of the record
 
@@ -61,8 +62,8 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
 def hyperbolas(candidate: Candidate, design: Design, scales: np.ndarray) -> list[Candidate]:
     """Return hyperbolas in the place of a declared term times another variable.
 
-    The stiffness of a belt goes with 1 / (L - x): in a short range it varies in proportion to x,
-    and so the product is found first.
+    The stiffness of a belt goes with 1 / (L - x), the pull of a magnet with 1 / (L - x)^2: in a
+    short range they vary in proportion to x, and so the product is found first.
 
     Parameters
     ----------
@@ -81,10 +82,10 @@ def hyperbolas(candidate: Candidate, design: Design, scales: np.ndarray) -> list
     """
     found = list[Candidate]()
     for part, place in _factored(candidate, design):
-        for sign, factor in product((1.0, -1.0), LENGTHS):
-            length = factor * float(scales[place])
-            build = partial(_over_distance, part, place, sign)
-            shape = Shape((length,), (build,), LENGTH_REACH, ("length",), int(sign))
+        for sign, factor, exponent in product((1, -1), LENGTHS, POWERS):
+            length, branch = factor * float(scales[place]), sign * exponent
+            build = partial(_over_distance, part, place, branch)
+            shape = Shape((length,), (build,), LENGTH_REACH, ("length",), branch)
             found.append(replace(candidate, terms=shape.terms, shape=shape))
     return found
 
@@ -118,10 +119,11 @@ def _factored(candidate: Candidate, design: Design) -> list[tuple[Sum, int]]:
     return [(part, place) for part, place in pairs if bare(mul(variable(place), part)) == term]
 
 
-def _over_distance(part: Sum, place: int, sign: float, length: float) -> Sum:
-    """Return a term times x / (L - x), or over L + x, for a length L."""
-    x = variable(place)
-    return mul(part, div(x, sub(constant(length), mul(constant(sign), x))))
+def _over_distance(part: Sum, place: int, branch: int, length: float) -> Sum:
+    """Return a term over L - x, or L + x in negative branches, to the power of the branch."""
+    x, sign = variable(place), 1.0 if branch > 0 else -1.0
+    distance = sub(constant(length), mul(constant(sign), x))
+    return mul(part, power(distance, -abs(branch)))
 
 
 def saturating(

@@ -57,11 +57,12 @@ def _best(
     It must also do better than a parabola, which has as many numbers: otherwise the coefficient is
     curved, but goes nowhere to infinity.
     """
-    ranked = score(design, part, options, pairs=False)
-    if not ranked:
-        return None
-    bent = tuned(ranked[0].group[0], design, part)
-    ranked = score(design, part, [found, bent, *parabolas(found, design)], pairs=False)
-    best, values = ranked[0], {s.group[0]: s.value for s in ranked}
-    is_clear = best.value > values.get(found, np.inf) + HIDDEN_STATE_LEAD_LOG  # one more number
-    return best if best.group[0] == bent and is_clear else None
+    first: dict[int, Candidate] = {}
+    for scored in score(design, part, options, pairs=False):
+        first.setdefault(scored.group[0].branch, scored.group[0])
+    bent = [tuned(option, design, part) for option in first.values()]
+    ranked = score(design, part, [found, *bent, *parabolas(found, design)], pairs=False)
+    values = {scored.group[0]: scored.value for scored in ranked}
+    least = values.get(found, np.inf) + HIDDEN_STATE_LEAD_LOG  # it has one more number
+    is_best = ranked[0].group[0] in bent and ranked[0].value > least
+    return ranked[0] if is_best else None

@@ -116,19 +116,21 @@ def test_too_much_of_what_a_rate_saturates_with_may_inhibit_it():
 
 
 def test_a_hyperbola_takes_the_place_of_a_term_times_another_variable_only():
-    """It begins as that product, for a length far beyond the range that was measured."""
+    """Beside the declared term it begins as that product."""
     design, scales = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"}).design(), np.full(3, 2.0)
     q, v = variable(0), variable(1)
     square, cube, varying = (Candidate("any", 1, (mul(q, x),)) for x in (q, power(q, 2), v))
     assert hyperbolas(square, design, scales) == hyperbolas(cube, design, scales) == []
     rows = np.random.default_rng(0).uniform(-2.0, 2.0, (50, 3))
-    found = hyperbolas(varying, design, scales)
-    assert {one.branch for one in found} == {-1, 1}
+    damped = pse.DeclaredModel({"q": "v", "v": "-c*v"}).design()
+    found = hyperbolas(varying, damped, scales)
+    assert {one.branch for one in found} == {-2, -1, 1, 2}
     for one in found:
         assert min(one.shape.values) * np.exp(-one.shape.reach) > 2.0  # no pole in the range
-    far = [one.at([1e6]).terms[0].evaluate(rows) for one in found]
-    wanted = rows[:, 0] * rows[:, 1]
-    assert all(1e6 * one == pytest.approx(wanted, rel=1e-4) for one in far)
+    near, far = found[0].at([2.5]), found[-1].at([2.5])
+    wanted = rows[:, 1] / (2.5 - rows[:, 0]), rows[:, 1] / (2.5 + rows[:, 0]) ** 2
+    assert near.terms[0].evaluate(rows) == pytest.approx(wanted[0])
+    assert far.terms[0].evaluate(rows) == pytest.approx(wanted[1])
 
 
 def test_no_force_saturates_so():
