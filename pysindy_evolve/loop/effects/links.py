@@ -150,6 +150,6 @@ def _chains(
 
 
 def _torque_factor(entry: Entry, design: Design) -> Sum:
-    """Return the factor of a torque; that of a damping has the opposite sign."""
+    """Return the factor of a torque; that of a damping, declared as -d w, has the opposite sign."""
     is_input = entry.beside >= len(design.states)
     return entry.factor if is_input else mul(constant(-1.0), entry.factor)

@@ -251,11 +251,11 @@ def test_a_pumped_population_is_told_from_one_that_is_stocked(seed):
 def test_what_is_pumped_is_found_where_it_leaves_and_where_it_enters():
     """Of those who may fall ill the pump moves hardly any, of the ill ones many."""
     flow = "3.5*(1 + 0.12*cos(2*pi*t/52 + 0.4))*S*I"
-    sides = {"S": f"0.0046 - 0.0046*S - {flow}", "I": f"{flow} - 0.5*I"}
+    sides = {"S": f"0.0006*(1 - S) + 0.004*(1 - S - I) - {flow}", "I": f"{flow} - 0.5*I"}
     rng, t = np.random.default_rng(0), np.arange(0.0, 700.0, 0.25)
     x = pse.simulate(pse.DeclaredModel(sides).design().equations([]), [0.16, 0.004], t)
     record = pse.prepare(t, x + 0.005 * x.std(axis=0) * rng.standard_normal(x.shape), order=1)
-    model = pse.DeclaredModel({"S": "m*(1 - S) - k*S*I", "I": "k*S*I - g*I"})
+    model = pse.DeclaredModel({"S": "m*(1 - S) - w*I - k*S*I", "I": "k*S*I - g*I"})
     report = pse.close_loop(model, record, operators=(), random_state=0)
     pumped = {effect.state: effect for effect in report.effects}
     assert sorted(pumped) == ["I", "S"]
