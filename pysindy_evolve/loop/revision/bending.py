@@ -64,5 +64,5 @@ def _best(
     ranked = score(design, part, [found, *bent, *parabolas(found, design)], pairs=False)
     values = {scored.group[0]: scored.value for scored in ranked}
     least = values.get(found, np.inf) + HIDDEN_STATE_LEAD_LOG  # it has one more number
-    is_best = ranked[0].group[0] in bent and ranked[0].value > least
-    return ranked[0] if is_best else None
+    best = next(iter(ranked), None)  # none where the model's columns can say all of them
+    return best if best is not None and best.group[0] in bent and best.value > least else None

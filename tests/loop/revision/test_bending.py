@@ -34,3 +34,12 @@ def test_a_coefficient_that_goes_with_one_over_a_distance_is_a_hyperbola():
 @pytest.mark.parametrize("term", ["- 2*q*v", "- 2*q*v - 1.5*q^2*v"])
 def test_what_varies_in_proportion_or_as_a_parabola_stays(term):
     assert after(term) is PRODUCT
+
+
+def test_a_product_that_stands_in_the_model_already_stays():
+    """No column is new then, and there is nothing to compare."""
+    machine = oscillator("coupling", "- 2*q*v", "-k*q - c*v + b*F - d*q*v")
+    record, design = machine.record(duration=8.0), machine.model.design()
+    found = Finding(PRODUCT, columns_of(PRODUCT, design), 1.0, 0.01, np.zeros(9))
+    (kept,) = with_hyperbolas(design, [found], segments([record]))
+    assert kept.candidate is PRODUCT
