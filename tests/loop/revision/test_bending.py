@@ -8,6 +8,7 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.revision import bending
 from pysindy_evolve.loop.revision.bending import with_hyperbolas
 from pysindy_evolve.terms import mul, variable
 
@@ -37,9 +38,15 @@ def test_what_varies_in_proportion_or_as_a_parabola_stays(term):
 
 
 def test_a_product_that_stands_in_the_model_already_stays():
-    """No column is new then, and there is nothing to compare."""
+    """It has no score of its own then, that a hyperbola could be clearly better than."""
     machine = oscillator("coupling", "- 2*q*v", "-k*q - c*v + b*F - d*q*v")
     record, design = machine.record(duration=8.0), machine.model.design()
     found = Finding(PRODUCT, columns_of(PRODUCT, design), 1.0, 0.01, np.zeros(9))
     (kept,) = with_hyperbolas(design, [found], segments([record]))
     assert kept.candidate is PRODUCT
+
+
+def test_a_product_stays_where_no_column_is_new(monkeypatch):
+    """Such as on a record in which the variable does not move."""
+    monkeypatch.setattr(bending, "score", lambda *_, **__: [])
+    assert after("- 2*v*q/(2.5 - q)") is PRODUCT
