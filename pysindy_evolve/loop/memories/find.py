@@ -72,11 +72,20 @@ def find_with_memories(
         memory = memory_instead(plain, design, part, memories)
         plain = plain if memory is None else [_as_finding(plain[0], memory, design)]
     level, richer = rules.significance, with_findings(design, plain)
-    found = (
+    found = [
         _settled(f, richer, part, level, rng, present) if isinstance(f, MemoryFinding) else f
         for f in plain
-    )
-    return Look(tuple(found), look.rejected and _narrowed_failure(look.rejected, probes))
+    ]
+    return Look(_each_once(found), look.rejected and _narrowed_failure(look.rejected, probes))
+
+
+def _each_once(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Leave out a memory of an input that has become one before it: a pair of a lag and a delay."""
+    once: dict[object, Finding] = {}
+    for f in findings:
+        kind = (f.memory.kind, f.memory.column) if isinstance(f, MemoryFinding) else f
+        once.setdefault(kind, f)
+    return tuple(once.values())
 
 
 def _tuned_trades(memories: Sequence[Memory], design: Design, part: Segments) -> list[Memory]:

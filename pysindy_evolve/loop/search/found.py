@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -129,6 +130,17 @@ class Found:
     def held(self) -> Mapping[int, float]:
         """Inputs that are held between their samples, and by how many of them each is late."""
         return held_inputs(self.records)
+
+    @property
+    def kinds(self) -> tuple[object, ...]:
+        """What was found in which equation or input, without numbers, and how records are read.
+
+        Where a step leads back to what was there before, the next would find the same again.
+        """
+        effects = Counter((one.candidate.name, one.candidate.state) for one in self.findings)
+        memories = Counter((one.kind, one.column) for one in memories_in(self.findings))
+        found = frozenset(effects.items()), frozenset(memories.items())
+        return found, tuple(sorted(self.held.items())), self.relaxing
 
     @property
     def has_room(self) -> bool:

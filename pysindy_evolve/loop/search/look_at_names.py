@@ -37,7 +37,9 @@ def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     Found
         After each step, and before what takes long.
     """
-    while found.has_room:
+    seen: set[object] = set()
+    while found.has_room and found.kinds not in seen:
+        seen.add(found.kinds)
         known = found
         found, new = _look_once(found, rng)
         if not new:
