@@ -18,6 +18,7 @@ coef    (n_states, n_terms,        coefficients of the model of each column
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -62,12 +63,11 @@ class Field:
         return np.repeat(by_model, n_columns // len(self.coef), axis=-1)
 
 
-@dataclass(frozen=True)
-class Columns:
+class Columns(NamedTuple):
     """State of some columns at the start of a step; see the table of the module.
 
-    `t`, of shape (n_columns,), holds the time of each column. Steps call the constructor and not
-    `replace`, which would take longer than the arithmetic.
+    `t`, of shape (n_columns,), holds the time of each column. It is a plain tuple, as steps make
+    many of them: a dataclass takes longer than the arithmetic.
     """
 
     x: np.ndarray
@@ -80,12 +80,11 @@ class Columns:
 
     def pick(self, at: np.ndarray) -> Columns:
         """Return some of the columns."""
-        parts = (self.x, self.u, self.du, self.t, self.s, self.held, self.coef)
-        return Columns(*(part[..., at] for part in parts))
+        return Columns(*(part[..., at] for part in self))
 
     def fed(self, u: np.ndarray, du: np.ndarray, t: np.ndarray) -> Columns:
         """Return the columns with the inputs of the next sample interval."""
-        return Columns(self.x, u, du, t, self.s, self.held, self.coef)
+        return self._replace(u=u, du=du, t=t)
 
     def put(self, at: np.ndarray, other: Columns) -> None:
         """Write the states, signs and times of other columns into some of these."""

@@ -6,8 +6,6 @@ falsi, decides whether it passes or sticks, and takes the rest of its step.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from .columns import (
@@ -50,7 +48,7 @@ def advance(field: Field, columns: Columns, h: np.ndarray) -> Columns:
 def start_signs(field: Field, columns: Columns, h: np.ndarray) -> Columns:
     """Set the signs at measured states, by Filippov's rule where a switch is exactly at zero."""
     for _ in field.switches:  # inner signs first
-        columns = replace(columns, s=np.sign(switching(field, columns)))
+        columns = columns._replace(s=np.sign(switching(field, columns)))
     zero = switching(field, columns) == 0.0
     return _resolve(field, columns, zero, h) if zero.any() else columns
 
@@ -70,7 +68,7 @@ def _resolve(field: Field, c: Columns, zero: np.ndarray, h: np.ndarray) -> Colum
         if not several or np.allclose(s, before, rtol=0.0, atol=SIGN_TOLERANCE, equal_nan=True):
             break
     held = np.where(zero, np.abs(s) < 1.0, held)
-    return replace(c, s=s, held=held)
+    return c._replace(s=s, held=held)
 
 
 def _synchronized(field: Field, c: Columns, h: np.ndarray) -> Columns:
@@ -106,7 +104,7 @@ def _cross(field: Field, c: Columns, h: np.ndarray, after: Columns) -> tuple[Col
     at = _resolve(field, at, zero, h)
     if len(field.switches) > 1:  # an argument may hold a sign that has just jumped
         g = switching(field, at)
-        at = replace(at, s=np.where(zero | at.held | (g == 0.0), at.s, np.sign(g)))
+        at = at._replace(s=np.where(zero | at.held | (g == 0.0), at.s, np.sign(g)))
     return at, (1.0 - fraction) * h
 
 

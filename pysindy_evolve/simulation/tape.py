@@ -8,8 +8,7 @@ numpy form.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,10 +20,10 @@ from .structure import Switch
 __all__ = ["Tape"]
 
 
-@dataclass(frozen=True)
-class Instruction:
-    """One array operation: function(*values of the arguments) goes to the next register."""
+class Instruction(NamedTuple):
+    """One array operation: function(*values of the arguments) goes to a register."""
 
+    register: int
     function: Callable[..., Any]
     arguments: tuple[int, ...]
 
@@ -50,53 +49,55 @@ class Tape:
         self._n_given = n_variables + len(switches)
         self._nested = 0  # number of functions around the atom that is being recorded
         self._known: dict[Any, int] = {}
-        self._constants: list[tuple[int, float]] = []
-        self._instructions: list[Instruction | None] = []
+        self._blank: list[np.ndarray | None] = []  # registers beyond those given: constants
+        self._instructions: list[Instruction] = []
         self._g = [self._sum(switch.g) for switch in switches]
-        self._n_for_g = len(self._instructions)
+        self._for_g = tuple(self._instructions)
         self._theta = [self._product(term) for term in terms]
 
     def theta(self, variables: Sequence[np.ndarray], signs: Any) -> np.ndarray:
         """Return the terms, shape (n_terms, n_columns)."""
-        values = self._run(variables, signs, len(self._instructions))
-        out = np.empty((len(self._theta), len(variables[0])))
-        for row, register in zip(out, self._theta, strict=True):
-            row[:] = values[register]
-        return out
+        return self._run(self._instructions, self._theta, variables, signs)
 
     def switches(self, variables: Sequence[np.ndarray], signs: Any) -> np.ndarray:
         """Return the arguments of the signs, shape (n_switches, n_columns)."""
-        values = self._run(variables, signs, self._n_for_g)
-        out = np.empty((len(self._g), len(variables[0])))
-        for row, register in zip(out, self._g, strict=True):
-            row[:] = values[register]
-        return out
+        return self._run(self._for_g, self._g, variables, signs)
 
-    def _run(self, variables: Sequence[Any], signs: Any, n: int) -> list[Any]:
-        values = [*variables, *signs, *([None] * n)]
-        for register, number in self._constants:
-            if register < len(values):
-                values[register] = number
-        at = self._n_given
-        for instruction in self._instructions[:n]:
-            if instruction is not None:
-                values[at] = instruction.function(*[values[i] for i in instruction.arguments])
-            at += 1
-        return values
+    def _run(
+        self,
+        instructions: Sequence[Instruction],
+        wanted: Sequence[int],
+        variables: Sequence[np.ndarray],
+        signs: Any,
+    ) -> np.ndarray:
+        values: list[Any] = [*variables, *signs, *self._blank]
+        for register, function, arguments in instructions:
+            if len(arguments) == 2:  # most are, and this is the innermost loop of all runs
+                first, second = arguments
+                values[register] = function(values[first], values[second])
+            else:
+                values[register] = function(*[values[i] for i in arguments])
+        out = np.empty((len(wanted), len(variables[0])))
+        for row, register in enumerate(wanted):
+            out[row] = values[register]
+        return out
 
     def _emit(self, function: Callable[..., Any], *arguments: int) -> int:
         key = (function, arguments)
         if key not in self._known:
-            self._known[key] = self._n_given + len(self._instructions)
-            self._instructions.append(Instruction(function, arguments))
+            self._known[key] = self._register(None)
+            self._instructions.append(Instruction(self._known[key], function, arguments))
         return self._known[key]
 
     def _constant(self, value: float) -> int:
         if value not in self._known:
-            self._known[value] = self._n_given + len(self._instructions)
-            self._constants.append((self._known[value], value))
-            self._instructions.append(None)
+            # numpy takes an array of no dimension faster than a number.
+            self._known[value] = self._register(np.array(value))
         return self._known[value]
+
+    def _register(self, content: np.ndarray | None) -> int:
+        self._blank.append(content)
+        return self._n_given + len(self._blank) - 1
 
     def _sum(self, expression: Sum) -> int:
         total: int | None = None
