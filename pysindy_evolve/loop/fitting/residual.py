@@ -252,14 +252,21 @@ def jacobian(equations: Equations, z: np.ndarray, scale: np.ndarray) -> np.ndarr
     flat = z.reshape(-1, z.shape[-1])
     result = np.empty((len(flat), n_states, n_states))
     for j in range(n_states):
-        step = 1e-6 * scale[j]
+        step, along = 1e-6 * scale[j], _terms_with(j, equations)
         ahead, behind = (
-            [_moved(equations, flat, j, far * side * step) for far in (1, 2)] for side in (1, -1)
+            [_moved(along, flat, j, far * side * step) for far in (1, 2)] for side in (1, -1)
         )
         with np.errstate(invalid="ignore"):  # where runs diverge
             forward, backward = (ahead[1] - ahead[0]) / step, (behind[0] - behind[1]) / step
         result[:, :, j] = np.where(np.abs(forward) < np.abs(backward), forward, backward)
     return result.reshape(*z.shape[:-1], n_states, n_states)
+
+
+def _terms_with(j: int, equations: Equations) -> Equations:
+    """Return the part of some equations that depends on variable j: the rest has no slope in it."""
+    places = [k for k, term in enumerate(equations.terms) if j in term.variables]
+    terms, coef = tuple(equations.terms[k] for k in places), equations.coef[:, places]
+    return Equations(terms, coef, equations.states, equations.inputs)
 
 
 def _moved(equations: Equations, flat: np.ndarray, column: int, step: float) -> np.ndarray:
