@@ -96,11 +96,12 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
     first = alike[0]
     if _is_known(first):
         return [
-            f"Against noise alone this record would tell them apart, by {_now(alike)} standard "
-            "errors; five are enough. But with either of them the model leaves more than this "
-            "noise, or something that differs between the parts of the record, as an unmeasured "
-            "load or another missing effect does. If the report names nothing else, record for "
-            "longer."
+            "The recorded motion is large enough: if only noise stood in the way, this record "
+            f"would tell them apart by {_now(alike)} standard errors, and five are enough. But "
+            "something else differs between the parts of the record, such as a load that nobody "
+            "measured, or another effect that is missing, and hides which of them it is. First "
+            "mend what the report names at its end. If it names nothing, record more of the same "
+            "motion."
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
     if _is_hopeless(first):
