@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["ENOUGH_STANDARD_ERRORS", "as_sentences", "paragraphs"]
 
 MAX_RECORDS = 20  # a motion that needs more records is not proposed
+MANY = 100.0  # standard errors; larger numbers are not printed
 # Standard errors: a test at 5 % among many candidates then misses one in twenty.
 ENOUGH_STANDARD_ERRORS = 5.0
 
@@ -109,10 +110,15 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
         return [*said, f"{most} would be enough."]
     said.append(f"{_what_to_do(first)}{_reached(first, units)}.")
     if first.n_records == 1:
-        said.append(f"One more record as long as this one then makes it {first.then:.1f}.")
+        said.append(f"One more record as long as this one then makes it {_standard_errors(first)}.")
     else:
         said.append(f"It takes about {first.n_records} more records as long as this one.")
     return [*said, _where(first, units)]
+
+
+def _standard_errors(experiment: Experiment) -> str:
+    """Return by how much one more record tells the two apart; beyond many, the number is moot."""
+    return f"{experiment.then:.1f}" if experiment.then < MANY else f"more than {MANY:.0f}"
 
 
 def _now(alike: Sequence[Experiment]) -> str:

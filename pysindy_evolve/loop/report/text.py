@@ -72,7 +72,7 @@ def verdict_of(report: LoopReport) -> str:
 def as_text(report: LoopReport) -> str:
     """Return the report as plain text."""
     parts = [
-        f"Verdict: {verdict_of(report)}",
+        fill(f"Verdict: {verdict_of(report)}", 96),
         "Declared model, fitted\n" + indent(_model(report.before), "    "),
     ]
     if report.effects:

@@ -136,6 +136,12 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
 
 
 @pytest.mark.slow
+def test_no_more_standard_errors_are_printed_than_anybody_needs(cubic):
+    said = " ".join(str(Plan((replace(cubic, then=9718.5),))).split())
+    assert "then makes it more than 100." in said
+
+
+@pytest.mark.slow
 def test_squares_of_standard_errors_add_up_over_the_record_and_those_to_come(cubic):
     # The same motion once more: 1 becomes the root of 2, and 25 records make it five.
     again = replace(cubic, now=1.0, then=2.0**0.5)
