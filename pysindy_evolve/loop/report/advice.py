@@ -99,10 +99,10 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
         return [
             "The recorded motion is large enough: if only noise stood in the way, this record "
             f"would tell them apart by {_now(alike)} standard errors, and five are enough. But "
-            "something else differs between the parts of the record, such as a load that nobody "
-            "measured, or another effect that is missing, and hides which of them it is. First "
-            "mend what the report names at its end. If it names nothing, record more of the same "
-            "motion."
+            "what the model leaves with each of them hides which it is: a load that nobody "
+            "measured, another effect that is missing, or the true form, which may be neither. "
+            "First mend what the report names at its end. If it names nothing, record more of the "
+            "same motion."
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
     if _is_hopeless(first):
