@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "evidence",
+    "hardly_named",
     "name_of_alternative",
     "named_together",
     "numbers_inside",
@@ -33,6 +34,7 @@ __all__ = [
     "without_rivals",
 ]
 
+MANY_RIVALS = 6  # alternatives from which on the name of an effect says little
 WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine
 
 
@@ -66,7 +68,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines += _wrapped([text], wide)
     else:
         lines.append(without_rivals(effect))
-    return [*lines, *named_together(effect)]
+    return [*lines, *hardly_named(effect), *named_together(effect)]
 
 
 def whose_share(effect: Effect) -> str:
@@ -166,6 +168,13 @@ def without_rivals(effect: Effect) -> str:
         return "all alternatives that were tried do worse on this record, by more than chance"
     why = "" if effect.quantities else ", as another effect here needs it"
     return f"no other effect was tried in its place{why}"
+
+
+def hardly_named(effect: Effect) -> list[str]:
+    """Say so where many other effects could stand in the place of one."""
+    if len(effect.rivals) < MANY_RIVALS:
+        return []
+    return ["with so many alternatives the record shows that something is missing, but hardly what"]
 
 
 def alternative(rival: Alternative, effect: Effect) -> str:

@@ -15,6 +15,7 @@ from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .effect_text import (
+    hardly_named,
     name_of_alternative,
     named_together,
     numbers_inside,
@@ -111,6 +112,7 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "n_twins": len(effect.twin_scores),
         "twins": _twins(effect.name, effect.twin_scores, effect.score, effect.is_limit),
         "alone": "; ".join([without_rivals(effect), *named_together(effect)]),
+        "vague": hardly_named(effect),
         "rivals": [_rival(rival, effect) for rival in effect.rivals],
     }  # what the template report.html.j2 reads of an effect
 

@@ -31,6 +31,14 @@ def test_no_more_alternatives_are_said_to_do_worse_than_were_tried(report):
         assert said in shown
 
 
+def test_an_effect_with_many_alternatives_is_said_to_be_hardly_known(report):
+    (effect, *_) = report.effects
+    other = Alternative("cubic stiffness", effect.state, effect.term, 1.0, (), force=effect.term)
+    for n_rivals, is_said in ((5, False), (6, True)):
+        shown = str(replace(report, effects=(replace(effect, rivals=(other,) * n_rivals),)))
+        assert ("something is missing, but hardly what" in shown) is is_said
+
+
 def test_what_has_no_alternatives_because_another_effect_needs_it_is_said_to_be_that(report):
     alone = replace(report.effects[0], rivals=(), contested=False)
     needed = "no other effect was tried in its place, as another effect here needs it"
