@@ -4,6 +4,7 @@ import ast
 import inspect
 import re
 import runpy
+import textwrap
 from dataclasses import is_dataclass
 
 import pytest
@@ -87,6 +88,22 @@ def test_python_blocks_of_the_readme_run(blocks, tmp_path, monkeypatch, capsys):
     for language, output in blocks:
         if language == "text":
             assert output.strip() in printed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["index", "noise"])
+def test_python_blocks_of_a_page_run(page, repository, tmp_path):
+    text = (repository / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^ *```python\n(.*?)^ *```$", text, flags=re.MULTILINE | re.DOTALL)
+    assert blocks
+    for block in blocks:
+        runpy.run_path(_saved(textwrap.dedent(block), tmp_path))
+
+
+def test_no_other_page_has_python_blocks(repository):
+    pages = (repository / "docs").glob("*.md")
+    found = {page.stem for page in pages if "```python" in page.read_text(encoding="utf-8")}
+    assert found == {"index", "noise"}
 
 
 def _saved(code, folder):

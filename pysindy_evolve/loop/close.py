@@ -66,7 +66,9 @@ def close_loop(
     min_share : float
         An effect must remove at least this share of the error variance that all candidates
         together could remove, in the derivative or in the simulation, or halve the remaining
-        error. Real records always hold small unknown effects; this sets how small one may be.
+        error. Exempt are the zero of a state that was found, and a term that is pumped as one in
+        another equation is. Real records always hold small unknown effects; this sets how small
+        one may be.
     max_effects : int
         Stop at this many effects; a pair that only shows together may exceed it by one. 0 only
         fits the declared model and tests whether anything is missing.

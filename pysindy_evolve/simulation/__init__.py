@@ -73,8 +73,9 @@ def simulate(
         Times at which the state is wanted, strictly increasing, in units of t.
     u : array-like of shape (n_samples,) or (n_samples, n_inputs), or callable, optional
         Inputs at t, linear in between; or a function of an array of times that returns such an
-        array, which is evaluated at ten points per sample. If the last input is named "t" and is
-        not given, it is filled with time.
+        array, which is evaluated at ten points per sample. `LoopReport.simulate` runs along a
+        spline instead: ``u=scipy.interpolate.CubicSpline(t, u)`` does so here. If the last input
+        is named "t" and is not given, it is filled with time.
     substeps : int, optional
         Steps per sample interval, without error control. By default the error of each step is
         held below `tolerance`.

@@ -27,7 +27,7 @@ def free_run(
     """Simulate over a record, by default from its first state.
 
     Prepared inputs are smooth between the samples, so they are refined by splines: straight lines
-    would take five percent off a sine with nine samples a period.
+    would take five percent off a sine with eight samples a period.
     """
     if isinstance(equations, AlgebraicEquations):
         return equations.evaluate(record.x, record.u, record.t)

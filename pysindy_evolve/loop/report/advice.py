@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["ENOUGH_STANDARD_ERRORS", "as_sentences", "paragraphs"]
 
 MAX_RECORDS = 20  # a motion that needs more records is not proposed
+MANY = 100.0  # standard errors; larger numbers are not printed
 # Standard errors: a test at 5 % among many candidates then misses one in twenty.
 ENOUGH_STANDARD_ERRORS = 5.0
 
@@ -96,11 +97,12 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
     first = alike[0]
     if _is_known(first):
         return [
-            f"Against noise alone this record would tell them apart, by {_now(alike)} standard "
-            "errors; five are enough. But with either of them the model leaves more than this "
-            "noise, or something that differs between the parts of the record, as an unmeasured "
-            "load or another missing effect does. If the report names nothing else, record for "
-            "longer."
+            "The recorded motion is large enough: if only noise stood in the way, this record "
+            f"would tell them apart by {_now(alike)} standard errors, and five are enough. But "
+            "what the model leaves with each of them hides which it is: a load that nobody "
+            "measured, another effect that is missing, or the true form, which may be neither. "
+            "First mend what the report names at its end. If it names nothing, record more of the "
+            "same motion."
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
     if _is_hopeless(first):
@@ -108,10 +110,15 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
         return [*said, f"{most} would be enough."]
     said.append(f"{_what_to_do(first)}{_reached(first, units)}.")
     if first.n_records == 1:
-        said.append(f"One more record as long as this one then makes it {first.then:.1f}.")
+        said.append(f"One more record as long as this one then makes it {_standard_errors(first)}.")
     else:
         said.append(f"It takes about {first.n_records} more records as long as this one.")
     return [*said, _where(first, units)]
+
+
+def _standard_errors(experiment: Experiment) -> str:
+    """Return by how much one more record tells the two apart; beyond many, the number is moot."""
+    return f"{experiment.then:.1f}" if experiment.then < MANY else f"more than {MANY:.0f}"
 
 
 def _now(alike: Sequence[Experiment]) -> str:

@@ -58,7 +58,8 @@ def _doubted(report: LoopReport) -> list[str]:
         said.append(
             f"The records contradict the declared {q}' = {v}: d{q}/dt differs from {v} by "
             f"{percent(difference)}, so that equation was searched as well. Check the units of "
-            f"{v}, and that the columns of the records are in the order of the model."
+            f"{v}, and that the columns of the records are in the order of the model. If {v} was "
+            "measured, noise of its sensor may be all of it."
         )
     return said
 
@@ -241,7 +242,8 @@ def _leaves_structure(report: LoopReport) -> list[str]:
     return [
         "The residual of the corrected model still depends on the measured variables, by more than "
         f"chance explains (p = {report.chance_left:.2g}). Something else is missing, or an effect "
-        "stands in for another one that was not tried."
+        "stands in for another one that was not tried, or the columns of the records did not pass "
+        "the same filter. The errors above say how much it matters."
     ]
 
 

@@ -96,18 +96,21 @@ class Effect:
     term : sympy.Expr
         The effect without coefficient; with several terms, their sum.
     coefficients : ndarray of shape (n_terms,)
-        In units of the derivative of the state per unit of the term.
+        In the order of `expressions`, in units of the derivative of the state per unit of the term.
+        The terms of the sympy sum `term` may be in another order.
     confidence_intervals : ndarray of shape (n_terms, 2)
         95 %, from a bootstrap over blocks of the training data.
     explained : float
         Share of the variance of the held-out derivative residual that it removed when it was
-        added, together with any effect added in the same step.
+        added, beside the other effects of the same step and of those before.
     p_value : float
-        Chance of a score as large in a twin, where nothing is missing.
+        Chance of a score as large in a twin, where nothing is missing. An effect that took the
+        place of another one keeps the p-value of that one.
     alternatives : tuple of str
-        Names of other effects that this record cannot tell from it.
+        Names of other effects that this record cannot tell from it. Other forms of the effect
+        itself are in `rivals` only.
     expressions : tuple of Sum
-        The terms.
+        The terms. Each has a `to_sympy`.
     twin_scores : ndarray of shape (n_twins,)
         Best score in each twin.
     score : float
@@ -123,7 +126,8 @@ class Effect:
     memory : Memory, optional
         For a memory of an input: its kind and its numbers.
     by_runs : bool
-        Whether free runs showed it; `explained` then is a share of the variance of their error.
+        Whether free runs showed it; `explained` then is the share of the variance of their error
+        that its step removed.
     quantities : tuple of str
         Meaning of the `coefficients` if they multiply no term: the delay or time constant of a
         memory, in units of t, or the limit of a state or of its sensor.

@@ -7,6 +7,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import sympy
 
 from ...export import format_expression
 from ...export.compact import as_written
@@ -22,15 +23,18 @@ if TYPE_CHECKING:
 
 __all__ = [
     "evidence",
+    "hardly_named",
     "name_of_alternative",
     "named_together",
     "numbers_inside",
+    "pumped",
     "sentence",
     "whose_share",
     "with_sign",
     "without_rivals",
 ]
 
+MANY_RIVALS = 6  # alternatives from which on the name of an effect says little
 WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine
 
 
@@ -50,6 +54,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         effect.expressions, [str(symbol) for symbol in symbols], _intervals_of_numbers(effect)
     )
     lines += _wrapped(paths, wide) or numbers_inside(effect)
+    lines += pumped(effect)
     of_what = whose_share(effect)
     chance = f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
     if round(100 * effect.explained) > 0:
@@ -63,7 +68,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
         lines += _wrapped([text], wide)
     else:
         lines.append(without_rivals(effect))
-    return [*lines, *named_together(effect)]
+    return [*lines, *hardly_named(effect), *named_together(effect)]
 
 
 def whose_share(effect: Effect) -> str:
@@ -136,6 +141,21 @@ def numbers_inside(effect: Effect) -> list[str]:
     return [f"{meaning} {value:.4g}{interval_text}" for (meaning, value), interval_text in shown]
 
 
+def pumped(effect: Effect) -> list[str]:
+    """Say of which term a wave of the time varies the coefficient, if of any."""
+    if effect.name != FORCING:
+        return []
+    waves = sorted(effect.term.atoms(sympy.sin, sympy.cos), key=str)
+    of_time = [wave for wave in waves if {str(symbol) for symbol in wave.free_symbols} == {"t"}]
+    factors = [sympy.expand(effect.term).coeff(wave) for wave in of_time[:1]]
+    return [
+        f"the coefficient of {format_expression(factor)} varies periodically "
+        "(parametric excitation)"
+        for factor in factors
+        if factor.free_symbols
+    ]
+
+
 def _intervals_of_numbers(effect: Effect) -> list[str]:
     """Return the interval of each number inside an effect as text; empty where there is none."""
     ends = effect.number_intervals
@@ -146,7 +166,15 @@ def without_rivals(effect: Effect) -> str:
     """Say why no alternative of an effect is named."""
     if effect.contested:
         return "all alternatives that were tried do worse on this record, by more than chance"
-    return "no other effect was tried in its place"
+    why = "" if effect.quantities else ", as another effect here needs it"
+    return f"no other effect was tried in its place{why}"
+
+
+def hardly_named(effect: Effect) -> list[str]:
+    """Say so where many other effects could stand in the place of one."""
+    if len(effect.rivals) < MANY_RIVALS:
+        return []
+    return ["with so many alternatives the record shows that something is missing, but hardly what"]
 
 
 def alternative(rival: Alternative, effect: Effect) -> str:

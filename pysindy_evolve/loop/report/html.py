@@ -15,15 +15,23 @@ from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from .advice import paragraphs
 from .effect_text import (
+    hardly_named,
     name_of_alternative,
     named_together,
     numbers_inside,
+    pumped,
     whose_share,
     with_sign,
     without_rivals,
 )
 from .remains import remains
-from .text import free_parameters, note_on_shared_terms, table_cells, verdict_of
+from .text import (
+    free_parameters,
+    note_on_shared_terms,
+    p_of_effects,
+    table_cells,
+    verdict_of,
+)
 from .units import check_units, with_unit
 
 if TYPE_CHECKING:
@@ -77,6 +85,7 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         head=head,
         rows=rows,
         effects=[_effect(effect, report.equations.inner_symbols) for effect in report.effects],
+        p_explained=p_of_effects(report),
         experiments=paragraphs(report.suggest_experiment(units), units),
         remains=remains(report),
         last_look=_rejected_picture(report),
@@ -96,13 +105,14 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "place": effect.place,
         "entry": effect.entry,
         "coefficients": _coefficients(effect, symbols),
-        "numbers": numbers_inside(effect),
+        "numbers": [*numbers_inside(effect), *pumped(effect)],
         "share": f"{100 * effect.explained:.0f}",
         "of_what": whose_share(effect),
         "p": f"{effect.p_value:.2g}",
         "n_twins": len(effect.twin_scores),
         "twins": _twins(effect.name, effect.twin_scores, effect.score, effect.is_limit),
         "alone": "; ".join([without_rivals(effect), *named_together(effect)]),
+        "vague": hardly_named(effect),
         "rivals": [_rival(rival, effect) for rival in effect.rivals],
     }  # what the template report.html.j2 reads of an effect
 

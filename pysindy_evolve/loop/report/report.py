@@ -135,6 +135,12 @@ class LoopReport:
         ndarray of shape (n_samples, n_states)
             States; clipped where one of the effects is a sensor that clips.
 
+        Notes
+        -----
+        Between its samples an input follows a cubic spline, as prepared inputs are smooth. For
+        `pysindy_evolve.simulate` an array of inputs is linear in between; give it the spline itself
+        to have the same run: ``u=scipy.interpolate.CubicSpline(record.t, record.u)``.
+
         Raises
         ------
         TypeError

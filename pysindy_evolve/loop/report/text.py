@@ -19,7 +19,7 @@ from .unexplained import unexplained
 from .units import percent_cell
 
 if TYPE_CHECKING:
-    from .effect import Effect, Errors
+    from .effect import Effect, Errors, Step
     from .report import LoopReport
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "as_text",
     "free_parameters",
     "note_on_shared_terms",
+    "p_of_effects",
     "table_cells",
     "verdict_of",
 ]
@@ -38,8 +39,8 @@ VERDICTS = {
 }
 
 MUCH_LEFT = (
-    "complete: none of the effects that were tried passes, but the model misses the record by more "
-    "than the noise of the sensors explains; see what remains."
+    "complete: none of the effects that were tried passes, but the model leaves more than the "
+    "noise of the sensors explains, as it does where a random force acts; see what remains."
 )
 NOT_LOOKED = (
     "complete: a general model predicts no more of the record, but no effect was tried, and the "
@@ -71,7 +72,7 @@ def verdict_of(report: LoopReport) -> str:
 def as_text(report: LoopReport) -> str:
     """Return the report as plain text."""
     parts = [
-        f"Verdict: {verdict_of(report)}",
+        fill(f"Verdict: {verdict_of(report)}", 96),
         "Declared model, fitted\n" + indent(_model(report.before), "    "),
     ]
     if report.effects:
@@ -80,7 +81,8 @@ def as_text(report: LoopReport) -> str:
     parts.append(_table(report))
     symbols = report.equations.inner_symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
-    parts += [fill(line, 96) for line in (*p_of_rivals(report), *remains(report))]
+    said = (*p_of_effects(report), *p_of_rivals(report), *remains(report))
+    parts += [fill(line, 96) for line in said]
     return "\n\n".join(parts)
 
 
@@ -147,7 +149,8 @@ def _table(report: LoopReport) -> str:
     """Return both errors before and after every step, one column for each state."""
     head, rows = table_cells(report)
     width = max(len(name) for name, _ in rows) + 4
-    widths = [max(16, len(title) + 2) for title in head]
+    columns = zip(head, *(cells for _, cells in rows), strict=True)
+    widths = [max(16, *(len(text) + 2 for text in column)) for column in columns]
     lines = [HEADLINE]
     for name, cells in [("", head), *rows]:
         texts = (f"{cell:>{n}}" for cell, n in zip(cells, widths, strict=True))
@@ -161,7 +164,7 @@ def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str
     stages = [("declared", report.before)]
     for _, group in groupby(report.steps, key=lambda step: id(step.errors)):
         added = list(group)
-        stages.append(("+ " + ", ".join(step.name for step in added), added[0].errors))
+        stages.append(("+ " + ", ".join(_label(step, report) for step in added), added[0].errors))
     rated = [i for i in range(len(states)) if _is_rated(report, i)]
     if report.before.model.n_algebraic:  # nothing is differentiated, and nothing runs
         head = [f"{states[i]}, averaged" for i in rated] + list(states)
@@ -174,9 +177,27 @@ def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str
     return head, rows
 
 
+def _label(step: Step, report: LoopReport) -> str:
+    """Return the name of an effect; with its state, if another step added one of the same name."""
+    is_alone = sum(other.name == step.name for other in report.steps) == 1
+    return step.name if is_alone else f"{step.name} ({step.state})"
+
+
 def _is_rated(report: LoopReport, index: int) -> bool:
     """Tell whether an equation has an error; one such as q' = v has none by definition."""
     return bool(report.before.derivative_error[index] > 0.0)
+
+
+def p_of_effects(report: LoopReport) -> list[str]:
+    """Explain the p-value of effects, if there are any, and how small it can be."""
+    if not report.effects:
+        return []
+    fewest = min(len(effect.twin_scores) for effect in report.effects)
+    return [
+        "p of an effect: how often the same search finds one as good in twins, which are simulated "
+        f"records in which nothing is missing. {1.0 / (1 + fewest):.2g} is the smallest that "
+        f"{fewest} twins can show."
+    ]
 
 
 def p_of_rivals(report: LoopReport) -> list[str]:
@@ -208,7 +229,7 @@ def as_markdown(report: LoopReport) -> str:
         facts = [*evidence(effect, report.equations.inner_symbols, wide=True), _twins(effect)]
         name = f"### {effect.name} in {effect.place}"
         parts.append("\n".join([name, "", *(f"- {_shielded(fact)}" for fact in facts)]))
-    parts += map(_shielded, p_of_rivals(report))
+    parts += map(_shielded, (*p_of_effects(report), *p_of_rivals(report)))
     parts.append("\n\n".join(["### What remains", *map(_shielded, remains(report))]))
     if plan := paragraphs(report.suggest_experiment()):
         advice = [f"- **{question}** {answer}" for question, answer in plan]

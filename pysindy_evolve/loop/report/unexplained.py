@@ -34,8 +34,8 @@ def unexplained(report: LoopReport) -> list[str]:
     Returns
     -------
     list of str
-        Two sentences; none if noise explains the residuals, or the free run over the held-out data
-        follows it.
+        A few sentences; none if noise explains the residuals, or the free run over the held-out
+        data follows it.
     """
     model = report.after.model
     if np.max(report.after.simulation_error) < RUN_FOLLOWS:
@@ -50,7 +50,8 @@ def unexplained(report: LoopReport) -> list[str]:
     left, by = f"{percent(errors[worst])} of d{model.states[worst]}/dt", percent(by_noise[worst])
     return [
         f"In the training data the model leaves {left}, where the noise of the sensors leaves "
-        f"{by}. A cutoff so low that it removes a part of the motion also leaves more."
+        f"{by}, if that noise is white. (This is row by row; the table averages over windows.) "
+        "A cutoff so low that it removes a part of the motion also leaves more."
     ]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import sympy
 
 from pysindy_evolve.loop.report.effect import Alternative
-from pysindy_evolve.loop.report.effect_text import alternative
+from pysindy_evolve.loop.report.effect_text import alternative, without_rivals
 
 
 def test_the_p_of_an_alternative_is_explained_where_one_is_shown(report):
@@ -29,6 +29,21 @@ def test_no_more_alternatives_are_said_to_do_worse_than_were_tried(report):
     ):
         shown = str(replace(report, effects=(replace(alone, contested=contested),)))
         assert said in shown
+
+
+def test_an_effect_with_many_alternatives_is_said_to_be_hardly_known(report):
+    (effect, *_) = report.effects
+    other = Alternative("cubic stiffness", effect.state, effect.term, 1.0, (), force=effect.term)
+    for n_rivals, is_said in ((5, False), (6, True)):
+        shown = str(replace(report, effects=(replace(effect, rivals=(other,) * n_rivals),)))
+        assert ("something is missing, but hardly what" in shown) is is_said
+
+
+def test_what_has_no_alternatives_because_another_effect_needs_it_is_said_to_be_that(report):
+    alone = replace(report.effects[0], rivals=(), contested=False)
+    needed = "no other effect was tried in its place, as another effect here needs it"
+    for quantities, is_needed in (((), True), (("delay",), False)):
+        assert (needed == without_rivals(replace(alone, quantities=quantities))) is is_needed
 
 
 def test_only_an_alternative_in_the_same_variables_is_the_same_in_another_form(report):

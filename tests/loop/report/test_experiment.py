@@ -118,7 +118,7 @@ def test_what_noise_alone_would_tell_apart_needs_another_cause_first(slow, cubic
     clear = replace(cubic, now=28.4)
     said = " ".join(str(Plan((clear,))).split())
     assert "by 28.4 standard errors" in said
-    assert "record for longer" in said
+    assert "record more of the same motion" in said
     assert "Repeat the motion" not in said
 
 
@@ -128,11 +128,17 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
     hopeless = [replace(cubic, now=0.5, then=0.6) for _ in range(3)]
     said = " ".join(str(Plan((known[0], hopeless[0], cubic, *hopeless[1:], known[1]))).split())
     assert "by 7.1 to 28.4 standard errors" in said
-    assert said.count("record for longer") == 1
+    assert said.count("record more of the same motion") == 1
     assert said.count("No motion of up to 10 times") == 1
     assert said.count("Repeat the motion") == 1
     assert "3. quadratic drag" in said
     assert "4. " not in said
+
+
+@pytest.mark.slow
+def test_no_more_standard_errors_are_printed_than_anybody_needs(cubic):
+    said = " ".join(str(Plan((replace(cubic, then=9718.5),))).split())
+    assert "then makes it more than 100." in said
 
 
 @pytest.mark.slow

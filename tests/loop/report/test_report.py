@@ -121,6 +121,28 @@ def test_titles_of_long_names_stand_apart(report):
     assert len(re.split(r"  +", title.strip())) == 3
 
 
+def test_large_errors_stand_apart(report):
+    lost = replace(report.before, simulation_error=np.array([3e6, 4e6]))
+    lines = as_text(replace(report, before=lost)).splitlines()
+    assert any("  over 1000 times  over 1000 times" in line for line in lines)
+
+
+def test_rows_of_effects_with_one_name_say_which_equation(report):
+    step = report.steps[-1]
+    twice = replace(report, steps=[replace(step, state="q"), replace(step, errors=report.before)])
+    assert f"+ {step.name} (q)  " in str(twice)
+    assert f"+ {step.name} (v)  " in str(twice)
+    assert f"+ {step.name} (v)" not in str(report)
+
+
+def test_the_p_of_an_effect_is_explained_once(report, complete):
+    fewest = min(len(effect.twin_scores) for effect in report.effects)
+    said = f"{1 / (1 + fewest):.2g} is the smallest that {fewest} twins can show."
+    for text in (str(report), report.to_markdown()):
+        assert " ".join(text.split()).count(said) == 1
+    assert "p of an effect" not in str(complete)
+
+
 @pytest.mark.parametrize("which", ["report", "drifting"])
 def test_model_predicts_what_the_equations_evaluate(which, request):
     report = request.getfixturevalue(which)
@@ -248,6 +270,21 @@ def test_each_term_of_an_effect_is_printed_with_its_own_coefficient():
     assert f"{cosine:.4g} times cos(" in str(forced)
 
 
+def test_a_coefficient_that_is_pumped_is_said_to_vary(report):
+    q, t = sympy.symbols("q t", real=True)
+    wave, said = sympy.sin(3.3 * t) + sympy.cos(3.3 * t), "parametric excitation"
+    pumped_q, forced, rippled = (
+        str(replace(report, effects=[replace(report.effects[0], name=name, term=term)]))
+        for name, term in (
+            ("periodic forcing", sympy.expand(q * wave)),
+            ("periodic forcing", wave),
+            ("position-periodic ripple", sympy.sin(3.3 * q)),
+        )
+    )
+    assert f"the coefficient of q varies periodically ({said})" in pumped_q
+    assert said not in forced + rippled
+
+
 def test_the_sign_of_a_term_goes_to_its_coefficient(report, tmp_path):
     (*_, effect) = report.effects
     turned = replace(
@@ -345,7 +382,7 @@ def test_what_is_left_of_a_derivative_beside_the_noise_is_mentioned(complete):
     report = pse.close_loop(declared, record, operators=(), random_state=0)
     assert report.verdict == "complete"
     said = " ".join(str(report).split())
-    left = r"the model leaves 7\S* % of dv/dt, where the noise of the sensors leaves \d"
+    left = r"the model leaves 7\S* % of dv/dt, where the noise of the sensors leaves \d.* if that"
     assert re.search(left, said)
     assert "the noise of the sensors leaves" not in str(complete)
 
@@ -595,6 +632,7 @@ def lines_of(name, coefficients, intervals):
         "twin_scores": np.zeros(9),
         "rivals": (),
         "contested": True,
+        "term": sympy.Symbol("q", real=True),
     }
     rest |= {"together": (), "written": (), "expressions": (variable(0), power(variable(0), 2))}
     symbols = [sympy.Symbol("q", real=True)]
