@@ -11,6 +11,7 @@ from ..given.limits import LIMITED
 
 __all__ = [
     "ASYMMETRIC_FRICTION",
+    "ASYMMETRIC_STIFFNESS",
     "CONSTANT_OFFSET",
     "COULOMB_FRICTION",
     "COUPLING",
@@ -53,6 +54,7 @@ LINEAR_STIFFNESS = "linear stiffness"
 QUADRATIC_STIFFNESS = "quadratic stiffness"
 CUBIC_STIFFNESS = "cubic stiffness"
 QUINTIC_STIFFNESS = "quintic stiffness"
+ASYMMETRIC_STIFFNESS = "asymmetric stiffness"
 DEAD_ZONE = "dead zone"
 GRAVITY = "gravity"
 HARMONIC = "second harmonic"
@@ -83,6 +85,7 @@ VOCABULARY = (
     QUADRATIC_STIFFNESS,
     CUBIC_STIFFNESS,
     QUINTIC_STIFFNESS,
+    ASYMMETRIC_STIFFNESS,
     DEAD_ZONE,
     SATURATION,
     GRAVITY,

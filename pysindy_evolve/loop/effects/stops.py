@@ -15,7 +15,7 @@ from ...reading.extremes import EXTREMES
 from ...terms import Call, Product, Sum, add, call, constant, mul, power, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
-from .names import DEAD_ZONE, NONLINEAR_DAMPING, SATURATION
+from .names import ASYMMETRIC_STIFFNESS, DEAD_ZONE, NONLINEAR_DAMPING, SATURATION
 from .varying import parts_of
 
 __all__ = [
@@ -57,10 +57,13 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
     Yields
     ------
     Candidate
-        A dead zone that ends at one place, or at two with a stiffness each. It has a mean, so an
-        offset is its parent.
+        A dead zone that ends at one place, or at two with a stiffness each; where the state changes
+        its sign, another stiffness above zero. Each has a mean, so an offset is its parent.
     """
     half, least = largest - abs(middle), MIN_DISTANCE_SHARE * largest
+    if half - abs(middle) >= least:  # a crack that opens and closes, a rope beside a spring
+        beyond_zero = EXTREMES["max"](q, constant(0.0))
+        yield effect(ASYMMETRIC_STIFFNESS, beyond_zero, parents=(OFFSET,))
     for place in (middle + share * half for share in PLACES):
         if abs(place) >= least:
             yield from (_at(effect, q, place, side) for side in (1.0, -1.0))

@@ -1,8 +1,9 @@
-"""Other forms of a grown term: without one factor, with its limit near zero, beside an offset.
+"""Other forms of a grown term: without one factor, with another function, beside an offset.
 
-A search may end at T^4 / (800 + sqrt(T)) where T^4 is right, since the denominator hardly changes.
-And a diode passes exp(k v) - 1: without the -1, the exponential fits worse than a wrong form does,
-whatever k is.
+A search may end at T^4 / (800 + sqrt(T)) where T^4 is right, since the denominator hardly changes,
+or at w^2 tanh(q) where the angle q swings so far that w^2 sin(q) is clearly closer. And a diode
+passes exp(k v) - 1: without the -1, the exponential fits worse than a wrong form does, whatever k
+is.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...terms import Call, Product, Sum, mul, of_term, only_term, power
+from ...operators import BUILTIN
+from ...terms import Call, Product, Sum, call, mul, of_term, only_term, power
 from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import terms_in
 from ..effects.names import EVOLVED
@@ -25,13 +27,15 @@ __all__ = ["other_forms"]
 
 # Leading power of each function near zero: straight, and the square by which cos leaves one.
 NEAR_ZERO = {"sin": 1, "tanh": 1, "softsign": 1, "cos": 2}
+ALIKE = ("sin", "tanh", "softsign")  # straight near zero, and bent differently further away
 
 
 def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
     """Return the other forms of a grown term; of an end stop, the contact of curved bodies.
 
-    They lack one factor, or hold a power in place of one function. Each of them, and the term, is
-    also offered beside an offset unless the records show that it vanishes at zero.
+    They lack one factor, or hold a power or a similar function in place of one function. Each of
+    them, and the term, is also offered beside an offset unless the records show that it vanishes at
+    zero.
 
     Parameters
     ----------
@@ -51,7 +55,7 @@ def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Ca
     if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
         return []
     product = only_term(candidate.terms[0])
-    terms = [*candidate.terms, *_shorter(product), *_straight(product)]
+    terms = [*candidate.terms, *_shorter(product), *_straight(product), *_bent_alike(product)]
     forms: list[tuple[Sum, ...]] = [(term,) for term in terms[1:]]
     forms += [(term, OFFSET) for term in terms if not _vanishes_at_rest(term, part.rows)]
     known, state = terms_in(design), candidate.state
@@ -75,6 +79,15 @@ def _straight(product: Product) -> Iterator[Sum]:
             straight = mul(of_term(rest), power(atom.args[0], leading))
             if len(straight.parts) == 1:
                 yield bare(straight)
+
+
+def _bent_alike(product: Product) -> Iterator[Sum]:
+    """Yield the product with each function replaced by those that look like it near zero."""
+    for place, (atom, exponent) in enumerate(product.factors):
+        if isinstance(atom, Call) and atom.operator.name in ALIKE:
+            rest = of_term(product.without(place))
+            for name in (name for name in ALIKE if name != atom.operator.name):
+                yield mul(rest, power(call(BUILTIN[name], *atom.args), exponent))
 
 
 def _vanishes_at_rest(term: Sum, rows: np.ndarray) -> bool:

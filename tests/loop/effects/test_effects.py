@@ -27,6 +27,7 @@ STATIC = {
     "quadratic stiffness",
     "cubic stiffness",
     "quintic stiffness",
+    "asymmetric stiffness",
     "dead zone",
     "saturation",
     "gravity",

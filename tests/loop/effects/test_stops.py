@@ -28,7 +28,7 @@ from pysindy_evolve.terms import Sum, call, constant, mul, power, sub, variable
 STOP = oscillator("dead zone", "- 300*max(q - 0.4, 0)", "-k*q - c*v + b*F")
 OFFERED = [*stops(CandidateMaker(0), variable(0), 3.0, 1.0)]
 ONE_SIDED = [candidate for candidate in OFFERED if is_stop(candidate)]
-TWO_SIDED = [candidate for candidate in OFFERED if candidate not in ONE_SIDED]
+TWO_SIDED = [candidate for candidate in OFFERED if has_two_ends(candidate)]
 FREE = Design(("q", "v"), (), (variable(1), Sum(())), ())
 Q = np.linspace(-3.0, 3.0, 61)[:, None]
 OTHER_WAY = variable(1), variable(0)
@@ -46,6 +46,17 @@ def test_two_stops_have_a_stiffness_each_and_nothing_between_them():
     above, below = (term.evaluate(Q) for term in wide.at([0.5, 2.0]).terms)
     assert above == pytest.approx(np.maximum(Q[:, 0] - 2.0, 0.0))
     assert below == pytest.approx(np.maximum(-0.5 - Q[:, 0], 0.0))
+
+
+@pytest.mark.parametrize(("middle", "changes_sign"), [(1.0, True), (2.0, False)])
+def test_a_stiffness_that_differs_by_the_sign_takes_both_signs(middle, changes_sign):
+    (*differing,) = (
+        c for c in stops(CandidateMaker(0), variable(0), 3.0, middle)
+        if c.name == "asymmetric stiffness"
+    )  # fmt: skip
+    assert len(differing) == changes_sign
+    for candidate in differing:
+        assert candidate.terms[0].evaluate(Q) == pytest.approx(np.maximum(Q[:, 0], 0.0))
 
 
 @pytest.mark.parametrize(
@@ -114,7 +125,9 @@ def test_a_grown_magnitude_has_a_dead_zone_to_either_side(place):
 @pytest.mark.parametrize("place", [0.0, 1e-3])
 def test_a_place_next_to_zero_is_left_to_the_magnitude(place):
     found = list(stops(CandidateMaker(0), variable(0), 1.0, 0.2 + place))
-    assert all(candidate.shape.values[0] > 0.02 for candidate in found)
+    begun = [one.shape.values[0] for one in found if one.shape is not None]
+    assert min(begun) > 0.02
+    assert [one.name for one in found if one.shape is None] == ["asymmetric stiffness"]
 
 
 @pytest.fixture(scope="module")
@@ -185,6 +198,16 @@ def pushed(amplitude: float, seed: int, n: int = 7500) -> pse.Record:
             v += dt / 20 * (applied[k] - 3.0 * v - 400.0 * max(q - 0.6, 0.0))
             q += dt / 20 * v
     return pse.prepare(t, shown, applied, held=True)
+
+
+@pytest.mark.slow
+def test_a_crack_that_opens_and_closes_is_one_stiffness_and_no_dead_zone():
+    """Two ends about zero do as well, and then no record says how stiff either of them is."""
+    beam = oscillator("asymmetric stiffness", "+ 6*max(q, 0)")
+    report = pse.close_loop(beam.model, beam.record(duration=20.0), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.name == "asymmetric stiffness"
+    assert effect.coefficients == pytest.approx([6.0], rel=0.01)
 
 
 @pytest.mark.slow

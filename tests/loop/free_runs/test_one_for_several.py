@@ -92,7 +92,7 @@ def test_one_that_is_right_gives_way_to_no_two():
     assert two_for_one(model, found, [record], part, tight) == found
 
 
-def test_a_grown_term_is_tried_without_a_factor_straight_and_beside_an_offset():
+def test_a_grown_term_is_tried_without_a_factor_straight_bent_otherwise_and_beside_an_offset():
     record = measured({"q": "v", "v": "-40*q - 0.8*v + F"})
     model = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
     design, part = design_of(model, [record]), segments([record], (1,))
@@ -103,6 +103,9 @@ def test_a_grown_term_is_tried_without_a_factor_straight_and_beside_an_offset():
     assert not any(OFFSET in terms for terms in forms)  # zero at rest by itself
     wave = mul(Q, call(BUILTIN["cos"], mul(constant(0.01), F)))
     assert (mul(Q, power(F, 2)),) in [one.terms for one in other_forms(evolved(wave), design, part)]
+    swung = mul(power(V, 2), call(BUILTIN["tanh"], mul(constant(1.2), Q)))
+    turned = mul(power(V, 2), call(BUILTIN["sin"], mul(constant(1.2), Q)))
+    assert (turned,) in [one.terms for one in other_forms(evolved(swung), design, part)]
     diode = call(BUILTIN["exp"], mul(constant(6.0), Q))
     assert (diode, OFFSET) in [one.terms for one in other_forms(evolved(diode), design, part)]
     assert other_forms(Candidate("cubic stiffness", 1, (power(Q, 3),)), design, part) == []
