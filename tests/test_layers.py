@@ -26,7 +26,7 @@ LAYERS = (
 )
 # The same for what the loop is made of.
 FLOORS = ("given", "effects", "fitting", "twins", "evidence", "memories", "free_runs", "growth")
-FLOORS += ("revision", "report", "search", "settling", "close")
+FLOORS += ("revision", "search", "facts", "settling", "report", "close")
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
 MANY = 3  # files in a folder, above which its docstring says what each of them answers
 

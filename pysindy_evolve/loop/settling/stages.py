@@ -11,11 +11,11 @@ import numpy as np
 from ...hidden_states.memory import Memory
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
+from ..facts.effect import Errors
+from ..facts.unidentified import unidentified
 from ..fitting.fit import Fit
 from ..given.design import Design
 from ..given.rules import Rules
-from ..report.effect import Errors
-from ..report.unidentified import unidentified
 from .judge import judge
 
 __all__ = ["Stage", "fitted_stages"]
