@@ -162,6 +162,10 @@ class Candidate:
         """Number of columns that it adds to a design, with those of its partners."""
         return len(self.terms) + sum(partner.n_columns for partner in self.partners)
 
+    def needing_no_offset(self) -> Candidate:
+        """Return the effect as one that needs no offset beside it; other parents it still needs."""
+        return replace(self, parents=tuple(one for one in self.parents if one != OFFSET))
+
     def at(self, values: Iterable[float]) -> Candidate:
         """Return the effect, and its partners, with other numbers in their shapes."""
         if self.shape is None:
