@@ -16,11 +16,12 @@ from ..facts.record_offsets import offsets_by_record
 from ..facts.shared_lines import shared_lines
 from ..facts.start_noise import run_std_from_start_noise
 from ..facts.unidentified import unidentified
+from ..fitting.runs import LOST_NRMSE
 from ..given.kinematics import disagreement
 from .dilution import dilution_sentences
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import extrapolation_sentences
-from .missed import RUNAWAY_NRMSE, misfit_sentences
+from .missed import misfit_sentences
 from .one_force import one_force
 from .slow_states import slow_drifts
 from .units import percent
@@ -112,7 +113,7 @@ def _worse(outcome: Outcome) -> list[str]:
     for kind, title in zip(errors_named, labels, strict=True):
         before, after = (getattr(errors, kind) for errors in (outcome.before, outcome.after))
         tolerated = np.maximum(GREW_TIMES * before, before + GREW_BY)
-        worse = (before < RUNAWAY_NRMSE) & ~(after <= tolerated)
+        worse = (before < LOST_NRMSE) & ~(after <= tolerated)
         if kind == "simulation_error" and not model.n_algebraic and worse.any():
             by_start = after - before <= run_std_from_start_noise(outcome.after.model, outcome.test)
             worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts

@@ -6,15 +6,14 @@ import numpy as np
 
 from ..facts.outcome import Outcome
 from ..facts.start_noise import run_std_from_start_noise
+from ..fitting.runs import LOST_NRMSE
 from .slow_states import slow_rest
 from .unexplained import unexplained
 from .units import percent
 
-__all__ = ["NOTABLE_NRMSE", "RUNAWAY_NRMSE", "misfit_sentences"]
+__all__ = ["NOTABLE_NRMSE", "misfit_sentences"]
 
-# Errors of a free run, percent of the standard deviation.
-NOTABLE_NRMSE = 20.0  # more than a small error of a parameter causes
-RUNAWAY_NRMSE = 100.0  # the run has lost the record
+NOTABLE_NRMSE = 20.0  # percent, of a free run: more than a small error of a parameter causes
 BY_START = 0.5  # share of the error: if noise in the first state causes more, the run says little
 
 RANDOM = (
@@ -44,7 +43,7 @@ def misfit_sentences(outcome: Outcome) -> list[str]:
         run has lost the record.
     """
     error = float(np.max(outcome.after.simulation_error))
-    if error < RUNAWAY_NRMSE and outcome.verdict == "untraced":
+    if error < LOST_NRMSE and outcome.verdict == "untraced":
         return []
     sentences = _of_rates(outcome) if error < NOTABLE_NRMSE else _of_run(outcome, error)
     if sentences and outcome.rules.by_trajectory:
@@ -71,7 +70,7 @@ def _of_run(outcome: Outcome, error: float) -> list[str]:
             f"readings, and their noise alone {does}: judge by the derivative."
         )
         return [sentence, *_of_rates(outcome)]
-    if error < RUNAWAY_NRMSE:
+    if error < LOST_NRMSE:
         return [f"The free run still misses the record by {percent(error)}. {_why(outcome)}"]
     lost = (
         "The free run leaves the record by more than the record varies. Either the model amplifies "
