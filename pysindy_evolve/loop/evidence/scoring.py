@@ -13,7 +13,6 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, terms_in
-from ..effects.names import order_of
 from ..effects.periodic import (
     N_LINES,
     is_same_ripple,
@@ -41,7 +40,6 @@ __all__ = [
     "Proposer",
     "columns_of",
     "net",
-    "plainest",
     "propose",
     "quick_fit",
     "score",
@@ -222,23 +220,3 @@ def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
     """Tell whether the coefficient of a candidate's first column is negative beside a design."""
     coef = _coefficients(design.adding(columns_of(candidate, design)), part)
     return bool(coef[len(design.columns)] < 0.0)  # partners come after it
-
-
-def plainest(scores: Sequence[Score]) -> Score:
-    """Return the smallest of the groups that do as well as the first, to one percent.
-
-    Of equally small ones, that with fewer variables, and then the first in the vocabulary.
-    """
-    equal = [
-        s
-        for s in scores
-        if s.value >= 0.99 * scores[0].value and len(s.group) == len(scores[0].group)
-    ]
-
-    def plainness(score: Score) -> tuple[int, int, int]:
-        size = sum(candidate.size for candidate in score.group)
-        n_variables = sum(len(term.variables) for one in score.group for term in one.terms)
-        order = sum(order_of(candidate.name) for candidate in score.group)
-        return size, n_variables, order
-
-    return min(equal, key=plainness)
