@@ -20,6 +20,8 @@ stops              end stops, contacts, slack ropes
 flows and changes
 differences        flows in proportion to a difference, such as heat between two walls
 varying            declared terms whose coefficient changes, with a variable or time
+saturating         declared rates that saturate with a level
+valves             declared inputs that open a valve, whose flow goes with the root of a pressure
 with memory
 hysteresis         hysteresis, and friction with a rounded sign
 relaxation         springs whose force fades, bodies that store heat

@@ -60,8 +60,10 @@ from .names import (
     VISCOUS_DAMPING,
 )
 from .radial import radial
+from .saturating import saturating
 from .stops import asymmetric_limits, damped_contacts, stops
-from .varying import drifts, saturating, throttled, varying
+from .valves import throttled
+from .varying import drifts, varying
 
 __all__ = ["of_equation"]
 
