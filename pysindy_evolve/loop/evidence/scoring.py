@@ -35,6 +35,7 @@ from .spectral import spectral_grams
 from .trace import rank, ranked
 
 __all__ = [
+    "EXTRA_LEAD_LOG",
     "MIN_GAIN_LOG",
     "PRICE_PER_NODE_LOG",
     "Proposer",
@@ -54,10 +55,10 @@ Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
 MIN_GAIN_LOG = 0.02  # gain in log error: names do not change for less
 # Log error that a grown term must gain for each node: one of ten nodes must gain 1.0.
 PRICE_PER_NODE_LOG = 0.1
-# Log error: extra gain asked of an effect that brings a hidden state, as much as a node of a grown
-# term costs. A filter makes the sign of a speed look as if it remembered; with less, a pendulum
-# lost its drag to a hysteresis.
-HIDDEN_STATE_LEAD_LOG = PRICE_PER_NODE_LOG
+# Log error: extra gain asked of an effect that brings one more number, column or hidden state, as
+# much as a node of a grown term costs. A filter makes the sign of a speed look as if it remembered;
+# with less, a pendulum lost its drag to a hysteresis.
+EXTRA_LEAD_LOG = PRICE_PER_NODE_LOG
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:

@@ -94,7 +94,7 @@ def _numbered(
         own = slice(place, place + len(finding.columns))
         numbered.append(_with_numbers(effect, finding, own, last, train, test, rng))
         place = own.stop
-    if last.is_fitted_to_runs and last.memories:
+    if last.has_memories_of_runs:
         coef = last.fitted.coef
         return with_intervals(numbered, last.findings, last.design, coef, train, rng)
     return numbered
