@@ -128,8 +128,7 @@ def close_loop(
     start = Found(given.design, given.train, segments, rules, basis)
     found, interrupted = _search(start, rng)
     outcome = settled(found, given.test, rng, finished=found.has_room and not interrupted)
-    said = replace(outcome, shows_motion=given.shows_motion, interrupted=interrupted)
-    return report_of(said)
+    return report_of(replace(outcome, shows_motion=given.shows_motion, interrupted=interrupted))
 
 
 def _search(found: Found, rng: np.random.Generator) -> tuple[Found, bool]:

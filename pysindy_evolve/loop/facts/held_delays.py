@@ -25,10 +25,8 @@ def held_delays(outcome: Outcome) -> list[Effect]:
     for effect in (e for e in outcome.effects if e.name == DELAY):
         if effect.memory is None or effect.memory.column in held:
             continue
-        (low, high), difference = (
-            effect.confidence_intervals[0],
-            effect.coefficients[0] - HALF_SAMPLE * step,
-        )
+        low, high = effect.confidence_intervals[0]
+        difference = effect.coefficients[0] - HALF_SAMPLE * step
         if abs(difference) < max(HELD * step, 0.5 * (high - low)):
             found.append(effect)
     return found
