@@ -26,7 +26,7 @@ LAYERS = (
 )
 # The same for what the loop is made of.
 FLOORS = ("given", "effects", "fitting", "twins", "evidence", "memories", "free_runs", "growth")
-FLOORS += ("revision", "report", "search", "settling", "close")
+FLOORS += ("revision", "search", "facts", "settling", "report", "close")
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
 MANY = 3  # files in a folder, above which its docstring says what each of them answers
 
@@ -146,6 +146,16 @@ def test_modules_import_each_other_in_no_circle(modules):
         free = {name for name in edges.keys() - settled if edges[name] <= settled}
         assert free, f"a circle among {sorted(edges.keys() - settled)}"
         settled |= free
+
+
+def test_what_decides_and_what_tells_takes_an_outcome_and_not_the_report(modules):
+    """The report imports all that tells it, so that these files would be one circle."""
+    users = {
+        name
+        for name, path in modules.items()
+        if "loop.report.report" in internal_imports(path, modules)
+    }
+    assert users == {"loop", "loop.close"}
 
 
 def test_deap_is_imported_in_one_file(modules):

@@ -19,7 +19,7 @@ from .given.checked import checked_model_and_records
 from .given.declared import DeclaredModel
 from .given.rules import Rules, generator
 from .growth.genetic_search import OPERATORS
-from .report.report import LoopReport
+from .report.report import LoopReport, report_of
 from .search.found import Found
 from .search.look_for_effects import look_for_effects
 from .settling.settle import settled
@@ -129,8 +129,8 @@ def close_loop(
     basis = resolve(operators, "close_loop") if operators else ()
     start = Found(given.design, given.train, segments, rules, basis)
     found, interrupted = _search(start, rng)
-    report = settled(found, given.test, found.has_room and not interrupted, rng)
-    return replace(report, shows_motion=given.shows_motion, interrupted=interrupted)
+    outcome = settled(found, given.test, rng, finished=found.has_room and not interrupted)
+    return report_of(replace(outcome, shows_motion=given.shows_motion, interrupted=interrupted))
 
 
 def _search(found: Found, rng: np.random.Generator) -> tuple[Found, bool]:

@@ -91,6 +91,8 @@ class Candidate:
         act there. The same terms at the same places may be in several equations, see entries.py.
     free_nodes : int
         Nodes without a price: a declared term inside a grown one is known, and counts as one node.
+    of_known_wave : bool
+        Whether it is a term times a wave whose frequency stands in the model already, see pumps.py.
     """
 
     name: str
@@ -105,6 +107,7 @@ class Candidate:
     partners: tuple[Candidate, ...] = ()
     acts_at: tuple[tuple[int, ...], tuple[Sum, ...]] | None = field(default=None, compare=False)
     free_nodes: int = field(default=0, compare=False)
+    of_known_wave: bool = field(default=False, compare=False)
 
     @property
     def is_exchange(self) -> bool:
@@ -161,6 +164,10 @@ class Candidate:
     def n_columns(self) -> int:
         """Number of columns that it adds to a design, with those of its partners."""
         return len(self.terms) + sum(partner.n_columns for partner in self.partners)
+
+    def needing_no_offset(self) -> Candidate:
+        """Return the effect as one that needs no offset beside it; other parents it still needs."""
+        return replace(self, parents=tuple(one for one in self.parents if one != OFFSET))
 
     def at(self, values: Iterable[float]) -> Candidate:
         """Return the effect, and its partners, with other numbers in their shapes."""

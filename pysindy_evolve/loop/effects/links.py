@@ -86,15 +86,26 @@ def link_couplings(
         Each is one force at both joints.
     """
     for one, other in permutations(design.velocities, 2):
-        forces = list(_exchanged(design, one, other, turning))
-        for places in product(*(_at_joint(entries, velocity) for velocity in (one, other))):
-            acting = [(place, k) for k, place in enumerate(places) if place is not None]
-            if acting and places[0] != places[1]:
-                beside = tuple(place.beside for place, _ in acting)
-                for pair in forces:
-                    torques = (mul(_torque_factor(place, design), pair[k]) for place, k in acting)
-                    candidate = effect(COUPLING, reduce(add, torques), never_paired=True)
-                    yield replace(candidate, acts_at=(beside, tuple(pair[k] for _, k in acting)))
+        exchanged = list(_exchanged(design, one, other, turning))
+        for joints in product(_at_joint(entries, one), _at_joint(entries, other)):
+            if joints[0] != joints[1]:
+                yield from (_at_both(effect, design, joints, forces) for forces in exchanged)
+
+
+def _at_both(
+    effect: CandidateMaker,
+    design: Design,
+    joints: Sequence[Entry | None],
+    forces: tuple[Sum, Sum],
+) -> Candidate:
+    """Return the forces at two joints as one effect; nothing acts where a joint has no entry."""
+    acting = [
+        (joint, force) for joint, force in zip(joints, forces, strict=True) if joint is not None
+    ]
+    torques = (mul(_torque_factor(joint, design), force) for joint, force in acting)
+    candidate = effect(COUPLING, reduce(add, torques), never_paired=True)
+    places = tuple(joint.beside for joint, _ in acting)
+    return replace(candidate, acts_at=(places, tuple(force for _, force in acting)))
 
 
 def _at_joint(entries: Sequence[Entry], velocity: int) -> Sequence[Entry | None]:
@@ -110,25 +121,40 @@ def _exchanged(
 ) -> Iterator[tuple[Sum, Sum]]:
     """Yield the forces at two joints, by their velocities, for one unit of the moving mass.
 
-    The second joint is an elbow, whose angle is that between the links; or both angles are counted
-    from a fixed direction; or the second joint is a slide, along which the mass is carried round.
+    The second joint turns or slides; if both angles are counted from a fixed direction, only their
+    difference matters.
     """
-    w, w_other = variable(one), variable(other)
-    squares = power(w, 2), power(w_other, 2)
     angle, position = design.position_of(one), design.position_of(other)
     if position is None:
         return
-    along = add(mul(constant(2.0), mul(w, w_other)), squares[1])
     if position in turning:
-        for wave in WAVES:
-            bent = call(wave, variable(position))
-            yield mul(bent, along), mul(constant(-1.0), mul(bent, squares[0]))
+        yield from _at_elbow(one, other, position)
     else:
-        r = variable(position)
-        yield mul(constant(-2.0), mul(r, mul(w, w_other))), mul(r, squares[0])
+        yield _along_slide(one, other, position)
     if angle is not None and {angle, position} <= turning and angle < position:
-        apart = call(BUILTIN["sin"], sub(variable(angle), variable(position)))
-        yield mul(constant(-1.0), mul(apart, squares[1])), mul(apart, squares[0])
+        yield _between_directions(one, other, angle, position)
+
+
+def _at_elbow(one: int, other: int, angle: int) -> Iterator[tuple[Sum, Sum]]:
+    """Yield the forces of an elbow, whose angle is that between the links, from any zero."""
+    w, bending = variable(one), variable(other)
+    along = add(mul(constant(2.0), mul(w, bending)), power(bending, 2))
+    for wave in WAVES:
+        bent = call(wave, variable(angle))
+        yield mul(bent, along), mul(constant(-1.0), mul(bent, power(w, 2)))
+
+
+def _along_slide(one: int, other: int, position: int) -> tuple[Sum, Sum]:
+    """Return the forces of a mass that is carried round on a slide."""
+    w, r = variable(one), variable(position)
+    return mul(constant(-2.0), mul(r, mul(w, variable(other)))), mul(r, power(w, 2))
+
+
+def _between_directions(one: int, other: int, angle: int, position: int) -> tuple[Sum, Sum]:
+    """Return the forces of two links whose angles are both counted from a fixed direction."""
+    apart = call(BUILTIN["sin"], sub(variable(angle), variable(position)))
+    first, second = power(variable(one), 2), power(variable(other), 2)
+    return mul(constant(-1.0), mul(apart, second)), mul(apart, first)
 
 
 def _chains(

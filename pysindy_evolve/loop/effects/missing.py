@@ -98,8 +98,7 @@ def _without_offset(candidate: Candidate, design: Design, one_signed: set[int]) 
     positioned = design.position_of(candidate.state) is not None
     if positioned or not candidate.variables & one_signed or candidate.name == DRIFT:
         return candidate
-    kept = tuple(parent for parent in candidate.parents if parent != OFFSET)
-    return replace(candidate, parents=kept)
+    return candidate.needing_no_offset()
 
 
 def _taken(design: Design, one_signed: set[int]) -> set[tuple[int, Sum]]:

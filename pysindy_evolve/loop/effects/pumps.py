@@ -104,12 +104,16 @@ def partner_pumps(design: Design, length: float) -> list[Candidate]:
     list of Candidate
     """
     plain = waves_of(design.time)
-    shapes = (
-        of_line(frequency, length, plain, -1 - k)  # differs from branches of a residual's lines
+    # Each frequency is tuned by itself; the lines of a residual have the branches from zero on.
+    shapes = [
+        of_line(frequency, length, plain, branch=-1 - k)
         for k, frequency in enumerate(_frequencies_in(design))
-    )
+    ]
     return [
-        c for shape in shapes for state in design.open_states for c in _pumped(state, design, shape)
+        replace(pump, of_known_wave=True)
+        for shape in shapes
+        for state in design.open_states
+        for pump in _pumped(state, design, shape)
     ]
 
 
@@ -130,7 +134,7 @@ def is_partner_pump(candidate: Candidate, found: Sequence[Column], time: int) ->
     bool
         False in an equation where such a wave was found: there it is another effect.
     """
-    if candidate.name != FORCING or candidate.branch >= 0:
+    if not candidate.of_known_wave:
         return False
     here = _frequencies_of(found, time, candidate.state)
     return bool(_frequencies_of(found, time)) and not here

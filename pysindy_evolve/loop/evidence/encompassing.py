@@ -41,11 +41,11 @@ import numpy as np
 from ...checks import TINY
 from ..fitting.linear import solve
 from ..twins.chance import draws_for, p_value_of
+from .trace import MIN_NEW_SHARE
 
 __all__ = ["Left", "chance", "explained"]
 
 N_SIGNS = 999
-MIN_NEW_SHARE = 1e-6  # share of a column's square that must be left for it to be new
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ from ..effects.stops import end_stops, is_stop
 from ..fitting.unfolding import paths_of
 from ..given.design import Design
 from ..given.segments import Segments
-from .scoring import HIDDEN_STATE_LEAD_LOG, propose, quick_fit, score, sharpened, takes_energy
+from .scoring import EXTRA_LEAD_LOG, propose, quick_fit, score, sharpened, takes_energy
 
 __all__ = ["Offer", "after_settling", "leading", "offer_for"]
 
@@ -134,9 +134,7 @@ def leading(
     """Return the candidates that do clearly better than all others, each alone."""
     scores = score(design, part, [*others, *ways], pairs=False) if ways else []
     best = max((s.value for s in scores if s.group[0] not in ways), default=0.0)
-    return [
-        s.group[0] for s in scores if s.group[0] in ways and s.value > best + HIDDEN_STATE_LEAD_LOG
-    ]
+    return [s.group[0] for s in scores if s.group[0] in ways and s.value > best + EXTRA_LEAD_LOG]
 
 
 def _begins_with_more(ways: Sequence[Candidate], design: Design, part: Segments) -> bool:
@@ -147,7 +145,7 @@ def _begins_with_more(ways: Sequence[Candidate], design: Design, part: Segments)
     names = propose(design, quick_fit(design, part), part)
     whole = score(design, part, names, pairs=False)
     later = score(design, _late(part), ways, pairs=False)
-    return bool(whole) and whole[0].value > later[0].value + HIDDEN_STATE_LEAD_LOG
+    return bool(whole) and whole[0].value > later[0].value + EXTRA_LEAD_LOG
 
 
 def _worth_it(ways: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:

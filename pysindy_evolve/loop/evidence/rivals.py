@@ -152,11 +152,11 @@ def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate
     """Return a candidate with the offset that it needs as a term, if the model has none."""
     if OFFSET not in candidate.parents or (candidate.state, OFFSET) in known:
         return candidate
-    others = tuple(parent for parent in candidate.parents if parent != OFFSET)
     shape = candidate.shape
     if shape is not None:
         shape = replace(shape, builds=(_offset, *shape.builds))
-    return replace(candidate, terms=(OFFSET, *candidate.terms), parents=others, shape=shape)
+    beside = candidate.needing_no_offset()
+    return replace(beside, terms=(OFFSET, *candidate.terms), shape=shape)
 
 
 def _offset(*numbers: float) -> Sum:

@@ -13,7 +13,6 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, terms_in
-from ..effects.names import order_of
 from ..effects.periodic import (
     N_LINES,
     is_same_ripple,
@@ -36,12 +35,12 @@ from .spectral import spectral_grams
 from .trace import rank, ranked
 
 __all__ = [
+    "EXTRA_LEAD_LOG",
     "MIN_GAIN_LOG",
     "PRICE_PER_NODE_LOG",
     "Proposer",
     "columns_of",
     "net",
-    "plainest",
     "propose",
     "quick_fit",
     "score",
@@ -56,10 +55,10 @@ Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
 MIN_GAIN_LOG = 0.02  # gain in log error: names do not change for less
 # Log error that a grown term must gain for each node: one of ten nodes must gain 1.0.
 PRICE_PER_NODE_LOG = 0.1
-# Log error: extra gain asked of an effect that brings a hidden state, as much as a node of a grown
-# term costs. A filter makes the sign of a speed look as if it remembered; with less, a pendulum
-# lost its drag to a hysteresis.
-HIDDEN_STATE_LEAD_LOG = PRICE_PER_NODE_LOG
+# Log error: extra gain asked of an effect that brings one more number, column or hidden state, as
+# much as a node of a grown term costs. A filter makes the sign of a speed look as if it remembered;
+# with less, a pendulum lost its drag to a hysteresis.
+EXTRA_LEAD_LOG = PRICE_PER_NODE_LOG
 
 
 def quick_fit(design: Design, part: Segments) -> Equations:
@@ -222,23 +221,3 @@ def takes_energy(candidate: Candidate, design: Design, part: Segments) -> bool:
     """Tell whether the coefficient of a candidate's first column is negative beside a design."""
     coef = _coefficients(design.adding(columns_of(candidate, design)), part)
     return bool(coef[len(design.columns)] < 0.0)  # partners come after it
-
-
-def plainest(scores: Sequence[Score]) -> Score:
-    """Return the smallest of the groups that do as well as the first, to one percent.
-
-    Of equally small ones, that with fewer variables, and then the first in the vocabulary.
-    """
-    equal = [
-        s
-        for s in scores
-        if s.value >= 0.99 * scores[0].value and len(s.group) == len(scores[0].group)
-    ]
-
-    def plainness(score: Score) -> tuple[int, int, int]:
-        size = sum(candidate.size for candidate in score.group)
-        n_variables = sum(len(term.variables) for one in score.group for term in one.terms)
-        order = sum(order_of(candidate.name) for candidate in score.group)
-        return size, n_variables, order
-
-    return min(equal, key=plainness)

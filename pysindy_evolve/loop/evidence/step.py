@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from ...terms import Sum
-from ..effects.candidate import OFFSET, Candidate
+from ..effects.candidate import Candidate
 from ..effects.missing import offsets_setting_zeros, terms_in
 from ..effects.pumps import is_partner_pump
 from ..given.design import Column, Design
@@ -17,17 +17,17 @@ from ..given.rules import Rules
 from ..given.segments import Segments
 from .findings import Finding
 from .nulls import chance_of
+from .plainest import plainest, without_number
 from .ranking import Score
 from .refinement import justified
 from .rejected import Rejected
-from .scoring import Proposer, columns_of, plainest, quick_fit, score, sharpened, tuned
+from .scoring import Proposer, columns_of, quick_fit, score, sharpened, tuned
 from .shares import Shares, is_exact
 
 __all__ = ["Look", "find"]
 
 # Score of an effect that halves the RMS error: it matters, whatever its share.
 ERROR_HALVED = float(np.log(4.0))
-NEARLY = 0.98  # share of what a term with a number removes: enough to prefer one without
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ def find(
     if not worthy and (design.columns != declared.columns or not top):
         weak = [Rejected(s, scored.shares.of(s), variables=names) for s in top]
         return Look(rejected=weak[0] if weak else None)
-    best = _without_numbers(plainest(worthy or top), worthy, scored.shares)
+    best = without_number(plainest(worthy or top), worthy, scored.shares)
     tunes, observed = scored.statistic_of(best)
     statistic = partial(_best_score, design=design, proposer=proposer, tunes=tunes)
     p_value, twins = chance_of(observed, statistic, design, equations, part, rules, rng)
@@ -162,31 +162,6 @@ def _tuned_group(
             candidate = justified(candidate, beside, proposed, part, rules, rng)
         group.append(tuned(candidate, beside, part))
     return group
-
-
-def _without_numbers(best: Score, worthy: Sequence[Score], shares: Shares) -> Score:
-    """Return a term without a number if it removes nearly as much as the best, with a number.
-
-    A saturation that is hardly reached is a gain; what it does better may be ringing of a filter.
-    """
-    (candidate, *more) = best.group
-    if more or candidate.shape is None:
-        return best
-    enough = NEARLY * shares.of(best)
-    return next((s for s in worthy if _is_plainer(s, candidate) and shares.of(s) >= enough), best)
-
-
-def _is_plainer(score: Score, candidate: Candidate) -> bool:
-    """Tell whether a group is an effect of the same variables, smaller and without a number.
-
-    It may have an offset beside it, or be one, if the effect with a number contains an offset.
-    """
-    if any(c.state != candidate.state or c.shape is not None for c in score.group):
-        return False
-    group = [c for c in score.group if not (candidate.contains_parents and c.terms == (OFFSET,))]
-    if len(group) > 1:
-        return False
-    return all(c.variables == candidate.variables and c.size < candidate.size for c in group)
 
 
 def _beside(design: Design, group: Sequence[Candidate], candidate: Candidate) -> Design:

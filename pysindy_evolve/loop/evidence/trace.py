@@ -10,14 +10,13 @@ because some only show together: friction and drag, whose sum the viscous dampin
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from ...checks import TINY
 from ...terms import Sum
-from ..effects.candidate import OFFSET, Candidate
+from ..effects.candidate import Candidate
 from ..fitting.linear import errors_of, solve_many, summed
 from ..given.rows import MAX_TERM_VALUE
 from .pairing import groups_to_try, posing_as_offset
@@ -25,10 +24,10 @@ from .ranking import Ranking, values_of
 
 Judge = Callable[[np.ndarray], np.ndarray]  # columns of models to their errors in each fold
 
-__all__ = ["are_new", "fold_errors", "rank", "ranked"]
+__all__ = ["MIN_NEW_SHARE", "are_new", "fold_errors", "rank", "ranked"]
 
 MIN_RELATIVE_ERROR = 1e-16  # least error, relative to the square of the target
-MIN_NEW_SHARE = 1e-6  # share of a column's square that the model's columns must leave
+MIN_NEW_SHARE = 1e-6  # share of a column's square that a model must leave for it to be new
 IDLE = 0.05  # of what an effect gains beside its offset: an offset that gains less is not needed
 
 
@@ -131,19 +130,15 @@ def ranked(
     fresh = are_new(total[:-1, :-1], n_fixed)
     new = [i for i, places in enumerate(columns) if all(fresh[k - n_fixed] for k in places)]
     groups = groups_to_try(candidates, new, present, pairs=pairs)
-    errors = partial(_errors, judge, n_fixed)
+    errors_of_groups = partial(_errors, judge, n_fixed)
     base_error = judge(np.arange(n_fixed)[None, :])[0]
     lacking = posing_as_offset(candidates, new, present)
-    free = _needing_no_offset(partial(errors, columns), base_error, lacking)
-    tried = [*candidates, *(_without_offset(candidates[i]) for i in free)]
-    columns += [columns[i] for i in free]
+    offset_free = _needing_no_offset(partial(errors_of_groups, columns), base_error, lacking)
+    # Those are tried once more, each as a candidate of its own at the end.
+    tried = [*candidates, *(candidates[i].needing_no_offset() for i in offset_free)]
+    columns += [columns[i] for i in offset_free]
     groups += [(place,) for place in range(len(candidates), len(tried))]
-    return Ranking(tried, columns, groups, base_error, errors(columns, groups))
-
-
-def _without_offset(candidate: Candidate) -> Candidate:
-    """Return a candidate that needs no offset beside it; its other parents it still needs."""
-    return replace(candidate, parents=tuple(p for p in candidate.parents if p != OFFSET))
+    return Ranking(tried, columns, groups, base_error, errors_of_groups(columns, groups))
 
 
 def _errors(
@@ -172,18 +167,19 @@ def _errors(
 
 def _needing_no_offset(
     errors: Callable[[Sequence[tuple[int, ...]]], np.ndarray],
-    without: np.ndarray,
+    base_error: np.ndarray,
     lacking: Sequence[tuple[int, int]],
 ) -> list[int]:
     """Return the effects that could pose as an offset, but need none beside them.
 
-    A true offset would gain beside the effect. If it gains nothing, the effect is tried without.
+    `base_error` is that of the model alone. A true offset would gain beside the effect; if it gains
+    nothing, the effect is tried without.
     """
     if not lacking:
         return []
     alone = sorted({place for pair in lacking for place in pair})
     groups = [*((place,) for place in alone), *lacking]
-    values = values_of(without, errors(groups), groups).tolist()
+    values = values_of(base_error, errors(groups), groups).tolist()
     gains = {group: value * len(group) for group, value in zip(groups, values, strict=True)}
     return [
         effect

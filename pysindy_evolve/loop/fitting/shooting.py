@@ -28,7 +28,7 @@ from .unfolding import records_with_hidden_states, square_left, with_hidden_stat
 __all__ = ["fit_by_shooting", "fit_to_runs", "gains_of_runs"]
 
 N_STRETCHES = (4, 8, 16, 32)  # to try in this order, until the model can follow
-MAX_RUN_MISS = 0.5  # RMS miss of usable runs, in standard deviations of a state
+MAX_FIT_MISS = 0.5  # RMS miss of runs that are fitted, in standard deviations of a state
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little
 N_STEPS = 20  # noise may have led the initial fit far astray
 MIN_GAIN_SHARE = 1e-3  # stop when a step gains less than this share of the error: runs are slow
@@ -163,7 +163,7 @@ def _longest_trial(
         length, x = part.z.shape[1], part.z[:, :, : part.n_states]
         trial = _run(Trial(design, part, part.state_scale, coef, x[:, 0], x), records)
         missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
-        if not np.all((missed < MAX_RUN_MISS * part.state_scale)[: trial.n_seen]):  # also for NaN
+        if not np.all((missed < MAX_FIT_MISS * part.state_scale)[: trial.n_seen]):  # also for NaN
             continue
         trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
         if trial.rows() is not None:

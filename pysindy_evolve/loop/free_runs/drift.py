@@ -42,7 +42,7 @@ N_STRETCHES = (16, 32)  # to try in this order; 16 signs already allow many diff
 N_LONG_STRETCHES = (4, 8, 16, 32)  # the same for tuning numbers: slow effects show in long runs
 MAX_ROWS = 9600  # of all stretches together; limits the cost of a run
 CHUNK = 200  # terms evaluated at a time, so that memory does not grow with their number
-MAX_RUN_MISS = 1.0  # RMS miss of usable runs, in standard deviations of a state
+MAX_DRIFT_MISS = 1.0  # RMS miss of runs that are compared, in standard deviations of a state
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +126,7 @@ def drift_of(
         rows = trial.rows(most_growth)
         with np.errstate(over="ignore"):  # where runs diverge
             missed = np.sqrt(np.mean(trial.miss**2, axis=(0, 1)))
-        if rows is not None and np.all(missed < MAX_RUN_MISS * part.state_scale):
+        if rows is not None and np.all(missed < MAX_DRIFT_MISS * part.state_scale):
             misses = rows.without_starts(rows.of(trial.miss))
             trial = replace(trial, scale=np.maximum(missed, 1e-9 * part.state_scale))
             stride = max(1, round(0.5 / (part.cutoff * part.dt * rows.keep)))

@@ -20,7 +20,7 @@ from ...hidden_states.memory import DELAY, Memory
 from ...signals import Record
 from ...signals.zero_order_hold import HALF_SAMPLE
 from ..effects.candidate import Candidate
-from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, MIN_GAIN_LOG, propose, quick_fit, score
+from ..evidence.scoring import EXTRA_LEAD_LOG, MIN_GAIN_LOG, propose, quick_fit, score
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
 from ..given.segments import Segments, segments
@@ -116,7 +116,7 @@ def hold_beside_another(column: int, design: Design, part: Segments, held: Segme
         score(design, pieces, _missing(design, pieces), pairs=False) for pieces in (held, part)
     ]
     gain_if_held, gain = (scores[0].value if scores else 0.0 for scores in rankings)
-    return alone + gain_if_held - gain > HIDDEN_STATE_LEAD_LOG
+    return alone + gain_if_held - gain > EXTRA_LEAD_LOG
 
 
 def free_to_be_held(records: Sequence[Record]) -> list[int]:

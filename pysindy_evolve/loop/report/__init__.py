@@ -1,16 +1,12 @@
 """The report of the loop: equations, errors before and after, evidence, pictures, experiments.
 
-Begin with `report.py`: the methods of `LoopReport` lead to all other files.
+Begin with `report.py`: the methods of `LoopReport` lead to all other files. These take the outcome
+that a report holds, see `facts/outcome.py`, and decide nothing but what is said.
 
 ==================  ===================================================================
 contents
-report              LoopReport: equations and errors before and after, and the effects
-effect              one effect with its evidence; the errors of one model
+report              LoopReport: the outcome with all that prints, draws and simulates it
 sindy               the equations as a fitted SINDy model
-numbers
-residuals           measured derivative minus model, in percent of its standard deviation
-unexplained         derivatives whose residual sensor noise does not explain
-start_noise         how far noise in the first state moves a free run
 readings            a run as clipping sensors would show it
 sentences
 text                the printed report, and the same as Markdown
@@ -19,19 +15,14 @@ interval_text       numbers with their intervals, with as many digits as these j
 units               labels with units, percentages
 remains             the best candidate that did not pass, and the cautions
 limits of validity
-cautions            all cautions of a report; most come from the files below
+cautions            all cautions of a report; most come from the files below and from facts
 missed              the model misses the records by more than noise explains
+unexplained         derivatives whose residual sensor noise does not explain
 slow_states         a drift or the residual may be a state too slow for the loop to look for
 extrapolation       held-out data is outside the range of the training data
-unidentified        the records do not determine a declared parameter
 dilution            noise makes a parameter too small, as its terms hardly vary
 exchangeable_poles  a lag and a first-order equation may have exchanged their poles
-held_delays         a delay of less than a sampling time may be a held input
 one_force           effects in several equations are the same force
-between records
-record_numbers      a declared parameter differs between records
-record_offsets      an offset differs between records
-shared_lines        the residuals of all records share a frequency that no input has
 experiments
 experiment          the next measurement, chosen to tell similar effects apart
 motions             imagined motions: the recorded one, larger, smaller, faster or slower

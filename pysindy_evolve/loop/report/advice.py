@@ -8,10 +8,10 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from ...export import format_expression
+from ..facts.effect import Alternative, Effect
 from .units import with_unit
 
 if TYPE_CHECKING:
-    from .effect import Alternative, Effect
     from .experiment import Experiment, Plan
 
 __all__ = ["ENOUGH_STANDARD_ERRORS", "as_sentences", "paragraphs"]

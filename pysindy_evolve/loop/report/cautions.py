@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...export import format_expression, format_number
 from ...terms import ONE
 from ..effects.names import FORCING
+from ..facts.held_delays import held_delays, short_delays
+from ..facts.outcome import Outcome
+from ..facts.record_numbers import numbers_by_record
+from ..facts.record_offsets import offsets_by_record
+from ..facts.shared_lines import shared_lines
+from ..facts.start_noise import run_std_from_start_noise
+from ..facts.unidentified import unidentified
+from ..fitting.runs import LOST_NRMSE
 from ..given.kinematics import disagreement
 from .dilution import dilution_sentences
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import extrapolation_sentences
-from .held_delays import held_delays, short_delays
-from .missed import RUNAWAY_NRMSE, misfit_sentences
+from .missed import misfit_sentences
 from .one_force import one_force
-from .record_numbers import numbers_by_record
-from .record_offsets import offsets_by_record
-from .shared_lines import shared_lines
 from .slow_states import slow_drifts
-from .start_noise import run_std_from_start_noise
-from .unidentified import unidentified_sentences
 from .units import percent
-
-if TYPE_CHECKING:
-    from .report import LoopReport
 
 __all__ = ["cautions"]
 
@@ -41,20 +39,20 @@ LOST_BY = 1.0  # added to it, percent of the standard deviation
 NEGLIGIBLE = 0.05
 
 
-def cautions(report: LoopReport) -> list[str]:
-    """Return all cautions of a report, a sentence or a short paragraph each."""
-    return [sentence for caution in CAUTIONS for sentence in caution(report)]
+def cautions(outcome: Outcome) -> list[str]:
+    """Return all cautions about an outcome, a sentence or a short paragraph each."""
+    return [sentence for caution in CAUTIONS for sentence in caution(outcome)]
 
 
-def _doubted(report: LoopReport) -> list[str]:
+def _doubted(outcome: Outcome) -> list[str]:
     """Name the equations such as q' = v that the records contradict."""
-    design, said = report.design, []
+    design, said = outcome.design, []
     for state in design.doubted:
         velocity = design.derivative_of(state)
         if velocity is None:
             continue
         q, v = design.states[state], design.states[velocity]
-        difference = 100.0 * disagreement(report.train, state, velocity)
+        difference = 100.0 * disagreement(outcome.train, state, velocity)
         said.append(
             f"The records contradict the declared {q}' = {v}: d{q}/dt differs from {v} by "
             f"{percent(difference)}, so that equation was searched as well. Check the units of "
@@ -64,18 +62,30 @@ def _doubted(report: LoopReport) -> list[str]:
     return said
 
 
-def _unidentified(report: LoopReport) -> list[str]:
+def _unidentified(outcome: Outcome) -> list[str]:
     """Name the declared parameters that the records do not determine."""
-    declared = report.design.columns[: len(report.after.parameters)]  # effects come after them
-    return unidentified_sentences(replace(report.design, columns=declared), report.train)
+    declared = outcome.design.columns[: len(outcome.after.parameters)]  # effects come after them
+    said = []
+    for *others, last in unidentified(replace(outcome.design, columns=declared), outcome.train):
+        if others:
+            said.append(
+                f"The records do not tell {', '.join(others)} from {last}: their terms are "
+                "linearly dependent there, so that other values fit as well."
+            )
+        else:
+            said.append(
+                f"The records say nothing about {last}: its term is zero on all of them. "
+                "Excite it, or give its value as known."
+            )
+    return said
 
 
-def _contradicted_known(report: LoopReport) -> list[str]:
+def _contradicted_known(outcome: Outcome) -> list[str]:
     """Name the effects that change the coefficient of a term that was declared as known."""
     said = []
-    for effect in (one for one in report.effects if len(one.expressions) == 1):
+    for effect in (one for one in outcome.effects if len(one.expressions) == 1):
         (expression,) = effect.expressions
-        known = report.design.fixed[report.design.states.index(effect.state)]
+        known = outcome.design.fixed[outcome.design.states.index(effect.state)]
         given = {term: c for c, term in known.parts}
         if effect.quantities or len(expression.parts) != 1 or expression.parts[0][1] not in given:
             continue
@@ -91,10 +101,10 @@ def _contradicted_known(report: LoopReport) -> list[str]:
     return said
 
 
-def _worse(report: LoopReport) -> list[str]:
+def _worse(outcome: Outcome) -> list[str]:
     """Name the errors on held-out data that are larger with the effects than without them."""
-    model = report.before.model
-    if not report.effects:
+    model = outcome.before.model
+    if not outcome.effects:
         return []
     errors_named = ["derivative_error", "simulation_error"]
     labels = ["d{}/dt", "the free run of {}"]
@@ -102,11 +112,11 @@ def _worse(report: LoopReport) -> list[str]:
         errors_named, labels = ["simulation_error"], ["{}"]
     grew = []
     for kind, title in zip(errors_named, labels, strict=True):
-        before, after = (getattr(errors, kind) for errors in (report.before, report.after))
+        before, after = (getattr(errors, kind) for errors in (outcome.before, outcome.after))
         tolerated = np.maximum(GREW_TIMES * before, before + GREW_BY)
-        worse = (before < RUNAWAY_NRMSE) & ~(after <= tolerated)
+        worse = (before < LOST_NRMSE) & ~(after <= tolerated)
         if kind == "simulation_error" and not model.n_algebraic and worse.any():
-            by_start = after - before <= run_std_from_start_noise(report.after.model, report.test)
+            by_start = after - before <= run_std_from_start_noise(outcome.after.model, outcome.test)
             worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts
         for k in np.flatnonzero(worse):
             now = percent(after[k]) if np.isfinite(after[k]) else "no finite value"
@@ -114,56 +124,56 @@ def _worse(report: LoopReport) -> list[str]:
     if not grew:
         return []
     said = f"On the held-out data some errors grew: {', '.join(grew)}."
-    if any(effect.name == FORCING for effect in report.effects):
+    if any(effect.name == FORCING for effect in outcome.effects):
         return [f"{said} The phase of a periodic forcing may differ from record to record."]
     return [f"{said} What was found may not carry over to that record."]
 
 
-def _worse_than_before(report: LoopReport) -> list[str]:
+def _worse_than_before(outcome: Outcome) -> list[str]:
     """Name the derivatives that the model explained better before its last effects."""
-    stages = list(dict.fromkeys(step.errors for step in report.steps))  # pairs share one
-    if len(stages) < 2 or report.before.model.n_algebraic:
+    stages = list(dict.fromkeys(step.errors for step in outcome.steps))  # pairs share one
+    if len(stages) < 2 or outcome.before.model.n_algebraic:
         return []
     errors = np.nan_to_num([stage.derivative_error for stage in stages], nan=np.inf)
-    last, said = report.after.derivative_error, []
+    last, said = outcome.after.derivative_error, []
     for k, place in enumerate(np.argmin(errors, axis=0)):
         least = errors[place, k]
         if last[k] > max(LOST_AGAIN * least, least + LOST_BY):
-            names = " and ".join(s.name for s in report.steps if s.errors is stages[place])
+            names = " and ".join(s.name for s in outcome.steps if s.errors is stages[place])
             said.append(
-                f"With {names} the held-out error of d{report.after.model.states[k]}/dt came down "
+                f"With {names} the held-out error of d{outcome.after.model.states[k]}/dt came down "
                 f"to {percent(least)}; with all effects it is {percent(last[k])}. One of the later "
                 "effects may be wrong, or the final fit favors the free run."
             )
     return said
 
 
-def _held(report: LoopReport) -> list[str]:
+def _held(outcome: Outcome) -> list[str]:
     """Name the inputs that were found to be held, and the delays that a hold could explain."""
-    names = [report.equations.inputs[column] for column in report.found_held]
+    names = [outcome.equations.inputs[column] for column in outcome.found_held]
     taken = [
         f"{name} is taken to be held from each sample to the next (zero-order hold). That is how "
         "it was recorded, and not an effect of the machine."
         for name in names
     ]
-    exact = held_delays(report)
+    exact = held_delays(outcome)
     late = [
         f"The input delay of {format_expression(one.term).partition('(')[0]} is "
         f"{'half a sampling time' if one in exact else f'{share:.2g} sampling times'}. An input "
         "that is held from one sample to the next (zero-order hold) acts half a sample late by "
         "itself; the machine need not be slow. If the input is held, give prepare(..., held=True)."
-        for one, share in short_delays(report)
+        for one, share in short_delays(outcome)
     ]
     return [*taken, *late]
 
 
-def _changed_parameters(report: LoopReport) -> list[str]:
+def _changed_parameters(outcome: Outcome) -> list[str]:
     """Name the declared parameters whose sign the effects reverse, or that they bring near zero.
 
     A parameter that was near zero before has no sign to reverse: a declared damping can be, while
     a force is missing.
     """
-    before, after = report.before.parameters, report.after.parameters
+    before, after = outcome.before.parameters, outcome.after.parameters
     turned = [
         f"{name} from {format_number(before[name])} to {format_number(value)}"
         for name, value in after.items()
@@ -189,41 +199,41 @@ def _changed_parameters(report: LoopReport) -> list[str]:
     return said
 
 
-def _undefined(report: LoopReport) -> list[str]:
+def _undefined(outcome: Outcome) -> list[str]:
     """Say in how many held-out rows the model has no finite value."""
-    if report.after.undefined == 0.0:
+    if outcome.after.undefined == 0.0:
         return []
     return [
-        f"In {percent(100 * report.after.undefined)} of the held-out rows the model has no value, "
+        f"In {percent(100 * outcome.after.undefined)} of the held-out rows the model has no value, "
         "such as the square root of a negative number: this range was not in the training data, "
         "or noise crossed zero. The derivative is not judged on these rows."
     ]
 
 
-def _lines(report: LoopReport) -> list[str]:
+def _lines(outcome: Outcome) -> list[str]:
     """Name the spectral lines that the residuals of all training records share."""
     return [
         f"In each training record the residual of d{line.state}/dt has a line at "
         f"{line.frequency:.4g} cycles per unit of t that no input has: perhaps a forcing whose "
         "phase differs between records, which no fixed term can describe."
-        for line in shared_lines(report)
+        for line in shared_lines(outcome)
     ]
 
 
-def _offsets(report: LoopReport) -> list[str]:
+def _offsets(outcome: Outcome) -> list[str]:
     """Say which residuals have a mean that differs between the training records."""
     return [
         f"The residual of d{state}/dt has a different mean in each training record "
         f"({', '.join(map(format_number, means))}): something is constant within a record but "
         "differs between records, such as a load or the zero of a sensor. No fixed term can "
         "describe it."
-        for state, means in offsets_by_record(report).items()
+        for state, means in offsets_by_record(outcome).items()
     ]
 
 
-def _numbers(report: LoopReport) -> list[str]:
+def _numbers(outcome: Outcome) -> list[str]:
     """Say which declared parameters differ between the records."""
-    found = numbers_by_record(report)
+    found = numbers_by_record(outcome)
     if not found:
         return []
     values = "; ".join(f"{name} is {', '.join(map(format_number, n))}" for name, n in found.items())
@@ -235,13 +245,13 @@ def _numbers(report: LoopReport) -> list[str]:
     ]
 
 
-def _leaves_structure(report: LoopReport) -> list[str]:
+def _leaves_structure(outcome: Outcome) -> list[str]:
     """Say that the residual of the corrected model still has structure."""
-    if not report.leaves_structure:
+    if not outcome.leaves_structure:
         return []
     return [
         "The residual of the corrected model still depends on the measured variables, by more than "
-        f"chance explains (p = {report.chance_left:.2g}). Something else is missing, or an effect "
+        f"chance explains (p = {outcome.chance_left:.2g}). Something else is missing, or an effect "
         "stands in for another one that was not tried, or the columns of the records did not pass "
         "the same filter. The errors above say how much it matters."
     ]

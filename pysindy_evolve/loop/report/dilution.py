@@ -14,7 +14,6 @@ regressors.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import eigh
@@ -22,11 +21,9 @@ from scipy.linalg import eigh
 from ...hidden_states.memory_equations import as_acting
 from ...signals import Record
 from ...terms import Sum
+from ..facts.outcome import Outcome
 from ..given.rows import variables_of
 from ..given.sticking import noise_of
-
-if TYPE_CHECKING:
-    from .report import LoopReport
 
 __all__ = ["dilution_sentences"]
 
@@ -38,12 +35,12 @@ MAX_CONFIRMING_NRMSE = (
 RIDGE = 1e-12  # of the mean square of a term: keeps the Gram matrix of collinear terms invertible
 
 
-def dilution_sentences(report: LoopReport) -> list[str]:
+def dilution_sentences(outcome: Outcome) -> list[str]:
     """Name the parameters that noise in the states makes too small, or otherwise wrong.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
 
     Returns
@@ -52,14 +49,14 @@ def dilution_sentences(report: LoopReport) -> list[str]:
         Sentences for each equation with such parameters; none where its free run misses the
         held-out record by less than half of the standard deviation.
     """
-    design = report.design
+    design = outcome.design
     if design.algebraic:
         return []
-    records = [as_acting(report.equations, record)[1] for record in report.train]
+    records = [as_acting(outcome.equations, record)[1] for record in outcome.train]
     said = []
     for state in design.open_states:
         columns = [column for column in design.columns if column.parts[state].parts]
-        if not columns or report.after.simulation_error[state] <= MAX_CONFIRMING_NRMSE:
+        if not columns or outcome.after.simulation_error[state] <= MAX_CONFIRMING_NRMSE:
             continue
         share, sizes = _noisiest([column.parts[state] for column in columns], records)
         names = [c.name for c, size in zip(columns, sizes, strict=True) if size > PARTICIPATES]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy
@@ -16,10 +16,8 @@ from ...hidden_states.path_states import path_sentences
 from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT
 from ..effects.names import FORCING, INERTIA, RIPPLE
+from ..facts.effect import Alternative, Effect
 from .interval_text import interval, value_within
-
-if TYPE_CHECKING:
-    from .effect import Alternative, Effect
 
 __all__ = [
     "evidence",

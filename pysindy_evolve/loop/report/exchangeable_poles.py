@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...export import format_number
 from ...hidden_states.memory import LAG
 from ...hidden_states.memory_equations import MemoryEquations
 from ...terms import Sum, only_term, variable
-
-if TYPE_CHECKING:
-    from .report import LoopReport
+from ..facts.outcome import Outcome
 
 __all__ = ["exchangeable_poles"]
 
 
-def exchangeable_poles(report: LoopReport) -> list[str]:
+def exchangeable_poles(outcome: Outcome) -> list[str]:
     """Name the lags whose time constant can be exchanged with that of the state they act on.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
 
     Returns
@@ -28,7 +24,7 @@ def exchangeable_poles(report: LoopReport) -> list[str]:
     list of str
         Sentences.
     """
-    model = report.after.model
+    model = outcome.after.model
     if not isinstance(model, MemoryEquations) or model.n_algebraic:
         return []
     lags = [one for one in model.memories if one.kind == LAG]

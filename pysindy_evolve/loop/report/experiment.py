@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -25,18 +24,16 @@ from ...checks import TINY
 from ...equations import Equations
 from ...hidden_states.memory_equations import as_acting
 from ..evidence.spectral import TAPER, spectral_rows
+from ..facts.effect import Alternative, Effect
+from ..facts.outcome import Outcome
 from ..fitting.linear import solve_gram
 from ..fitting.residual import forces
 from ..given.design import Design, in_state
 from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
 from .advice import ENOUGH_STANDARD_ERRORS, as_sentences
-from .effect import Alternative, Effect
 from .motions import Motion, Motions
 from .units import check_units
-
-if TYPE_CHECKING:
-    from .report import LoopReport
 
 __all__ = ["Experiment", "Plan", "plan"]
 
@@ -108,12 +105,12 @@ class Plan:
         return as_sentences(self, self.units)
 
 
-def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
+def plan(outcome: Outcome, units: Mapping[str, str] | None = None) -> Plan:
     """Return an experiment for each pair of an effect and an alternative.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
     units : mapping of str to str, optional
         Units of the variables.
@@ -122,18 +119,18 @@ def plan(report: LoopReport, units: Mapping[str, str] | None = None) -> Plan:
     -------
     Plan
     """
-    check_units("suggest_experiment", units, report.before.model.names)
-    if not any(effect.rivals for effect in report.effects):
+    check_units("suggest_experiment", units, outcome.before.model.names)
+    if not any(effect.rivals for effect in outcome.effects):
         return Plan((), units)
-    acting = [as_acting(report.equations, record) for record in report.train]
+    acting = [as_acting(outcome.equations, record) for record in outcome.train]
     equations, records = acting[0][0], [record for _, record in acting]
-    part = segments(records, may_rest(report.design, records), max_rows=MAX_ROWS)
+    part = segments(records, may_rest(outcome.design, records), max_rows=MAX_ROWS)
     judge = _Judge(equations, part)
     experiments = []
-    in_time = tuple(one for one in report.effects if one.memory is not None and one.alternatives)
-    for effect in (one for one in report.effects if one.memory is None):
+    in_time = tuple(one for one in outcome.effects if one.memory is not None and one.alternatives)
+    for effect in (one for one in outcome.effects if one.memory is None):
         for rival in effect.rivals:
-            exchanged = _exchanged(report.design, effect, rival)
+            exchanged = _exchanged(outcome.design, effect, rival)
             experiments.append(_best(judge, exchanged, effect, rival))
     return Plan(tuple(experiments), units, in_time)
 

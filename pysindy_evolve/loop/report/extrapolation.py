@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...export import format_number
+from ..facts.outcome import Outcome
+from ..facts.residuals import percent_left
 from ..given.rows import variables_of
-from .residuals import percent_left
 from .units import percent
-
-if TYPE_CHECKING:
-    from .report import LoopReport
 
 __all__ = ["extrapolation_sentences"]
 
@@ -24,12 +21,12 @@ LEAST_ERROR = 10.0
 ERROR_RATIO = 3.0  # least ratio of the held-out error to the training error
 
 
-def extrapolation_sentences(report: LoopReport) -> list[str]:
+def extrapolation_sentences(outcome: Outcome) -> list[str]:
     """Warn if the model errs far more on held-out data, and these leave the training range.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
 
     Returns
@@ -37,15 +34,15 @@ def extrapolation_sentences(report: LoopReport) -> list[str]:
     list of str
         One sentence or none.
     """
-    model = report.after.model
+    model = outcome.after.model
     if model.n_algebraic:
         return []
-    on_train, on_test = percent_left(model, report.train), percent_left(model, report.test)
-    notable = (on_test > LEAST_ERROR) & (report.after.derivative_error > LEAST_ERROR)
+    on_train, on_test = percent_left(model, outcome.train), percent_left(model, outcome.test)
+    notable = (on_test > LEAST_ERROR) & (outcome.after.derivative_error > LEAST_ERROR)
     ratio = np.where(notable, on_test / np.maximum(on_train, 1e-9), 0.0)
     ratio = np.nan_to_num(ratio)  # NaN where the derivative hardly varied in training
     worst = int(np.argmax(ratio))
-    wider = _wider(report, (*model.states, *model.inputs)) if ratio[worst] > ERROR_RATIO else []
+    wider = _wider(outcome, (*model.states, *model.inputs)) if ratio[worst] > ERROR_RATIO else []
     if not wider:
         return []
     test_error, train_error = percent(on_test[worst]), percent(on_train[worst])
@@ -56,11 +53,11 @@ def extrapolation_sentences(report: LoopReport) -> list[str]:
     ]
 
 
-def _wider(report: LoopReport, names: Sequence[str]) -> list[str]:
+def _wider(outcome: Outcome, names: Sequence[str]) -> list[str]:
     """Return the variables that leave their training range in the held-out data, with ranges."""
     train_rows, test_rows = (
         np.concatenate([variables_of(record)[:, :-1] for record in records])
-        for records in (report.train, report.test)
+        for records in (outcome.train, outcome.test)
     )
     found = []
     for name, old, new in zip(names, train_rows.T, test_rows.T, strict=False):

@@ -7,12 +7,14 @@ from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from io import StringIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
+from ..facts.effect import Alternative, Effect
+from ..facts.outcome import Outcome
 from .advice import paragraphs
 from .effect_text import (
     hardly_named,
@@ -24,6 +26,7 @@ from .effect_text import (
     with_sign,
     without_rivals,
 )
+from .experiment import plan
 from .remains import remains
 from .text import (
     free_parameters,
@@ -34,19 +37,15 @@ from .text import (
 )
 from .units import check_units, with_unit
 
-if TYPE_CHECKING:
-    from .effect import Alternative, Effect
-    from .report import LoopReport
-
 __all__ = ["as_html"]
 
 
-def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
+def as_html(outcome: Outcome, units: Mapping[str, str] | None = None) -> str:
     """Return a report as a page.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
     units : mapping of str to str, optional
         Units of the variables and of t.
@@ -69,28 +68,28 @@ def as_html(report: LoopReport, units: Mapping[str, str] | None = None) -> str:
         raise ImportError(
             'LoopReport.to_html() needs jinja2 and matplotlib: pip install "pysindy-evolve[report]"'
         ) from error
-    check_units("to_html", units, report.before.model.names)
+    check_units("to_html", units, outcome.before.model.names)
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     source = (files(__package__) / "report.html.j2").read_text(encoding="utf-8")
-    head, rows = table_cells(report)
+    head, rows = table_cells(outcome)
     return environment.from_string(source).render(
-        report=report,
-        verdict=verdict_of(report).partition(": "),
-        before=equations_mathml(report.before.model),
-        after=equations_mathml(report.after.model),
+        outcome=outcome,
+        verdict=verdict_of(outcome).partition(": "),
+        before=equations_mathml(outcome.before.model),
+        after=equations_mathml(outcome.after.model),
         parameters=[
-            [_unbroken(free_parameters(report.before))],
-            [_unbroken(free_parameters(report.after)), *note_on_shared_terms(report)],
+            [_unbroken(free_parameters(outcome.before))],
+            [_unbroken(free_parameters(outcome.after)), *note_on_shared_terms(outcome)],
         ],
         head=head,
         rows=rows,
-        effects=[_effect(effect, report.equations.inner_symbols) for effect in report.effects],
-        p_explained=p_of_effects(report),
-        experiments=paragraphs(report.suggest_experiment(units), units),
-        remains=remains(report),
-        last_look=_rejected_picture(report),
-        pictures=_pictures(report, units),
-        facts=_facts(report, units),
+        effects=[_effect(effect, outcome.equations.inner_symbols) for effect in outcome.effects],
+        p_explained=p_of_effects(outcome),
+        experiments=paragraphs(plan(outcome, units), units),
+        remains=remains(outcome),
+        last_look=_rejected_picture(outcome),
+        pictures=_pictures(outcome, units),
+        facts=_facts(outcome, units),
     )
 
 
@@ -142,29 +141,29 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[tuple[str, ...
     return [(expression_mathml(term), *map(format_number, figures)) for term, *figures in signed]
 
 
-def _shown(report: LoopReport) -> list[int]:
+def _shown(outcome: Outcome) -> list[int]:
     """Return the equations to draw: those with effects, or the one with the largest error."""
-    states = report.before.model.states
-    in_equations = (effect for effect in report.effects if not effect.of_sensor)
+    states = outcome.before.model.states
+    in_equations = (effect for effect in outcome.effects if not effect.of_sensor)
     with_effects = dict.fromkeys(states.index(effect.state) for effect in in_equations)
-    return list(with_effects) or [int(np.argmax(report.before.derivative_error))]
+    return list(with_effects) or [int(np.argmax(outcome.before.derivative_error))]
 
 
-def _pictures(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple[str, str]]:
+def _pictures(outcome: Outcome, units: Mapping[str, str] | None) -> list[tuple[str, str]]:
     """Return the residual of each equation that matters, with the name of its state."""
     from .plot import draw_residuals
 
     pictures = []
-    for index in _shown(report):
-        state = report.before.model.states[index]
-        draw = partial(draw_residuals, report=report, index=index, units=units)
+    for index in _shown(outcome):
+        state = outcome.before.model.states[index]
+        draw = partial(draw_residuals, outcome=outcome, index=index, units=units)
         pictures.append((state, _svg((11.0, 8.5), f"residual {state}", draw)))
     return pictures
 
 
-def _rejected_picture(report: LoopReport) -> str:
+def _rejected_picture(outcome: Outcome) -> str:
     """Return the picture of the best candidate that did not pass, or nothing."""
-    best = report.rejected
+    best = outcome.rejected
     if best is None or not len(best.twin_scores):
         return ""
     return _twins("last look", best.twin_scores, best.score)
@@ -209,21 +208,21 @@ def _version() -> str:
         return "not installed, run from its source"
 
 
-def _facts(report: LoopReport, units: Mapping[str, str] | None) -> list[tuple[str, str]]:
+def _facts(outcome: Outcome, units: Mapping[str, str] | None) -> list[tuple[str, str]]:
     """Return names and values of what the result depends on: version, records, settings."""
     unit = (units or {}).get("t", "")
     facts = [("pysindy_evolve", _version())]
-    for name, records in (("training", report.train), ("held-out", report.test)):
+    for name, records in (("training", outcome.train), ("held-out", outcome.test)):
         spans = [
             f"{r.n_samples} samples over {with_unit(r.t[-1] - r.t[0], 't', units)}" for r in records
         ]
         facts.append((f"{name} records", "; ".join(spans)))
-    cutoff = report.train[0].cutoff
+    cutoff = outcome.train[0].cutoff
     if cutoff is not None:
         facts.append(
             ("cutoff of the preparation", f"{cutoff:.4g} cycles per {unit or 'unit of t'}")
         )
-    rules = report.rules
+    rules = outcome.rules
     return [
         *facts,
         ("significance", f"{rules.significance:g}"),

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from ..facts.outcome import Outcome
+from ..facts.start_noise import run_std_from_start_noise
+from ..fitting.runs import LOST_NRMSE
 from .slow_states import slow_rest
-from .start_noise import run_std_from_start_noise
 from .unexplained import unexplained
 from .units import percent
 
-if TYPE_CHECKING:
-    from .report import LoopReport
+__all__ = ["NOTABLE_NRMSE", "misfit_sentences"]
 
-__all__ = ["NOTABLE_NRMSE", "RUNAWAY_NRMSE", "misfit_sentences"]
-
-# Errors of a free run, percent of the standard deviation.
-NOTABLE_NRMSE = 20.0  # more than a small error of a parameter causes
-RUNAWAY_NRMSE = 100.0  # the run has lost the record
+NOTABLE_NRMSE = 20.0  # percent, of a free run: more than a small error of a parameter causes
 BY_START = 0.5  # share of the error: if noise in the first state causes more, the run says little
 
 RANDOM = (
@@ -33,12 +28,12 @@ SHORT = (
 )
 
 
-def misfit_sentences(report: LoopReport) -> list[str]:
+def misfit_sentences(outcome: Outcome) -> list[str]:
     """Say by how much the free run over the held-out data errs; if it follows, the derivative.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
 
     Returns
@@ -47,38 +42,38 @@ def misfit_sentences(report: LoopReport) -> list[str]:
         Sentences; none where the verdict says already that something is missing, unless the free
         run has lost the record.
     """
-    error = float(np.max(report.after.simulation_error))
-    if error < RUNAWAY_NRMSE and report.verdict == "untraced":
+    error = float(np.max(outcome.after.simulation_error))
+    if error < LOST_NRMSE and outcome.verdict == "untraced":
         return []
-    sentences = _of_rates(report) if error < NOTABLE_NRMSE else _of_run(report, error)
-    if sentences and report.rules.by_trajectory:
+    sentences = _of_rates(outcome) if error < NOTABLE_NRMSE else _of_run(outcome, error)
+    if sentences and outcome.rules.by_trajectory:
         sentences[-1] += f" {SHORT}"
     return sentences
 
 
-def _of_rates(report: LoopReport) -> list[str]:
+def _of_rates(outcome: Outcome) -> list[str]:
     """Say what the model leaves of the derivative beyond the noise, and why; or nothing."""
-    return [f"{sentence} {_why(report)}" for sentence in unexplained(report)]
+    return [f"{sentence} {_why(outcome)}" for sentence in unexplained(outcome)]
 
 
-def _why(report: LoopReport) -> str:
+def _why(outcome: Outcome) -> str:
     """Say what may cause the error that is left."""
-    return f"{RANDOM}{slow_rest(report)}" if report.finished else UNSOUGHT
+    return f"{RANDOM}{slow_rest(outcome)}" if outcome.finished else UNSOUGHT
 
 
-def _of_run(report: LoopReport, error: float) -> list[str]:
-    moved = float(np.max(run_std_from_start_noise(report.after.model, report.test)))
+def _of_run(outcome: Outcome, error: float) -> list[str]:
+    moved = float(np.max(run_std_from_start_noise(outcome.after.model, outcome.test)))
     if np.isfinite(error) and moved > BY_START * error:
         does = f"moves it by {percent(moved)}" if np.isfinite(moved) else "lets it diverge"
         sentence = (
             f"The free run misses the record by {percent(error)}, but it starts from noisy "
             f"readings, and their noise alone {does}: judge by the derivative."
         )
-        return [sentence, *_of_rates(report)]
-    if error < RUNAWAY_NRMSE:
-        return [f"The free run still misses the record by {percent(error)}. {_why(report)}"]
+        return [sentence, *_of_rates(outcome)]
+    if error < LOST_NRMSE:
+        return [f"The free run still misses the record by {percent(error)}. {_why(outcome)}"]
     lost = (
         "The free run leaves the record by more than the record varies. Either the model amplifies "
         "the smallest difference, or something is still missing: judge by the derivative."
     )
-    return [lost, *_of_rates(report)]
+    return [lost, *_of_rates(outcome)]

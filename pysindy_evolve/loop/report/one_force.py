@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from itertools import combinations
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from .effect import Effect
-    from .report import LoopReport
+from ..facts.effect import Effect
+from ..facts.outcome import Outcome
 
 __all__ = ["one_force"]
 
 
-def one_force(report: LoopReport) -> list[str]:
+def one_force(outcome: Outcome) -> list[str]:
     """Name the effects that act like the same input in two equations, with the same coefficient.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
 
     Returns
@@ -29,7 +27,7 @@ def one_force(report: LoopReport) -> list[str]:
         f"{first.name[0].upper()}{first.name[1:]} in the equations of {first.state} and "
         f"{second.state} acts {first.entry} in both, with coefficients that the record cannot tell "
         "apart: it is one force that acts in both equations."
-        for first, second in combinations(report.effects, 2)
+        for first, second in combinations(outcome.effects, 2)
         if _is_same_force(first, second)
     ]
 

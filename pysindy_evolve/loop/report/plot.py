@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...signals import Record, Windows, choose_windows
+from ..facts.outcome import Outcome
 from ..given.kinematics import positions
 from ..given.rows import variables_of
 from .panels import draw_frequency, draw_plane, draw_time, draw_twins, draw_variable, tidy
 from .units import check_units, label, rate_label, with_unit
-
-if TYPE_CHECKING:
-    from .report import LoopReport
 
 __all__ = ["draw_residuals", "draw_scores", "plot_residuals"]
 
@@ -24,13 +22,13 @@ STYLE = {"font.size": 9.0, "axes.titlesize": 9.5, "axes.titleweight": "bold"}
 
 
 def plot_residuals(
-    report: LoopReport, state: str | None = None, units: Mapping[str, str] | None = None
+    outcome: Outcome, state: str | None = None, units: Mapping[str, str] | None = None
 ) -> Any:
     """Draw the held-out residual of one equation, before and after.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
     state : str, optional
         Equation to draw; by default the one that the first effect entered.
@@ -54,16 +52,16 @@ def plot_residuals(
         raise ImportError(
             'LoopReport.plot() needs matplotlib: pip install "pysindy-evolve[plots]"'
         ) from error
-    index = _state_index(report, state)
-    check_units("plot", units, report.before.model.names)
+    index = _state_index(outcome, state)
+    check_units("plot", units, outcome.before.model.names)
     with plt.rc_context(STYLE):
         figure = plt.figure(figsize=(11, 8.5), layout="constrained")
-        draw_residuals(figure, report, index, units)
+        draw_residuals(figure, outcome, index, units)
     return figure
 
 
 def draw_residuals(
-    figure: Any, report: LoopReport, index: int, units: Mapping[str, str] | None = None
+    figure: Any, outcome: Outcome, index: int, units: Mapping[str, str] | None = None
 ) -> None:
     """Fill a figure with the panels of one equation.
 
@@ -71,26 +69,26 @@ def draw_residuals(
     ----------
     figure : matplotlib.figure.Figure
         Where to draw.
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
     index : int
         State whose equation it is.
     units : mapping of str to str, optional
         Units of the variables and of t.
     """
-    names, rate = report.before.model.names, rate_label(report.before.model.states[index], units)
-    shown = _variables(report, index)
+    names, rate = outcome.before.model.names, rate_label(outcome.before.model.states[index], units)
+    shown = _variables(outcome, index)
     lines = ["t" * 6, _row("abc"[: len(shown)]), "ffxxyy"]
     panels = figure.subplot_mosaic("\n".join(lines), height_ratios=(1.0, 1.1, 1.1))
-    record, windows = report.test[0], choose_windows(list(report.train))
-    stages = [("declared model", BEFORE, [r[:, index] for r in report.residual_before])]
-    if report.effects:
-        stages.append(("corrected model", AFTER, [r[:, index] for r in report.residual_after]))
+    record, windows = outcome.test[0], choose_windows(list(outcome.train))
+    stages = [("declared model", BEFORE, [r[:, index] for r in outcome.residual_before])]
+    if outcome.effects:
+        stages.append(("corrected model", AFTER, [r[:, index] for r in outcome.residual_after]))
     for name, color, raw in stages:
         draw_frequency(panels["f"], raw[0], record.dt, _highest(record), color, name)
     rows = [averaged(raw, windows)[1] for raw in stages[0][2]]
     stages = [(name, color, [averaged(r, windows)[0] for r in raw]) for name, color, raw in stages]
-    record_rows = zip(report.test, rows, strict=True)
+    record_rows = zip(outcome.test, rows, strict=True)
     variables = np.concatenate([variables_of(each)[inside] for each, inside in record_rows])
     for name, color, residuals in stages:
         pooled = np.concatenate(residuals)
@@ -103,7 +101,7 @@ def draw_residuals(
         f"Held-out residual, averaged over windows of {span} as in the fit",
         fontsize=10,
     )
-    _draw_planes(figure, panels, report, index, stages, variables, units)
+    _draw_planes(figure, panels, outcome, index, stages, variables, units)
 
 
 def averaged(residual: np.ndarray, windows: Windows) -> tuple[np.ndarray, slice]:
@@ -145,14 +143,14 @@ def _label(
 def _draw_planes(
     figure: Any,
     panels: Mapping[str, Any],
-    report: LoopReport,
+    outcome: Outcome,
     index: int,
     stages: Sequence[tuple[str, str, list[np.ndarray]]],
     variables: np.ndarray,
     units: Mapping[str, str] | None,
 ) -> None:
     """Color a plane of two variables by the mean residual, before and after."""
-    names, (x, y) = report.before.model.names, _plane(report, index)
+    names, (x, y) = outcome.before.model.names, _plane(outcome, index)
     limit = float(np.quantile(np.abs(np.concatenate(stages[0][2])), 0.9)) or 1.0
     mesh = None
     for letter, (name, _, residuals) in zip("xy", stages, strict=False):
@@ -183,43 +181,43 @@ def _highest(record: Record) -> float:
     return nyquist if record.cutoff is None else min(nyquist, record.cutoff)
 
 
-def _variables(report: LoopReport, index: int) -> list[int]:
+def _variables(outcome: Outcome, index: int) -> list[int]:
     """Return the variables to draw the residual over, three at most.
 
     In this order of choice: those of the effects in this equation, the state, its position, and
     others that occur in the model.
     """
-    time = len(report.before.model.names) - 1
-    state = report.before.model.states[index]
-    here = [effect for effect in report.effects if effect.state == state]
+    time = len(outcome.before.model.names) - 1
+    state = outcome.before.model.states[index]
+    here = [effect for effect in outcome.effects if effect.state == state]
     wanted = [v for e in here for term in e.expressions for v in sorted(term.variables)]
-    wanted += [index, *_position(report, index), *range(time)]
-    occurring = {v for side in report.before.model.sums for v in side.variables} | {index}
+    wanted += [index, *_position(outcome, index), *range(time)]
+    occurring = {v for side in outcome.before.model.sums for v in side.variables} | {index}
     occurring |= {v for effect in here for term in effect.expressions for v in term.variables}
     chosen = dict.fromkeys(v for v in wanted if v != time and v in occurring)
     return sorted(list(chosen)[:MAX_VARIABLES])
 
 
-def _position(report: LoopReport, index: int) -> list[int]:
+def _position(outcome: Outcome, index: int) -> list[int]:
     """Return the position of a velocity; nothing for another state."""
-    known = positions(report.before.model)
+    known = positions(outcome.before.model)
     return [known[index]] if index in known else []
 
 
-def _plane(report: LoopReport, index: int) -> tuple[int, int]:
+def _plane(outcome: Outcome, index: int) -> tuple[int, int]:
     """Return the axes of the plane: the position, else another variable or time, and the state."""
-    if position := _position(report, index):
+    if position := _position(outcome, index):
         return position[0], index
-    others = [v for v in _variables(report, index) if v != index]
-    return (others[0] if others else len(report.before.model.names) - 1), index
+    others = [v for v in _variables(outcome, index) if v != index]
+    return (others[0] if others else len(outcome.before.model.names) - 1), index
 
 
-def _state_index(report: LoopReport, state: str | None) -> int:
+def _state_index(outcome: Outcome, state: str | None) -> int:
     """Return the equation to draw; by default that of the first effect, or of the largest error."""
-    states = report.before.model.states
+    states = outcome.before.model.states
     if state is None:
-        worst = int(np.argmax(report.before.derivative_error))
-        first = next((effect.state for effect in report.effects if not effect.of_sensor), None)
+        worst = int(np.argmax(outcome.before.derivative_error))
+        first = next((effect.state for effect in outcome.effects if not effect.of_sensor), None)
         return worst if first is None else states.index(first)
     if state not in states:
         raise ValueError(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import sympy
 
-from .effect import Effect
+from ..facts.effect import Effect
 
 __all__ = ["clipped_by_sensors"]
 

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from ..evidence.rejected import Rejected
+from ..facts.outcome import Outcome
 from .cautions import cautions
 from .slow_states import slow_rest
 from .units import percent
-
-if TYPE_CHECKING:
-    from ..evidence.rejected import Rejected
-    from .report import LoopReport
 
 __all__ = ["remains"]
 
@@ -20,73 +16,75 @@ NEGLIGIBLE = 1e-3  # share of the explainable error; a candidate that removes le
 MIN_CHANCE_P_VALUE = 0.5  # p-value from which on the best candidate is no better than chance
 
 
-def remains(report: LoopReport) -> list[str]:
+def remains(outcome: Outcome) -> list[str]:
     """Return sentences: the best candidate that did not pass, remaining structure, cautions."""
-    sentences = [_best_rejected(report)] if report.finished or report.rejected is not None else []
-    if report.verdict == "untraced" and report.chance_left < 1.0:
+    sentences = (
+        [_best_rejected(outcome)] if outcome.finished or outcome.rejected is not None else []
+    )
+    if outcome.verdict == "untraced" and outcome.chance_left < 1.0:
         sentences.append(
             "A general model, polynomials of all variables and the recent past of the inputs, "
             "predicts the residual better than it does in twins: the residual depends on the "
             "measured variables. Possible causes: a delay, a memory, an unmeasured variable, "
             "columns that were filtered differently, or, in a closed loop, noise of a sensor that "
-            f"the controller passed on to an input.{slow_rest(report)}"
+            f"the controller passed on to an input.{slow_rest(outcome)}"
         )
-    sentences += cautions(report)
-    if not report.finished:
-        sentences.append(_unfinished(report))
+    sentences += cautions(outcome)
+    if not outcome.finished:
+        sentences.append(_unfinished(outcome))
     return sentences
 
 
-def _unfinished(report: LoopReport) -> str:
+def _unfinished(outcome: Outcome) -> str:
     """Say why the search did not come to its end."""
-    if not report.shows_motion:
+    if not outcome.shows_motion:
         return "No effect was looked for: the records are smoothed so much that they show none."
-    if report.rules.max_effects == 0:
+    if outcome.rules.max_effects == 0:
         return "No effect was looked for, as max_effects is 0."
-    why = "was interrupted" if report.interrupted else "reached max_effects"
+    why = "was interrupted" if outcome.interrupted else "reached max_effects"
     return f"The search stopped early: it {why}."
 
 
-def _best_rejected(report: LoopReport) -> str:
+def _best_rejected(outcome: Outcome) -> str:
     """Say which candidate that did not pass was the best, and why it did not pass."""
-    best = report.rejected
+    best = outcome.rejected
     if best is None:
         return "No other effect improves the model on parts of the record it was not fitted on."
     is_tested = not np.isnan(best.p_value)
     if not is_tested and best.share < NEGLIGIBLE:
         least = percent(100 * NEGLIGIBLE)
         return f"No other effect would remove {least} of the error that could be explained."
-    further = "a further " if any(best.name == effect.name for effect in report.effects) else ""
-    name = f"{further}{best.name} in the equation of {_equations(report)}"
+    further = "a further " if any(best.name == effect.name for effect in outcome.effects) else ""
+    name = f"{further}{best.name} in the equation of {_equations(outcome)}"
     n_twins = len(best.twin_scores)
     count = f"{round(best.p_value * (1 + n_twins)) - 1} of {n_twins}" if is_tested else ""
     if is_tested and best.p_value >= MIN_CHANCE_P_VALUE:
         return (
             f"No other effect stands out: {count} twins, in which nothing is missing, show one as "
-            f"good as the best one here, {name} ({_p_value(best, report)})."
+            f"good as the best one here, {name} ({_p_value(best, outcome)})."
         )
     said = f"The strongest candidate that did not pass is {name}: "
     if is_tested:
         said += f"{count} twins, in which nothing is missing, show an effect as good "
-        said += f"({_p_value(best, report)})"
+        said += f"({_p_value(best, outcome)})"
     if is_tested and not best.p_value <= best.level:
         return f"{said}."
     said += ", but " if is_tested else ""
     said += f"it would remove {percent(100 * best.share)} of the error that could be explained"
-    if best.share < report.rules.min_share:
-        said += f", less than min_share asks for ({100 * report.rules.min_share:g} %)"
+    if best.share < outcome.rules.min_share:
+        said += f", less than min_share asks for ({100 * outcome.rules.min_share:g} %)"
     return f"{said}."
 
 
-def _p_value(best: Rejected, report: LoopReport) -> str:
+def _p_value(best: Rejected, outcome: Outcome) -> str:
     """Return the p-value; with the level of the look if only that, not significance, rejects it."""
     text = f"p = {best.p_value:.2g}"
-    if best.level < best.p_value <= report.rules.significance:
+    if best.level < best.p_value <= outcome.rules.significance:
         text += f"; several looks share the significance, and this one asks for {best.level:.2g}"
     return text
 
 
-def _equations(report: LoopReport) -> str:
+def _equations(outcome: Outcome) -> str:
     """Return the states whose equations the best rejected candidate would enter."""
-    group = () if report.rejected is None else report.rejected.tried.group
-    return ", ".join(dict.fromkeys(report.before.model.states[one.state] for one in group))
+    group = () if outcome.rejected is None else outcome.rejected.tried.group
+    return ", ".join(dict.fromkeys(outcome.before.model.states[one.state] for one in group))

@@ -1,9 +1,9 @@
-"""The report of the loop: equations and errors before and after, and each effect's evidence."""
+"""The report of the loop: its outcome, and all that prints, draws and simulates it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,27 +11,22 @@ from typing import Any
 import numpy as np
 import pysindy as ps
 
-from ...equations import Equations
 from ...hidden_states.memory_equations import MemoryEquations
 from ...signals import Record
 from ...warn import warn
-from ..evidence.rejected import Rejected
+from ..facts.outcome import Outcome
 from ..fitting.runs import free_run
-from ..given.design import Design
 from ..given.held import held_like
-from ..given.rules import Rules
-from .effect import Effect, Errors, Step
 from .experiment import Plan, plan
 from .readings import clipped_by_sensors
-from .residuals import residual_of
 from .sindy import as_sindy
 from .text import as_markdown, as_text
 
-__all__ = ["Effect", "Errors", "LoopReport", "Step"]
+__all__ = ["LoopReport", "report_of"]
 
 
 @dataclass(frozen=True, eq=False)
-class LoopReport:
+class LoopReport(Outcome):
     """The effects that a declared model lacks, and the errors without and with them.
 
     Attributes
@@ -66,32 +61,6 @@ class LoopReport:
         False if the user's derivatives were smoothed so much that no effect was looked for.
     """
 
-    verdict: str
-    effects: list[Effect]
-    before: Errors
-    after: Errors
-    steps: list[Step]
-    train: tuple[Record, ...]
-    test: tuple[Record, ...]
-    finished: bool
-    rules: Rules
-    design: Design
-    rejected: Rejected | None = None
-    chance_left: float = 1.0
-    found_held: tuple[int, ...] = ()
-    shows_motion: bool = True
-    interrupted: bool = False
-
-    @property
-    def equations(self) -> Equations:
-        """The corrected model."""
-        return self.after.model
-
-    @property
-    def leaves_structure(self) -> bool:
-        """Whether the residual of the corrected model still has structure, beside the effects."""
-        return self.verdict == "traced" and self.chance_left <= self.rules.level
-
     @cached_property
     def model(self) -> ps.SINDy:
         """The corrected model as a fitted SINDy model; time, if needed, is its last input.
@@ -111,16 +80,6 @@ class LoopReport:
                 f"{changed}. Shift the input, or use LoopReport.simulate.",
             )
         return as_sindy(self.equations)
-
-    @property
-    def residual_before(self) -> list[np.ndarray]:
-        """x_dot minus the declared model, for each held-out record; zero on rows not `seen`."""
-        return [residual_of(self.before.model, record) for record in self.test]
-
-    @property
-    def residual_after(self) -> list[np.ndarray]:
-        """x_dot minus the corrected model, for each held-out record; zero on rows not `seen`."""
-        return [residual_of(self.after.model, record) for record in self.test]
 
     def simulate(self, record: Record) -> np.ndarray:
         """Run the corrected model freely over a record.
@@ -245,3 +204,8 @@ class LoopReport:
         from .plot import plot_residuals
 
         return plot_residuals(self, state, units)
+
+
+def report_of(outcome: Outcome) -> LoopReport:
+    """Return the report of an outcome."""
+    return LoopReport(**{one.name: getattr(outcome, one.name) for one in fields(outcome)})

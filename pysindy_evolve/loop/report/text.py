@@ -4,23 +4,21 @@ from __future__ import annotations
 
 from itertools import groupby
 from textwrap import fill, indent
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...export import format_equations, format_expression, format_number
 from ...export.hinges import as_hinges
+from ..facts.effect import Effect, Errors, Step
+from ..facts.outcome import Outcome
 from .advice import paragraphs
 from .effect_text import evidence, sentence
+from .experiment import plan
 from .interval_text import ends, value_within
 from .missed import NOTABLE_NRMSE
 from .remains import remains
 from .unexplained import unexplained
 from .units import percent_cell
-
-if TYPE_CHECKING:
-    from .effect import Effect, Errors, Step
-    from .report import LoopReport
 
 __all__ = [
     "as_markdown",
@@ -57,31 +55,33 @@ NOT_ALL = (
 )
 
 
-def verdict_of(report: LoopReport) -> str:
+def verdict_of(outcome: Outcome) -> str:
     """Return the verdict in a sentence."""
-    if report.verdict == "complete" and unexplained(report):
-        return MUCH_LEFT if report.rules.max_effects else NOT_LOOKED
-    runs_off = float(np.max(report.after.simulation_error)) >= NOTABLE_NRMSE
-    if report.verdict == "traced" and runs_off and unexplained(report):
+    if outcome.verdict == "complete" and unexplained(outcome):
+        return MUCH_LEFT if outcome.rules.max_effects else NOT_LOOKED
+    runs_off = float(np.max(outcome.after.simulation_error)) >= NOTABLE_NRMSE
+    if outcome.verdict == "traced" and runs_off and unexplained(outcome):
         return IN_PART
-    if report.leaves_structure:
+    if outcome.leaves_structure:
         return NOT_ALL
-    return VERDICTS[report.verdict]
+    return VERDICTS[outcome.verdict]
 
 
-def as_text(report: LoopReport) -> str:
+def as_text(outcome: Outcome) -> str:
     """Return the report as plain text."""
     parts = [
-        fill(f"Verdict: {verdict_of(report)}", 96),
-        "Declared model, fitted\n" + indent(_model(report.before), "    "),
+        fill(f"Verdict: {verdict_of(outcome)}", 96),
+        "Declared model, fitted\n" + indent(_model(outcome.before), "    "),
     ]
-    if report.effects:
-        lines = "\n".join([_model(report.after), *note_on_shared_terms(report), *readings(report)])
+    if outcome.effects:
+        lines = "\n".join(
+            [_model(outcome.after), *note_on_shared_terms(outcome), *readings(outcome)]
+        )
         parts.append("Corrected model\n" + indent(lines, "    "))
-    parts.append(_table(report))
-    symbols = report.equations.inner_symbols
-    parts += [sentence(i, effect, symbols) for i, effect in enumerate(report.effects, 1)]
-    said = (*p_of_effects(report), *p_of_rivals(report), *remains(report))
+    parts.append(_table(outcome))
+    symbols = outcome.equations.inner_symbols
+    parts += [sentence(i, effect, symbols) for i, effect in enumerate(outcome.effects, 1)]
+    said = (*p_of_effects(outcome), *p_of_rivals(outcome), *remains(outcome))
     parts += [fill(line, 96) for line in said]
     return "\n\n".join(parts)
 
@@ -97,30 +97,30 @@ def _model(errors: Errors) -> str:
     return "\n".join(line for line in lines if line)
 
 
-def note_on_shared_terms(report: LoopReport) -> list[str]:
+def note_on_shared_terms(outcome: Outcome) -> list[str]:
     """Say so where the equations do not show an effect as it is printed below, but a sum.
 
     With a varying inertia they show none as printed; the line of that effect says so.
     """
-    if any(effect.written for effect in report.effects):
+    if any(effect.written for effect in outcome.effects):
         return []
-    before, after = report.before.model, report.after.model
+    before, after = outcome.before.model, outcome.after.model
     declared = {(before.states[k], before.terms[j]) for k, j in np.argwhere(before.coef != 0.0)}
     sides = dict(zip(after.states, map(as_hinges, after.sums), strict=True))
     added = {
         (effect.state, product)
-        for effect in report.effects
+        for effect in outcome.effects
         for expression in (() if effect.quantities else effect.expressions)
         for _, product in as_hinges(expression).parts
     }
     shown = {(state, product) for state, side in sides.items() for _, product in side.parts}
     said = "Where an effect below has a term in common with the rest, the equations show the sum."
-    return [said] if report.after.parameters and (declared & added or added - shown) else []
+    return [said] if outcome.after.parameters and (declared & added or added - shown) else []
 
 
-def readings(report: LoopReport) -> list[str]:
+def readings(outcome: Outcome) -> list[str]:
     """Return a line for each sensor that clips."""
-    clipped = (effect for effect in report.effects if effect.of_sensor)
+    clipped = (effect for effect in outcome.effects if effect.of_sensor)
     return [f"The sensor of {one.state} shows {format_expression(one.term)}" for one in clipped]
 
 
@@ -145,9 +145,9 @@ def free_parameters(errors: Errors) -> str:
 HEADLINE = "Errors on held-out data, % of the standard deviation (NRMSE)"
 
 
-def _table(report: LoopReport) -> str:
+def _table(outcome: Outcome) -> str:
     """Return both errors before and after every step, one column for each state."""
-    head, rows = table_cells(report)
+    head, rows = table_cells(outcome)
     width = max(len(name) for name, _ in rows) + 4
     columns = zip(head, *(cells for _, cells in rows), strict=True)
     widths = [max(16, *(len(text) + 2 for text in column)) for column in columns]
@@ -158,15 +158,15 @@ def _table(report: LoopReport) -> str:
     return "\n".join(lines)
 
 
-def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str]]]]:
+def table_cells(outcome: Outcome) -> tuple[list[str], list[tuple[str, list[str]]]]:
     """Return the titles of the columns, and name and values of each row."""
-    states = report.before.model.states  # without hidden ones, which have no measured error
-    stages = [("declared", report.before)]
-    for _, group in groupby(report.steps, key=lambda step: id(step.errors)):
+    states = outcome.before.model.states  # without hidden ones, which have no measured error
+    stages = [("declared", outcome.before)]
+    for _, group in groupby(outcome.steps, key=lambda step: id(step.errors)):
         added = list(group)
-        stages.append(("+ " + ", ".join(_label(step, report) for step in added), added[0].errors))
-    rated = [i for i in range(len(states)) if _is_rated(report, i)]
-    if report.before.model.n_algebraic:  # nothing is differentiated, and nothing runs
+        stages.append(("+ " + ", ".join(_label(step, outcome) for step in added), added[0].errors))
+    rated = [i for i in range(len(states)) if _is_rated(outcome, i)]
+    if outcome.before.model.n_algebraic:  # nothing is differentiated, and nothing runs
         head = [f"{states[i]}, averaged" for i in rated] + list(states)
     else:
         head = [f"d{states[i]}/dt" for i in rated] + [f"{state} free run" for state in states]
@@ -177,22 +177,22 @@ def table_cells(report: LoopReport) -> tuple[list[str], list[tuple[str, list[str
     return head, rows
 
 
-def _label(step: Step, report: LoopReport) -> str:
+def _label(step: Step, outcome: Outcome) -> str:
     """Return the name of an effect; with its state, if another step added one of the same name."""
-    is_alone = sum(other.name == step.name for other in report.steps) == 1
+    is_alone = sum(other.name == step.name for other in outcome.steps) == 1
     return step.name if is_alone else f"{step.name} ({step.state})"
 
 
-def _is_rated(report: LoopReport, index: int) -> bool:
+def _is_rated(outcome: Outcome, index: int) -> bool:
     """Tell whether an equation has an error; one such as q' = v has none by definition."""
-    return bool(report.before.derivative_error[index] > 0.0)
+    return bool(outcome.before.derivative_error[index] > 0.0)
 
 
-def p_of_effects(report: LoopReport) -> list[str]:
+def p_of_effects(outcome: Outcome) -> list[str]:
     """Explain the p-value of effects, if there are any, and how small it can be."""
-    if not report.effects:
+    if not outcome.effects:
         return []
-    fewest = min(len(effect.twin_scores) for effect in report.effects)
+    fewest = min(len(effect.twin_scores) for effect in outcome.effects)
     return [
         "p of an effect: how often the same search finds one as good in twins, which are simulated "
         f"records in which nothing is missing. {1.0 / (1 + fewest):.2g} is the smallest that "
@@ -200,10 +200,10 @@ def p_of_effects(report: LoopReport) -> list[str]:
     ]
 
 
-def p_of_rivals(report: LoopReport) -> list[str]:
+def p_of_rivals(outcome: Outcome) -> list[str]:
     """Explain the p-value of alternatives, if any has one; another form of an effect has none."""
     has_rivals = any(
-        rival.name != effect.name for effect in report.effects for rival in effect.rivals
+        rival.name != effect.name for effect in outcome.effects for rival in effect.rivals
     )
     said = (
         "p of an alternative: how often chance alone would count against it as strongly if it were "
@@ -212,27 +212,29 @@ def p_of_rivals(report: LoopReport) -> list[str]:
     return [said] if has_rivals else []
 
 
-def as_markdown(report: LoopReport) -> str:
+def as_markdown(outcome: Outcome) -> str:
     """Return the report as Markdown."""
     parts = [
-        f"**Verdict:** {verdict_of(report)}",
-        f"Declared model, fitted:\n\n{_code(_model(report.before))}",
+        f"**Verdict:** {verdict_of(outcome)}",
+        f"Declared model, fitted:\n\n{_code(_model(outcome.before))}",
     ]
-    if report.effects:
-        text = "\n".join([_model(report.after), *note_on_shared_terms(report), *readings(report)])
+    if outcome.effects:
+        text = "\n".join(
+            [_model(outcome.after), *note_on_shared_terms(outcome), *readings(outcome)]
+        )
         parts.append(f"Corrected model:\n\n{_code(text)}")
-    head, rows = table_cells(report)
+    head, rows = table_cells(outcome)
     lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
     lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
     parts.append("\n".join(lines))
-    for effect in report.effects:
-        facts = [*evidence(effect, report.equations.inner_symbols, wide=True), _twins(effect)]
+    for effect in outcome.effects:
+        facts = [*evidence(effect, outcome.equations.inner_symbols, wide=True), _twins(effect)]
         name = f"### {effect.name} in {effect.place}"
         parts.append("\n".join([name, "", *(f"- {_shielded(fact)}" for fact in facts)]))
-    parts += map(_shielded, (*p_of_effects(report), *p_of_rivals(report)))
-    parts.append("\n\n".join(["### What remains", *map(_shielded, remains(report))]))
-    if plan := paragraphs(report.suggest_experiment()):
-        advice = [f"- **{question}** {answer}" for question, answer in plan]
+    parts += map(_shielded, (*p_of_effects(outcome), *p_of_rivals(outcome)))
+    parts.append("\n\n".join(["### What remains", *map(_shielded, remains(outcome))]))
+    if experiments := paragraphs(plan(outcome)):
+        advice = [f"- **{question}** {answer}" for question, answer in experiments]
         parts.append("\n".join(["### What to measure next", "", *map(_shielded, advice)]))
     return "\n\n".join(parts) + "\n"
 

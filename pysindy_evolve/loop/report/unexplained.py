@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ...hidden_states.memory_equations import as_acting
 from ..evidence.noise_floor import noise_alone
-from .residuals import in_percent, percent_left
+from ..facts.outcome import Outcome
+from ..facts.residuals import in_percent, percent_left
 from .units import percent
-
-if TYPE_CHECKING:
-    from .report import LoopReport
 
 __all__ = ["unexplained"]
 
@@ -23,12 +19,12 @@ NOISE_RATIO = 3.0  # least ratio to the error that sensor noise causes, which is
 SEED = 0  # for the simulated noise, so that a report always says the same
 
 
-def unexplained(report: LoopReport) -> list[str]:
+def unexplained(outcome: Outcome) -> list[str]:
     """Name the derivative whose residual exceeds the effect of sensor noise by the largest factor.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         What the loop found.
 
     Returns
@@ -37,13 +33,13 @@ def unexplained(report: LoopReport) -> list[str]:
         A few sentences; none if noise explains the residuals, or the free run over the held-out
         data follows it.
     """
-    model = report.after.model
-    if np.max(report.after.simulation_error) < RUN_FOLLOWS:
+    model = outcome.after.model
+    if np.max(outcome.after.simulation_error) < RUN_FOLLOWS:
         return []
-    if model.n_algebraic or any(record.preparation is None for record in report.train):
+    if model.n_algebraic or any(record.preparation is None for record in outcome.train):
         return []
-    errors = percent_left(model, report.train)
-    by_noise = in_percent(_noise(report), report.train)
+    errors = percent_left(model, outcome.train)
+    by_noise = in_percent(_noise(outcome), outcome.train)
     worst = int(np.argmax(np.where(errors > LEAST_ERROR, errors / np.maximum(by_noise, 1e-9), 0.0)))
     if not errors[worst] > max(LEAST_ERROR, NOISE_RATIO * by_noise[worst]):  # also false for NaN
         return []
@@ -55,8 +51,8 @@ def unexplained(report: LoopReport) -> list[str]:
     ]
 
 
-def _noise(report: LoopReport) -> np.ndarray:
+def _noise(outcome: Outcome) -> np.ndarray:
     """Return the residual that sensor noise alone causes, all records stacked, (n, n_states)."""
-    model, rng = report.after.model, np.random.default_rng(SEED)
-    drawn = (noise_alone(*as_acting(model, record), rng) for record in report.train)
+    model, rng = outcome.after.model, np.random.default_rng(SEED)
+    drawn = (noise_alone(*as_acting(model, record), rng) for record in outcome.train)
     return np.concatenate([columns for columns in drawn if columns is not None])

@@ -11,7 +11,7 @@ from ..effects.candidate import Candidate
 from ..effects.varying import hyperbolas, parabolas
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.ranking import Score
-from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, score, tuned
+from ..evidence.scoring import EXTRA_LEAD_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 
@@ -63,6 +63,6 @@ def _best(
     bent = [tuned(option, design, part) for option in first.values()]
     ranked = score(design, part, [found, *bent, *parabolas(found, design)], pairs=False)
     values = {scored.group[0]: scored.value for scored in ranked}
-    least = values.get(found, np.inf) + HIDDEN_STATE_LEAD_LOG  # it has one more number
+    least = values.get(found, np.inf) + EXTRA_LEAD_LOG  # it has one more number
     best = next(iter(ranked), None)  # none where the model's columns can say all of them
     return best if best is not None and best.group[0] in bent and best.value > least else None

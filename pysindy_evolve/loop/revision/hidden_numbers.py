@@ -21,7 +21,7 @@ from ...signals import Record
 from ...terms import Call
 from ..effects.followers import is_sound
 from ..evidence.findings import Finding, excluding, with_findings
-from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, tuned
+from ..evidence.scoring import EXTRA_LEAD_LOG, tuned
 from ..fitting.fit import refit
 from ..fitting.shooting import fit_to_runs, gains_of_runs
 from ..fitting.unfolding import (
@@ -158,7 +158,7 @@ def _better_runs(few: Design, many: Design, records: Sequence[Record]) -> bool:
     if few.algebraic:  # there are no free runs
         return True
     runs, derivative = gains_of_runs(few, many, records)
-    return runs >= HIDDEN_STATE_LEAD_LOG and derivative > 0.0
+    return runs >= EXTRA_LEAD_LOG and derivative > 0.0
 
 
 def _retuned(

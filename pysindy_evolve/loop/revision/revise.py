@@ -12,7 +12,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.stops import begun_at_same
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
-from ..evidence.scoring import HIDDEN_STATE_LEAD_LOG, MIN_GAIN_LOG, PRICE_PER_NODE_LOG, score, tuned
+from ..evidence.scoring import EXTRA_LEAD_LOG, MIN_GAIN_LOG, PRICE_PER_NODE_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 from .marginality import without_parents
@@ -46,7 +46,7 @@ def exchange(
         better, n_present = scores[0].group[0], finding.candidate.n_columns
         # To replace a straight line, or to add coefficients, an effect must do much better.
         least = PRICE_PER_NODE_LOG if finding.candidate.is_straight else MIN_GAIN_LOG
-        least += HIDDEN_STATE_LEAD_LOG * max(better.n_columns - n_present, 0)
+        least += EXTRA_LEAD_LOG * max(better.n_columns - n_present, 0)
         if scores[0].value > present.value + least:
             exchanged = finding.with_candidate(better, design)
             findings[place] = replace(exchanged, score=scores[0].value)

@@ -1,7 +1,7 @@
 """The search for what a model lacks: its looks, their order, and what they have found.
 
 `look_for_effects.py` is where to begin. It looks at names, at names again where inputs turn out to
-be held, at runs, at grown terms, and at runs again.
+be held, at runs, at grown terms, and then holds all that was found against runs.
 
 ===================  ====================================================================
 look_for_effects     calls all looks in their order, and begins again where it must
@@ -10,8 +10,9 @@ looks
 look_at_names        names of the vocabulary, and memories of inputs
 holding              inputs that turn out to be held between their samples
 input_functions      inputs that jump, and act through functions that were found
-look_at_runs         what only free runs show, and what they say of all that was found
+look_at_runs         what has a name, or remembers, and shows in nothing but free runs
 look_at_grown_terms  terms without a name, where no name explains what is left
+hold_against_runs    all that was found held against free runs, and what these show besides
 ===================  ====================================================================
 
 A look takes what was `Found`, and yields what is known after each of its steps, so that an

@@ -54,11 +54,15 @@ def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
             if not _relaxes(found, known):
                 yield found  # growing takes long, and may be interrupted
             found = _or_grown(found, known, new, rng)
-        if len(found.findings) <= len(known.findings):
-            break  # a memory goes where records begin otherwise
+        # A memory may have gone: where records begin otherwise, nothing speaks for it.
+        nothing_came_in = len(found.findings) <= len(known.findings)
+        if nothing_came_in:
+            break
         found = _if_needed(_exchanged(found), known)
-        if len(new) > 1 or len(memories_in(found.findings)) == len(memories_in(known.findings)):
-            found = _tuned(found)  # or what is wrong with one would be named as another one
+        has_new_memory = len(memories_in(found.findings)) != len(memories_in(known.findings))
+        if len(new) > 1 or not has_new_memory:  # a new one alone was tuned when it was found
+            # Now, or what is wrong with the numbers of a memory would be named as another effect.
+            found = _tuned(found)
         yield found
     yield _pruned(found)
 

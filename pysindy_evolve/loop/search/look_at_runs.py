@@ -1,4 +1,4 @@
-"""What only free runs show, and what they say of all that was found."""
+"""What only free runs show: named effects, and what remembers."""
 
 from __future__ import annotations
 
@@ -6,29 +6,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..effects.names import EVOLVED
 from ..evidence.offers import after_settling
-from ..free_runs.comparison import exchanged_by_runs
-from ..free_runs.contenders import Pool
-from ..free_runs.judging import model_of
 from ..free_runs.named_effects import find_by_runs
-from ..free_runs.one_for_several import one_for_several
-from ..free_runs.sensor_limits import clipped_sensors
-from ..free_runs.shared_tuning import numbers_by_runs, shared_by_runs
-from ..free_runs.two_for_one import two_for_one
-from ..free_runs.unnamed import find_unnamed
+from ..free_runs.shared_tuning import numbers_by_runs
 from ..memories.chains import with_trades_done
 from ..memories.find import with_kinds_rechosen
-from ..revision.errors_in_inputs import without_errors_in_inputs
-from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
-from ..revision.noise_in_runs import without_noise_in_runs
-from ..revision.revise import exchange, merged, prune
-from ..revision.superseded import without_superseded
-from ..revision.thinning import thinned
+from ..revision.revise import merged
 from .found import Found
 from .holding import without_holds
 
-__all__ = ["find_in_runs", "hold_against_runs"]
+__all__ = ["find_in_runs", "of_kinds_again"]
 
 
 def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
@@ -65,101 +52,12 @@ def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
             return
         findings = with_trades_done([*found.findings, *new])
         found = (found.with_past_inputs(pasts) if pasts else found).with_findings(findings)
-        found = _of_kinds_again(found, child)
+        found = of_kinds_again(found, child)
     yield found
 
 
-def hold_against_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
-    """Hold all that was found against free runs, and add what these show besides.
-
-    Parameters
-    ----------
-    found : Found
-        What was found so far.
-    rng : numpy.random.Generator
-        Source of all randomness.
-
-    Yields
-    ------
-    Found
-        After each step.
-    """
-    if not found.runs_tell_more:
-        return
-    steps = (_with_unnamed, _without_superfluous, _held_against_rivals, _without_noise, _clipped)
-    for step in steps:
-        found = step(found, rng)
-        yield found
-
-
-def _of_kinds_again(found: Found, rng: np.random.Generator) -> Found:
+def of_kinds_again(found: Found, rng: np.random.Generator) -> Found:
     """Ask of what kind the memories are that were found before what runs showed."""
     part = after_settling(found.design, found.pieces)
     level = found.rules.significance
     return found.with_findings(with_kinds_rechosen(found.findings, found.design, part, level, rng))
-
-
-def _with_unnamed(found: Found, rng: np.random.Generator) -> Found:
-    """Add terms without a name, such as products of hidden states, that only runs show."""
-    child = rng.spawn(1)[0]
-    if found.remembers_states:
-        return found
-    look = find_unnamed(
-        found.declared,
-        found.findings,
-        found.records,
-        found.wide_records,
-        found.small_terms(),
-        found.rules,
-        child,
-    )
-    more = found.with_rejected(look.rejected).with_findings(look.found)
-    return _of_kinds_again(more, child) if len(look.found) > len(found.findings) else more
-
-
-def _without_superfluous(found: Found, rng: np.random.Generator) -> Found:
-    """Drop what grown terms made superfluous, once each has the name that is right by now."""
-    findings = exchange(found.declared, found.findings, found.corrected_pieces)
-    kept = prune(found.declared, findings, found.corrected_pieces)
-    if not found.remembers_states:
-        kept = without_superseded(found.declared, kept, found.records, found.wide_records)
-    left = found.with_findings(kept)
-    return left.with_findings(thinned(left.declared, kept, left.corrected_pieces))
-
-
-def _held_against_rivals(found: Found, rng: np.random.Generator) -> Found:
-    """Let each effect hold its place against those that come closest to it."""
-    declared, records = found.declared, found.records
-    if found.remembers_states:
-        acted = found.corrected_pieces.records
-        findings = with_numbers_of_runs(declared, found.findings, acted)
-        return found.with_findings(needed_by_runs(declared, findings, acted))
-    model, part, rules = found.bare_model, found.corrected_pieces, found.rules
-    grown = [c for c in found.grown.terms if c.name == EVOLVED]
-    findings = shared_by_runs(model, found.findings, records)
-    pool = Pool(grown, found.small_terms(), part, rules.notable_gain)
-    findings = one_for_several(model, findings, pool, records)
-    findings = two_for_one(model, findings, records, part, rules)
-    findings = exchanged_by_runs(model, findings, pool, records, rules)
-    findings = shared_by_runs(model, findings, records)  # what won may have partners
-    return found.with_findings(prune(declared, findings, part))
-
-
-def _without_noise(found: Found, rng: np.random.Generator) -> Found:
-    """Drop what errors in the readings of inputs, or their noise in runs, explain as well."""
-    child = rng.spawn(1)[0]
-    declared, part = found.declared, found.corrected_pieces
-    findings = without_errors_in_inputs(declared, found.findings, found.wide_records, part, child)
-    if not found.remembers_states:
-        findings = without_noise_in_runs(declared, findings, found.records, child)
-    return found.with_findings(prune(declared, findings, part))
-
-
-def _clipped(found: Found, rng: np.random.Generator) -> Found:
-    """Add the ends of the ranges of sensors, at which only the readings stop."""
-    if not found.has_room:
-        return found
-    model = model_of(found.declared, found.findings)
-    return found.with_findings(
-        clipped_sensors(model, found.findings, found.records, found.rules, rng)
-    )

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from .found import Found
+from .hold_against_runs import hold_against_runs
 from .holding import with_holds
 from .input_functions import through_functions
 from .look_at_grown_terms import grow_terms
 from .look_at_names import find_named, tune_memories
-from .look_at_runs import find_in_runs, hold_against_runs
+from .look_at_runs import find_in_runs
 
 __all__ = ["look_for_effects"]
 

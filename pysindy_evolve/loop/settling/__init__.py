@@ -19,7 +19,7 @@ bias             removes from coefficients what sensor noise adds to them
 quantities       delays, time constants and limits, with their intervals
 shape_intervals  intervals of the numbers inside effects
 described        effects in words, with the share of the error that each explains
-assembly         the report, made from all stages together
+assembly         the outcome, made from all stages together
 withdrawn
 doubtful         an effect whose interval contains zero
 transfer         an effect that differs from record to record

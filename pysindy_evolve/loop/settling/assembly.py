@@ -1,4 +1,4 @@
-"""From what was found to the report of it: each effect with its numbers, errors after each step."""
+"""From what was found to the outcome: each effect with its numbers, errors after each step."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding
 from ..evidence.rivals import Rival
 from ..evidence.scoring import columns_of
+from ..facts.effect import Effect, Step
+from ..facts.outcome import Outcome
 from ..fitting.fit import refit
 from ..given.design import Design
 from ..given.rules import Rules
-from ..report.effect import Effect, Step
-from ..report.report import LoopReport
 from .described import described, total
 from .quantities import (
     with_intervals,
@@ -28,19 +28,20 @@ from .quantities import (
 )
 from .stages import Stage, fitted_stages
 
-__all__ = ["make_report"]
+__all__ = ["assembled"]
 
 
-def make_report(
+def assembled(
     declared: Design,
     findings: Sequence[Finding],
     train: Sequence[Record],
     test: Sequence[Record],
     verdict: str,
-    finished: bool,
     rules: Rules,
     rng: np.random.Generator,
-) -> LoopReport:
+    *,
+    finished: bool,
+) -> Outcome:
     """Fit each stage on all training rows and judge it on held-out records."""
     is_complete = verdict == "complete"
     stages = fitted_stages(declared, findings, train, test, rules, rng, is_complete=is_complete)
@@ -51,7 +52,7 @@ def make_report(
         for stage in stages
         for finding in stage.new
     ]
-    return LoopReport(
+    return Outcome(
         verdict,
         _numbered(effects, len(declared.columns), last, train, test, rng),
         before=first.errors,
@@ -93,7 +94,7 @@ def _numbered(
         own = slice(place, place + len(finding.columns))
         numbered.append(_with_numbers(effect, finding, own, last, train, test, rng))
         place = own.stop
-    if last.is_fitted_to_runs and last.memories:
+    if last.has_memories_of_runs:
         coef = last.fitted.coef
         return with_intervals(numbered, last.findings, last.design, coef, train, rng)
     return numbered

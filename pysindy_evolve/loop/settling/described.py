@@ -18,9 +18,9 @@ from ..effects.entries import AS_INPUT, entered
 from ..effects.names import INERTIA
 from ..evidence.findings import Finding, memories_in
 from ..evidence.rivals import Rival
+from ..facts.effect import Alternative, Effect
 from ..fitting.fit import derivative_fit_errors
 from ..given.design import Design
-from ..report.effect import Alternative, Effect
 from .stages import Stage
 
 __all__ = ["described", "total"]

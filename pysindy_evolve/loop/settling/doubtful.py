@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed
+from ..facts.effect import Effect
 from ..given.design import Design
-from ..report.effect import Effect
 
 __all__ = ["most_doubtful"]
 

@@ -9,6 +9,7 @@ import numpy as np
 from ...hidden_states.memory import Memory, with_memories_applied
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record, choose_windows
+from ..facts.effect import Errors
 from ..fitting.fit import Fit, derivative_errors, fit
 from ..fitting.past import rates_on, with_estimated_past
 from ..fitting.runs import simulation_errors
@@ -16,7 +17,6 @@ from ..fitting.shooting import fit_by_shooting
 from ..free_runs.memory_tuning import fit_by_runs
 from ..given.design import Design
 from ..given.rules import Rules
-from ..report.effect import Errors
 from .bias import unbiased
 
 __all__ = ["judge"]

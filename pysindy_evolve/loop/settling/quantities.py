@@ -13,6 +13,7 @@ from ...equations import Equations
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding, memories_in
+from ..facts.effect import Effect, Errors
 from ..fitting.runs import free_run
 from ..free_runs.memory_tuning import intervals_by_runs
 from ..free_runs.variants import Model
@@ -20,7 +21,6 @@ from ..given.design import Design
 from ..given.limits import Limit
 from ..given.sensor import limits_of_states, shown
 from ..memories.polish import row_interval
-from ..report.effect import Effect, Errors
 
 __all__ = [
     "with_intervals",

@@ -17,15 +17,14 @@ from ...hidden_states.memory_equations import as_acting
 from ...signals import Record
 from ..evidence.findings import Finding, SensorFinding, excluding, is_needed
 from ..fitting.residual import MAX_GROWTH, jacobian, respond
-from ..fitting.runs import simulation_errors
+from ..fitting.runs import LOST_NRMSE, simulation_errors
 from ..given.segments import segments
 
-__all__ = ["LOST_NRMSE", "last_free", "last_runaway"]
+__all__ = ["last_free", "last_runaway"]
 
 CLOSE_NRMSE = 20.0  # percent NRMSE: a run that misses no more follows its record all along
-FOLLOWING_NRMSE = 50.0  # percent NRMSE: a run that misses no more follows its record ...
-LOST_NRMSE = 100.0  # ... one that misses more than this tells less than the mean of the record ...
-FAR_AWAY_NRMSE = 1e5  # ... and one that only drifts does not miss by so much
+FOLLOWING_NRMSE = 50.0  # percent NRMSE: a run that misses no more follows its record
+FAR_AWAY_NRMSE = 1e5  # percent NRMSE: a run that only drifts does not miss by so much
 N_GROWTH_ROWS = 64  # of a record, at which it is seen how deviations have grown
 
 

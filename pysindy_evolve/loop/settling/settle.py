@@ -1,4 +1,4 @@
-"""Report what was found, and take back what the final fit does not bear out."""
+"""Fit what was found for good, and take back what the final fit does not bear out."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ...signals import Record
 from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, limits_in, memories_in, with_findings
 from ..evidence.offers import after_settling
+from ..facts.held_delays import is_hold_only
+from ..facts.outcome import Outcome
+from ..facts.record_offsets import offsets_by_record
+from ..facts.shared_lines import shared_lines
 from ..given.held import held_like
 from ..given.limits import off_limits
 from ..given.resampled import widened
 from ..memories.polish import polished
-from ..report.held_delays import is_hold_only
-from ..report.record_offsets import offsets_by_record
-from ..report.report import LoopReport
-from ..report.shared_lines import shared_lines
 from ..search.found import Found
-from .assembly import make_report
+from .assembly import assembled
 from .asymmetry import with_asymmetry
 from .contest import with_rivals
 from .dead_zones import with_dead_zones_named
@@ -41,9 +41,9 @@ FLAT_CUTOFF_SHARE = 0.5  # of the cutoff, up to which a low-pass leaves what the
 
 
 def settled(
-    found: Found, test: Sequence[Record], is_whole: bool, rng: np.random.Generator
-) -> LoopReport:
-    """Report what a search found, one effect less as long as one does not stand.
+    found: Found, test: Sequence[Record], rng: np.random.Generator, *, finished: bool
+) -> Outcome:
+    """Return what a search came to, one effect less as long as one does not stand.
 
     Parameters
     ----------
@@ -51,83 +51,84 @@ def settled(
         What the search found.
     test : sequence of Record
         Records to judge on, which decide nothing.
-    is_whole : bool
-        Whether the search came to its end.
     rng : numpy.random.Generator
         Source of all randomness.
+    finished : bool
+        Whether the search came to its end.
 
     Returns
     -------
-    LoopReport
+    Outcome
     """
     while True:
         findings = _with_alternatives(found, rng)
-        report = _reported(found, findings, test, is_whole, rng)
-        if is_hold_only(report):
+        outcome = _judged(found, findings, test, rng, finished=finished)
+        if is_hold_only(outcome):
             found = found.with_holds_for_delays().judged(rng)
             continue
-        gone = _what_falls(found, findings, report)
+        gone = _what_falls(found, findings, outcome)
         if gone is None:
             break
         found = found.without(found.findings[findings.index(gone)]).judged(rng)
     whole = with_findings(found.declared, findings)
-    known = with_numbers_known(report, findings, whole, found.rules, rng.spawn(1)[0])
+    known = with_numbers_known(outcome, findings, whole, found.rules, rng.spawn(1)[0])
     return replace(known, verdict="untraced") if _differs_by_record(known) else known
 
 
-def _reported(
+def _judged(
     found: Found,
     findings: Sequence[Finding],
     test: Sequence[Record],
-    is_whole: bool,
     rng: np.random.Generator,
-) -> LoopReport:
+    *,
+    finished: bool,
+) -> Outcome:
     """Fit all stages and judge them, on records whose low-pass leaves what was found."""
     train, judged = found.records, [held_like(record, found.records) for record in test]
     if not found.declared.algebraic and _is_near_cutoff(findings, found.records):
         train, judged = found.wide_records, widened(judged)
-    report = make_report(
+    outcome = assembled(
         found.declared,
         findings,
         train,
         judged,
         found.verdict,
-        is_whole,
         found.rules,
         rng,
+        finished=finished,
     )
     return replace(
-        report,
+        outcome,
         rejected=found.rejected,
         chance_left=found.chance_left,
         found_held=tuple(sorted(set(found.held) - set(test[0].held))),
     )
 
 
-def _what_falls(found: Found, findings: Sequence[Finding], report: LoopReport) -> Finding | None:
+def _what_falls(found: Found, findings: Sequence[Finding], outcome: Outcome) -> Finding | None:
     """Return the finding to withdraw, if any.
 
     Its interval holds zero, it differs between the records, a random walk would do as well, or runs
     or derivatives are worse with it.
     """
     whole = with_findings(found.declared, findings)
-    gone = most_doubtful(findings, report.effects, whole)
+    gone = most_doubtful(findings, outcome.effects, whole)
     gone = gone or last_untransferred(found.declared, findings, found.corrected_pieces)
     if gone is not None:
         return gone
-    before, after, records = report.before.model, report.after.model, found.records
+    before, after, records = outcome.before.model, outcome.after.model, found.records
     if found.runs_tell_more:
         level = found.rules.significance
-        gone = last_wandering(findings, report.effects, after, records, level)
+        gone = last_wandering(findings, outcome.effects, after, records, level)
     gone = gone or last_runaway(findings, before, after, records)
     return gone or last_worsened(findings, before, after, records)
 
 
-def _differs_by_record(report: LoopReport) -> bool:
+def _differs_by_record(outcome: Outcome) -> bool:
     """Tell whether a complete model leaves mostly what no fixed term can be."""
-    if report.verdict != "complete":
+    if outcome.verdict != "complete":
         return False
-    return any(line.is_most for line in shared_lines(report)) or bool(offsets_by_record(report))
+    return any(line.is_most for line in shared_lines(outcome)) or bool(offsets_by_record(outcome))
 
 
 def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> bool:

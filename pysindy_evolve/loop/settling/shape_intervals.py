@@ -21,13 +21,13 @@ from ..effects.candidate import Shape
 from ..effects.partners import joined, shares_number
 from ..effects.shaping import HALF_SATURATION, tuned_shape
 from ..evidence.findings import Finding, memories_in
+from ..facts.effect import Effect, Errors
+from ..facts.outcome import Outcome
 from ..fitting.fit import fit
 from ..free_runs.shape_tuning import slopes_of
 from ..given.design import Column, Design
 from ..given.rows import variables_of
 from ..given.rules import Rules
-from ..report.effect import Effect, Errors
-from ..report.report import LoopReport
 
 __all__ = ["with_numbers_known"]
 
@@ -37,17 +37,17 @@ MIN_RELATIVE_CHANGE = 1e-9  # of the rates: a change that moves them by less is 
 
 
 def with_numbers_known(
-    report: LoopReport,
+    outcome: Outcome,
     findings: Sequence[Finding],
     design: Design,
     rules: Rules,
     rng: np.random.Generator,
-) -> LoopReport:
-    """Return a report whose intervals say what coefficients and numbers may be together.
+) -> Outcome:
+    """Return an outcome whose intervals say what coefficients and numbers may be together.
 
     Parameters
     ----------
-    report : LoopReport
+    outcome : Outcome
         With the intervals that coefficients have if the numbers inside the effects are right.
     findings : sequence of Finding
         Its effects, in the same order.
@@ -60,27 +60,27 @@ def with_numbers_known(
 
     Returns
     -------
-    LoopReport
+    Outcome
         The same one where no effect has numbers in it that were tuned.
     """
     declared = design.dropping(column for finding in findings for column in finding.columns)
     shapes = [_shape_in(finding, design, declared.constants) for finding in findings]
     groups = _sharing(findings, shapes)
     if not groups:
-        return report
-    acted = [with_memories_applied(record, memories_in(findings)) for record in report.train]
-    changes = [_changes(group, findings, shapes, report.effects, design) for group in groups]
+        return outcome
+    acted = [with_memories_applied(record, memories_in(findings)) for record in outcome.train]
+    changes = [_changes(group, findings, shapes, outcome.effects, design) for group in groups]
     flat = [change for those in changes for change in those]
     half = _half_widths(design, flat, acted, rules, rng)
-    effects = _with_wider_coefficients(report.effects, findings, half[: len(design.columns)])
+    effects = _with_wider_coefficients(outcome.effects, findings, half[: len(design.columns)])
     of_numbers = iter(half[len(design.columns) :])
     for group, those in zip(groups, changes, strict=True):
         relative = np.array([next(of_numbers) for _ in those])
         for place in group:
             effects[place] = _with_numbers(effects[place], shapes[place], relative)
-    after = _with_wider_parameters(report.after, half)
-    steps = [replace(s, errors=after) if s.errors is report.after else s for s in report.steps]
-    return replace(report, effects=effects, after=after, steps=steps)
+    after = _with_wider_parameters(outcome.after, half)
+    steps = [replace(s, errors=after) if s.errors is outcome.after else s for s in outcome.steps]
+    return replace(outcome, effects=effects, after=after, steps=steps)
 
 
 def _shape_in(finding: Finding, design: Design, known: Set[float]) -> Shape | None:

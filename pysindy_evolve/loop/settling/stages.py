@@ -11,11 +11,11 @@ import numpy as np
 from ...hidden_states.memory import Memory
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
+from ..facts.effect import Errors
+from ..facts.unidentified import unidentified
 from ..fitting.fit import Fit
 from ..given.design import Design
 from ..given.rules import Rules
-from ..report.effect import Errors
-from ..report.unidentified import unidentified
 from .judge import judge
 
 __all__ = ["Stage", "fitted_stages"]
@@ -51,9 +51,9 @@ class Stage:
         return memories_in(self.findings)
 
     @property
-    def is_fitted_to_runs(self) -> bool:
-        """Whether free runs alone tell some number of it."""
-        return _needs_runs(self.findings)
+    def has_memories_of_runs(self) -> bool:
+        """Whether runs tell memories and coefficients together, so that no interval is its own."""
+        return _needs_runs(self.findings) and bool(self.memories)
 
 
 def fitted_stages(
@@ -90,8 +90,8 @@ def fitted_stages(
     """
     unknown = {name for group in unidentified(declared, train) for name in group}
     fitted, errors = judge(declared, train, test, rules, rng, final=is_complete)
-    errors = _with_parameters(errors, declared, fitted, unknown, sure=is_complete)
-    stages = [Stage((), (), declared, fitted, errors)]
+    first = Stage((), (), declared, fitted, errors)
+    stages = [_with_parameters(first, declared, unknown, sure=is_complete)]
     for _, group in groupby(findings, key=lambda finding: finding.step):
         new = tuple(group)
         known = (*stages[-1].findings, *new)
@@ -100,9 +100,10 @@ def fitted_stages(
         fitted, errors = judge(
             design, train, test, rules, rng, memories, final=is_last, by_runs=by_runs
         )
-        sure = is_last and not (by_runs and memories)
-        errors = _with_parameters(errors, declared, fitted, unknown, sure=sure)
-        stages.append(Stage(new, known, design, fitted, errors))
+        stage = Stage(new, known, design, fitted, errors)
+        # Intervals that take memories as given would be too narrow where runs tell these as well.
+        sure = is_last and not stage.has_memories_of_runs
+        stages.append(_with_parameters(stage, declared, unknown, sure=sure))
     return stages
 
 
@@ -110,15 +111,15 @@ def _needs_runs(findings: Sequence[Finding]) -> bool:
     return any(finding.by_runs and not finding.columns for finding in findings)
 
 
-def _with_parameters(
-    errors: Errors, declared: Design, fitted: Fit, unknown: Set[str], *, sure: bool = False
-) -> Errors:
-    """Return errors with the declared parameters, which are the first columns of every design.
+def _with_parameters(stage: Stage, declared: Design, unknown: Set[str], *, sure: bool) -> Stage:
+    """Return a stage with the declared parameters, which are the first columns of every design.
 
     Unless records do not tell them, final ones have intervals.
     """
+    fitted = stage.fitted
     names = [column.name for column in declared.columns]
     values = {name: float(c) for name, c in zip(names, fitted.coef, strict=False)}
     pairs = zip(names, fitted.intervals, strict=False) if sure else ()
     intervals = {name: interval for name, interval in pairs if name not in unknown}
-    return replace(errors, parameters=values, parameter_intervals=intervals)
+    errors = replace(stage.errors, parameters=values, parameter_intervals=intervals)
+    return replace(stage, errors=errors)

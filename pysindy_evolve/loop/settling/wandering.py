@@ -18,10 +18,10 @@ from ...checks import TINY
 from ...equations import Equations
 from ...signals import Record
 from ..evidence.findings import Finding, excluding, is_needed
+from ..facts.effect import Effect
 from ..fitting.past import derivative_residual
 from ..fitting.random_force import whitening
 from ..given.rows import variables_of
-from ..report.effect import Effect
 
 __all__ = ["last_wandering"]
 

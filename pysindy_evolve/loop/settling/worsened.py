@@ -15,9 +15,9 @@ from ...equations import Equations
 from ...signals import Record
 from ..evidence.findings import Finding
 from ..fitting.past import derivative_residual
-from ..fitting.runs import simulation_errors
+from ..fitting.runs import LOST_NRMSE, simulation_errors
 from ..given.rows import scale_of
-from .runaway import LOST_NRMSE, last_free
+from .runaway import last_free
 
 __all__ = ["last_worsened"]
 

@@ -10,6 +10,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.differences import acting_differences
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.given.ranges import Ranges
+from pysindy_evolve.terms import sub, variable
 
 
 def smooth(t, seed, cutoff):
@@ -205,3 +206,11 @@ def test_a_front_tyre_that_slips_is_one_force_in_two_equations():
     for one, grip in zip(found, (5.0, 4.0), strict=True):
         assert abs(one.coefficients[0]) == pytest.approx(grip, rel=0.03)
         assert list(one.numbers.values()) == pytest.approx([1.0 / 12.0], rel=0.03)
+
+
+def test_surroundings_that_are_measured_but_act_nowhere_take_heat():
+    design = pse.DeclaredModel({"T": "c*u"}, inputs=("u", "Ta")).design()
+    offered = candidates(design, Ranges.about_zero(np.full(4, 3.0)))
+    terms = [c.terms[0] for c in offered if c.name == "coupling"]
+    assert sub(variable(2), variable(0)) in terms
+    assert sub(variable(1), variable(0)) not in terms  # what heats it is no surroundings

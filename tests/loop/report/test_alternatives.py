@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import sympy
 
-from pysindy_evolve.loop.report.effect import Alternative
+from pysindy_evolve.loop.facts.effect import Alternative
 from pysindy_evolve.loop.report.effect_text import alternative, without_rivals
 
 

@@ -13,7 +13,7 @@ from loop_systems import oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.equations import AlgebraicEquations, Equations
 from pysindy_evolve.export.mathml import equations_mathml, expression_mathml
-from pysindy_evolve.loop.report.effect import Alternative
+from pysindy_evolve.loop.facts.effect import Alternative
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import ONE, call, constant, sub, variable
 

@@ -7,7 +7,7 @@ import pytest
 from loop_systems import equations_of, multisine, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.report.residuals import percent_left
+from pysindy_evolve.loop.facts.residuals import percent_left
 from pysindy_evolve.loop.report.text import IN_PART, MUCH_LEFT, VERDICTS
 from pysindy_evolve.loop.report.units import percent, percent_cell
 

@@ -15,12 +15,12 @@ from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.hidden_states.relaxing import relaxing
 from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.facts.effect import Step
+from pysindy_evolve.loop.facts.start_noise import run_std_from_start_noise
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.given.design import in_state
-from pysindy_evolve.loop.report.effect import Step
 from pysindy_evolve.loop.report.effect_text import evidence, with_sign
 from pysindy_evolve.loop.report.interval_text import interval, value_within
-from pysindy_evolve.loop.report.start_noise import run_std_from_start_noise
 from pysindy_evolve.loop.report.text import as_text
 from pysindy_evolve.loop.report.units import percent
 from pysindy_evolve.loop.settling.doubtful import most_doubtful

@@ -84,9 +84,9 @@ def test_only_what_drives_the_run_over_the_training_data_away_is_withdrawn(recor
     rules, rng = Rules(0.05, 59, 0.05, 8), np.random.default_rng(0)
     found = Found(design, [train], part, rules, ())
     found = found.with_findings(findings_of(design, Candidate("spring", 1, (term,))))
-    report = settled(found, [test], True, rng)
-    assert [effect.name for effect in report.effects] == ["spring"] * is_kept
-    assert np.isfinite(report.after.simulation_error).all()
+    outcome = settled(found, [test], rng, finished=True)
+    assert [effect.name for effect in outcome.effects] == ["spring"] * is_kept
+    assert np.isfinite(outcome.after.simulation_error).all()
 
 
 @pytest.mark.slow

@@ -8,8 +8,8 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
+from pysindy_evolve.loop.facts.effect import Effect
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.report.effect import Effect
 from pysindy_evolve.loop.settling.wandering import last_wandering
 from pysindy_evolve.terms import mul, power, variable
 

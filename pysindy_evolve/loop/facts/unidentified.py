@@ -12,7 +12,7 @@ from ...signals import Record
 from ..given.design import Design
 from ..given.rows import variables_of
 
-__all__ = ["unidentified", "unidentified_sentences"]
+__all__ = ["unidentified"]
 
 COLLINEAR = 1e-7  # singular value of the normalized terms, relative to the largest, taken as zero
 PARTICIPATES = 1e-3  # entry of the projector on their null space from which terms are coupled
@@ -49,31 +49,3 @@ def unidentified(design: Design, records: Sequence[Record]) -> list[tuple[str, .
         tuple(names[k] for k in undetermined if groups[k] == group)
         for group in dict.fromkeys(groups[undetermined].tolist())
     ]
-
-
-def unidentified_sentences(design: Design, records: Sequence[Record]) -> list[str]:
-    """Name the declared parameters that the records do not determine.
-
-    Parameters
-    ----------
-    design, records
-        As in `unidentified`.
-
-    Returns
-    -------
-    list of str
-        A sentence or two for each group.
-    """
-    sentences = []
-    for *others, last in unidentified(design, records):
-        if others:
-            sentences.append(
-                f"The records do not tell {', '.join(others)} from {last}: their terms are "
-                "linearly dependent there, so that other values fit as well."
-            )
-        else:
-            sentences.append(
-                f"The records say nothing about {last}: its term is zero on all of them. "
-                "Excite it, or give its value as known."
-            )
-    return sentences

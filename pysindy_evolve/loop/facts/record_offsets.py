@@ -6,14 +6,10 @@ name; but a model that leaves it in the residual is not complete.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from .outcome import Outcome
 from .residuals import residual_of
-
-if TYPE_CHECKING:
-    from .report import LoopReport
 
 __all__ = ["offsets_by_record"]
 
@@ -22,12 +18,12 @@ MIN_STANDARD_ERRORS = 6.0  # standard errors; so many, as they are estimated fro
 LEAST_SHARE = 0.5  # share of the mean square of the residual that the offsets must make up
 
 
-def offsets_by_record(report: LoopReport) -> dict[str, np.ndarray]:
+def offsets_by_record(outcome: Outcome) -> dict[str, np.ndarray]:
     """Return the mean residual in each training record, for the states where it differs.
 
     Units of the state per unit of t. Empty for a single record, and for algebraic targets.
     """
-    model, records = report.after.model, report.train
+    model, records = outcome.after.model, outcome.train
     if len(records) < 2 or model.n_algebraic:
         return {}
     residuals = [residual_of(model, record) for record in records]
@@ -41,4 +37,4 @@ def offsets_by_record(report: LoopReport) -> dict[str, np.ndarray]:
     power = np.mean([np.mean(rows**2, axis=0) for rows in residuals], axis=0)
     is_sure = np.any(deviation > MIN_STANDARD_ERRORS * errors, axis=0)
     differs = is_sure & (means.var(axis=0) > LEAST_SHARE * power)
-    return {model.states[k]: means[:, k] for k in report.design.open_states if differs[k]}
+    return {model.states[k]: means[:, k] for k in outcome.design.open_states if differs[k]}

@@ -5,16 +5,12 @@ Each record by itself is then explained well, but no fixed value explains all of
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ...hidden_states.memory_equations import as_acting
 from ..fitting.fit import derivative_square, refit
 from ..given.rows import variables_of
-
-if TYPE_CHECKING:
-    from .report import LoopReport
+from .outcome import Outcome
 
 __all__ = ["numbers_by_record"]
 
@@ -23,16 +19,16 @@ SAME = 0.01  # relative spread of a parameter below which the records count as t
 MIN_CHANGE_SHARE = 0.5  # share of the largest change of the rates by any parameter that differs
 
 
-def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
+def numbers_by_record(outcome: Outcome) -> dict[str, np.ndarray]:
     """Return the parameters that differ between the training records, with a value for each.
 
     Only those that change the rates most. Empty for a single record, and where common values fit
     nearly as well. Only declared parameters, as two effects may have the same name.
     """
-    design = report.design
-    if len(report.train) < 2 or not design.columns:
+    design = outcome.design
+    if len(outcome.train) < 2 or not design.columns:
         return {}
-    records = [as_acting(report.equations, record)[1] for record in report.train]
+    records = [as_acting(outcome.equations, record)[1] for record in outcome.train]
     pooled = refit(design, records, "derivative")
     each = np.array([refit(design, [record], "derivative") for record in records])
     fits = zip(records, each, strict=True)
@@ -48,18 +44,18 @@ def numbers_by_record(report: LoopReport) -> dict[str, np.ndarray]:
         column.name: each[:, k]
         for k, column in enumerate(design.columns)
         if column.name.isidentifier()
-        and column.name in report.before.parameters
+        and column.name in outcome.before.parameters
         and spreads[k] >= MIN_CHANGE_SHARE * spreads.max()
-        and np.ptp(each[:, k]) > _spread_by_chance(report, column.name)
+        and np.ptp(each[:, k]) > _spread_by_chance(outcome, column.name)
         and np.ptp(each[:, k]) > SAME * np.abs(each[:, k]).max()
     }
 
 
-def _spread_by_chance(report: LoopReport, name: str) -> float:
+def _spread_by_chance(outcome: Outcome, name: str) -> float:
     """Return the spread between records that chance gives a parameter that is the same in all.
 
     The interval of a single record is sqrt(n_records) times as wide as that of all, and the
     largest and the smallest of a few draws lie about this interval apart.
     """
-    low, high = report.after.parameter_intervals.get(name, np.zeros(2))
-    return float(high - low) * np.sqrt(len(report.train))
+    low, high = outcome.after.parameter_intervals.get(name, np.zeros(2))
+    return float(high - low) * np.sqrt(len(outcome.train))

@@ -2,49 +2,43 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...hidden_states.memory import DELAY
 from ...signals.zero_order_hold import HALF_SAMPLE
 from ..given.held import held_inputs
-
-if TYPE_CHECKING:
-    from .effect import Effect
-    from .report import LoopReport
+from .effect import Effect
+from .outcome import Outcome
 
 __all__ = ["held_delays", "is_hold_only", "short_delays"]
 
 HELD = 0.05  # sampling times by which the delay of a hold may differ from half a sampling time
 
 
-def is_hold_only(report: LoopReport) -> bool:
+def is_hold_only(outcome: Outcome) -> bool:
     """Tell whether all effects are delays that a hold of the input explains."""
-    return bool(report.effects) and len(held_delays(report)) == len(report.effects)
+    return bool(outcome.effects) and len(held_delays(outcome)) == len(outcome.effects)
 
 
-def held_delays(report: LoopReport) -> list[Effect]:
+def held_delays(outcome: Outcome) -> list[Effect]:
     """Return the delays that equal half a sampling time, within their intervals."""
-    step, held = report.train[0].raw_dt, held_inputs(report.train)
+    step, held = outcome.train[0].raw_dt, held_inputs(outcome.train)
     found = []
-    for effect in (e for e in report.effects if e.name == DELAY):
+    for effect in (e for e in outcome.effects if e.name == DELAY):
         if effect.memory is None or effect.memory.column in held:
             continue
-        (low, high), difference = (
-            effect.confidence_intervals[0],
-            effect.coefficients[0] - HALF_SAMPLE * step,
-        )
+        low, high = effect.confidence_intervals[0]
+        difference = effect.coefficients[0] - HALF_SAMPLE * step
         if abs(difference) < max(HELD * step, 0.5 * (high - low)):
             found.append(effect)
     return found
 
 
-def short_delays(report: LoopReport) -> list[tuple[Effect, float]]:
+def short_delays(outcome: Outcome) -> list[tuple[Effect, float]]:
     """Return the delays of less than a sampling time, each with its share of a sampling time.
 
     Inputs that are known to be held are left out.
     """
-    step, held = report.train[0].raw_dt, held_inputs(report.train)
-    delays = (e for e in report.effects if e.name == DELAY)
+    step, held = outcome.train[0].raw_dt, held_inputs(outcome.train)
+    delays = (e for e in outcome.effects if e.name == DELAY)
     free = (e for e in delays if e.memory is not None and e.memory.column not in held)
     shares = ((effect, effect.coefficients[0] / step) for effect in free)
     return [(effect, float(share)) for effect, share in shares if 0.0 < share < 1.0]

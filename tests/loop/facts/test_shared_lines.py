@@ -5,7 +5,7 @@ import pytest
 from loop_systems import DT, equations_of, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.report.shared_lines import _lines_of
+from pysindy_evolve.loop.facts.shared_lines import _lines_of
 
 MODEL = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])
 

@@ -5,7 +5,7 @@ import pytest
 from loop_systems import equations_of
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.report.start_noise import run_std_from_start_noise
+from pysindy_evolve.loop.facts.start_noise import run_std_from_start_noise
 
 GROWTH = equations_of({"x": "x - x**2"})
 T = np.linspace(0.0, 12.0, 601)

@@ -7,17 +7,14 @@ it gets no name; but a model whose residual is mostly this line is not complete.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...signals import Record
 from ..effects.lines import FEWEST_FREQUENCIES
 from ..effects.periodic import lines_of
+from .outcome import Outcome
 from .residuals import residual_of
-
-if TYPE_CHECKING:
-    from .report import LoopReport
 
 __all__ = ["Line", "shared_lines"]
 
@@ -52,15 +49,15 @@ class Line:
         return self.share > MAIN_SHARE
 
 
-def shared_lines(report: LoopReport) -> list[Line]:
+def shared_lines(outcome: Outcome) -> list[Line]:
     """Return the lines that the residuals of all training records share; none for one record."""
-    model, records = report.after.model, report.train
+    model, records = outcome.after.model, outcome.train
     if len(records) < 2 or model.n_algebraic or not all(map(_has_surroundings, records)):
         return []
     width = 1.0 / min(record.t[-1] - record.t[0] for record in records)
     residuals = [residual_of(model, record) for record in records]
     shared: list[Line] = []
-    for k, state in enumerate(report.before.model.states):
+    for k, state in enumerate(outcome.before.model.states):
         pairs = zip(records, residuals, strict=True)
         of_first, *of_others = (
             [*map(float, _lines_of(record, residual[:, k]))] for record, residual in pairs

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.facts.unidentified import unidentified
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.report.unidentified import unidentified
 
 T = np.arange(0.0, 20.0, 0.02)
 F = np.sin(0.7 * T) + np.cos(2.3 * T)

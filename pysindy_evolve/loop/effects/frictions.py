@@ -1,0 +1,69 @@
+"""Dampings and frictions, of a velocity or of a slip between two bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from ...operators import BUILTIN
+from ...terms import Sum, call, constant, mul, power
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
+from .differences import gripping
+from .kinks import magnitude, sign
+from .names import (
+    ASYMMETRIC_FRICTION,
+    COULOMB_FRICTION,
+    COUPLING,
+    NONLINEAR_DAMPING,
+    POSITION_FRICTION,
+    QUADRATIC_DRAG,
+    STRIBECK_FRICTION,
+    VISCOUS_DAMPING,
+)
+
+__all__ = ["frictions", "frictions_by_position", "slips"]
+
+STRIBECK_SPEEDS = (0.03, 0.1, 0.3)  # as shares of the size of the velocity
+
+
+def frictions(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
+    """Yield dampings and frictions of a velocity, of which the largest magnitude is given."""
+    yield effect(VISCOUS_DAMPING, v)
+    yield effect(COULOMB_FRICTION, sign(v))
+    yield effect(ASYMMETRIC_FRICTION, magnitude(v), parents=(OFFSET, sign(v)))
+    yield from _stribecks(effect, v, speed)
+    yield effect(QUADRATIC_DRAG, mul(v, magnitude(v)))
+    yield effect(NONLINEAR_DAMPING, power(v, 3))
+
+
+def frictions_by_position(effect: CandidateMaker, q: Sum, v: Sum) -> Iterator[Candidate]:
+    """Yield dampings and frictions that change with the position."""
+    yield effect(NONLINEAR_DAMPING, mul(power(q, 2), v))
+    yield effect(POSITION_FRICTION, mul(magnitude(q), sign(v)))
+    yield effect(POSITION_FRICTION, mul(power(q, 2), sign(v)))
+    yield effect(POSITION_FRICTION, mul(q, sign(v)), parents=(sign(v),))
+    yield effect(COUPLING, mul(q, v), parents=(OFFSET,))
+
+
+def slips(effect: CandidateMaker, slip: Sum, reach: float) -> Iterator[Candidate]:
+    """Yield dampings and frictions of the velocity of one body relative to another."""
+    if reach == 0.0:  # one is a copy of the other
+        return
+    yield effect(COULOMB_FRICTION, sign(slip))
+    yield from gripping(effect, COULOMB_FRICTION, slip, reach)
+    yield from _stribecks(effect, slip, reach)
+    yield effect(NONLINEAR_DAMPING, magnitude(slip), parents=(OFFSET,))
+    yield effect(QUADRATIC_DRAG, mul(slip, magnitude(slip)))
+    yield effect(NONLINEAR_DAMPING, power(slip, 3))
+
+
+def _stribecks(effect: CandidateMaker, v: Sum, speed: float) -> Iterator[Candidate]:
+    for share in STRIBECK_SPEEDS:
+        shape = Shape((share * speed,), (partial(_stribeck, v),), meanings=("Stribeck speed",))
+        yield effect(STRIBECK_FRICTION, shape=shape, parents=(bare(sign(v)),))
+
+
+def _stribeck(v: Sum, speed: float) -> Sum:
+    """Return the sign of v with a bell around zero: friction that falls with the speed."""
+    bell = call(BUILTIN["exp"], mul(constant(-1.0 / speed**2), power(v, 2)))
+    return mul(sign(v), bell)

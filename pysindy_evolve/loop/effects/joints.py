@@ -1,0 +1,44 @@
+"""Forces at the joints of an arm, which enter through its inverse mass matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ...terms import mul, variable
+from ..given.design import Design
+from .angles import centripetal
+from .candidate import OFFSET, Candidate, CandidateMaker, bare, rewritten
+from .entries import Entry
+from .frictions import frictions
+from .names import CONSTANT_OFFSET
+from .springs import springs
+
+__all__ = ["at_joints"]
+
+
+def at_joints(
+    effect: CandidateMaker,
+    design: Design,
+    entries: Sequence[Entry],
+    scales: np.ndarray,
+    turning: frozenset[int],
+) -> Iterator[Candidate]:
+    """Yield forces that enter where a declared force does, with a factor that is not constant."""
+    for entry in entries:
+        forces = [effect(CONSTANT_OFFSET, OFFSET), *centripetal(effect, design, turning)]
+        for v in entry.velocities:
+            forces += frictions(effect, variable(v), float(scales[v]))
+            q = design.position_of(v)
+            if q is not None:
+                forces += springs(effect, variable(q), float(scales[q]))
+        # Without its sign, the factor -q^2 of a damping makes a spring q the cubic stiffness, which
+        # has its name already.
+        is_free = len(entry.factor.parts) == 1 and not entry.is_known
+        factor = bare(entry.factor) if is_free else entry.factor
+        for force in forces:
+            entering = rewritten(force, partial(mul, factor))
+            yield replace(entering, never_paired=True, acts_at=((entry.beside,), force.terms))

@@ -1,0 +1,60 @@
+"""Of effects that do equally well, the plainest: it is named, and tested on twins."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..effects.candidate import OFFSET, Candidate
+from ..effects.names import order_of
+from .ranking import Score
+from .shares import Shares
+
+__all__ = ["plainest", "without_number"]
+
+EQUAL = 0.99  # share of the best score: enough to do as well
+NEARLY_ALL = 0.98  # share of what a term with a number removes: enough to prefer one without
+
+
+def plainest(scores: Sequence[Score]) -> Score:
+    """Return the smallest of the groups that do as well as the first, to one percent.
+
+    Of equally small ones, that with fewer variables, and then the first in the vocabulary.
+    """
+    equal = [
+        s
+        for s in scores
+        if s.value >= EQUAL * scores[0].value and len(s.group) == len(scores[0].group)
+    ]
+
+    def plainness(score: Score) -> tuple[int, int, int]:
+        size = sum(candidate.size for candidate in score.group)
+        n_variables = sum(len(term.variables) for one in score.group for term in one.terms)
+        order = sum(order_of(candidate.name) for candidate in score.group)
+        return size, n_variables, order
+
+    return min(equal, key=plainness)
+
+
+def without_number(best: Score, worthy: Sequence[Score], shares: Shares) -> Score:
+    """Return a term without a number if it removes nearly as much as the best, with a number.
+
+    A saturation that is hardly reached is a gain; what it does better may be ringing of a filter.
+    """
+    (candidate, *more) = best.group
+    if more or candidate.shape is None:
+        return best
+    enough = NEARLY_ALL * shares.of(best)
+    return next((s for s in worthy if _is_plainer(s, candidate) and shares.of(s) >= enough), best)
+
+
+def _is_plainer(score: Score, candidate: Candidate) -> bool:
+    """Tell whether a group is an effect of the same variables, smaller and without a number.
+
+    It may have an offset beside it, or be one, if the effect with a number contains an offset.
+    """
+    if any(c.state != candidate.state or c.shape is not None for c in score.group):
+        return False
+    group = [c for c in score.group if not (candidate.contains_parents and c.terms == (OFFSET,))]
+    if len(group) > 1:
+        return False
+    return all(c.variables == candidate.variables and c.size < candidate.size for c in group)
