@@ -134,7 +134,11 @@ def ranked(
     base_error = judge(np.arange(n_fixed)[None, :])[0]
     lacking = posing_as_offset(candidates, new, present)
     offset_free = _needing_no_offset(partial(errors_of_groups, columns), base_error, lacking)
-    # Those are tried once more, each as a candidate of its own at the end.
+    if pairs:  # one that is paired with nothing else gets the offset that it needs
+        groups += [
+            (i, k) for i, k in lacking if candidates[k].never_paired and k not in offset_free
+        ]
+    # The others are tried once more, each as a candidate of its own at the end.
     tried = [*candidates, *(candidates[i].needing_no_offset() for i in offset_free)]
     columns += [columns[i] for i in offset_free]
     groups += [(place,) for place in range(len(candidates), len(tried))]
