@@ -25,8 +25,8 @@ def one_force(outcome: Outcome) -> list[str]:
     """
     return [
         f"{first.name[0].upper()}{first.name[1:]} in the equations of {first.state} and "
-        f"{second.state} acts {first.entry} in both, with coefficients that the record cannot tell "
-        "apart: it is one force that acts in both equations."
+        f"{second.state} acts {first.entry}, with coefficients that the record cannot tell apart: "
+        "it is one force that acts in both equations."
         for first, second in combinations(outcome.effects, 2)
         if _is_same_force(first, second)
     ]

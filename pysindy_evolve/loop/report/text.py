@@ -53,18 +53,34 @@ NOT_ALL = (
     "traced in part: the model lacked the effects below, which have been added, but what it leaves "
     "still depends on what was measured; see what remains."
 )
+NOT_CARRIED_OVER = (
+    "traced: the model lacked the effects below in the training data, but the corrected model is "
+    "further from the held-out data in every error; see what remains."
+)
 
 
 def verdict_of(outcome: Outcome) -> str:
     """Return the verdict in a sentence."""
     if outcome.verdict == "complete" and unexplained(outcome):
         return MUCH_LEFT if outcome.rules.max_effects else NOT_LOOKED
+    if outcome.effects and _is_worse_in_all(outcome):
+        return NOT_CARRIED_OVER
     runs_off = float(np.max(outcome.after.simulation_error)) >= NOTABLE_NRMSE
     if outcome.verdict == "traced" and runs_off and unexplained(outcome):
         return IN_PART
     if outcome.leaves_structure:
         return NOT_ALL
     return VERDICTS[outcome.verdict]
+
+
+def _is_worse_in_all(outcome: Outcome) -> bool:
+    """Tell whether all errors on held-out data are larger with the effects than without them."""
+    before, after = (
+        np.append(errors.derivative_error, errors.simulation_error)
+        for errors in (outcome.before, outcome.after)
+    )
+    rated = np.isfinite(before) & (before > 0.0)
+    return bool(rated.any() and np.all(after[rated] > before[rated]))
 
 
 def as_text(outcome: Outcome) -> str:

@@ -90,9 +90,9 @@ def _entry(design: Design, finding: Finding) -> str:
     entry, force = place
     name = design.names[entry.beside]
     if entry.beside < len(design.states):
-        return f"through the same factor as the damping of {name}"
+        return f"where the damping of {name} does, with the factor that stands beside it"
     if mul(entry.factor, force) != terms[0] or not entry.is_known:
-        return f"through the same factor as {name}"
+        return f"where {name} does, with the factor that stands beside it"
     number = f"{AS_INPUT} {name} were larger by this number"
     if force == OFFSET:
         return number

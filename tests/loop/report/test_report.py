@@ -54,6 +54,19 @@ def test_the_ends_of_an_interval_can_be_told_apart(low, high, shown):
     assert interval(low, high) == f"(95 %: {shown})"
 
 
+@pytest.mark.parametrize("spared", [False, True])
+def test_a_verdict_says_so_if_the_corrected_model_is_further_off_in_every_error(report, spared):
+    """A hum whose phase differs by record was called traced, though all errors had doubled."""
+    before, times = report.before, 1.0 if spared else 2.0
+    doubled = replace(
+        report.after,
+        derivative_error=2.0 * before.derivative_error,
+        simulation_error=times * before.simulation_error,
+    )
+    text = str(replace(report, after=doubled))
+    assert ("in every error" in " ".join(text.split())) is not spared
+
+
 def test_report_prints_verdict_equations_table_and_evidence_in_this_order(report):
     text = str(report)
     free = r"    Free parameters: k = \S+, c = \S+, b = \S+"
