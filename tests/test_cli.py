@@ -357,6 +357,9 @@ WRONG = {
     "code": (["loop", "FILE", "--equation", "q=__import__('os')"], "must be an expression"),
     "nonlinear": (["loop", "FILE", "--equation", "q=-q*k^2"], "linear in its free parameters"),
     "twice": (["loop", "FILE", "--equation", "q=-k*q", "--equation", "q=c"], "once for each state"),
+    "no equation of a position": (
+        ["loop", "FILE", "--equation", "v=-k*q", "--position", "q"], "Sort or add",
+    ),
     "wrong position": (["loop", "FILE", "--equation", "q=-k*q", "--position", "v"], "Sort or add"),
     "not its derivative": (
         ["loop", "FILE", "--equation", "q=w", "--equation", "v=-k*q", "--position", "q"],

@@ -19,7 +19,14 @@ from ..reading.library_terms import from_model
 from ..signals import is_decided, prepare
 from .options import PROGRAM
 from .output import print_code, print_errors, progress, save, say
-from .records import check_names, derived_names, order_of, read_all, read_split
+from .records import (
+    check_derived,
+    check_names,
+    derived_names,
+    order_of,
+    read_all,
+    read_split,
+)
 
 __all__ = ["demo", "fit", "loop"]
 
@@ -105,8 +112,9 @@ def loop(given: Namespace) -> bool:
             f"{', '.join(sides)}. Join the terms of a state in one equation."
         )
     check_names(given)
+    given.order = order_of(tuple(sides), tuple(given.position))
     declared = DeclaredModel(sides, inputs=tuple(given.inputs), known=dict(given.known))
-    given.order = order_of(declared, tuple(given.position))
+    check_derived(declared, given.order)
     train, test = read_all(given, given.files, sides), read_all(given, given.test, sides)
     say(f"Free parameters: {', '.join(declared.parameters) or 'none'}\n")
     report = close_loop(

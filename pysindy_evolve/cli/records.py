@@ -15,7 +15,9 @@ from ..signals import Record, prepare, read_csv
 from ..signals.files import column_names
 from .angles import check_angles, unwrapped
 
-__all__ = ["check_names", "derived_names", "order_of", "read_all", "read_split"]
+__all__ = [
+    "check_derived", "check_names", "derived_names", "order_of", "read_all", "read_split",
+]  # fmt: skip
 
 
 def derived_names(positions: Sequence[str], order: int) -> tuple[str, ...]:
@@ -40,17 +42,22 @@ def check_names(given: Namespace) -> None:
             )
 
 
-def order_of(declared: DeclaredModel, positions: Sequence[str]) -> int:
+def order_of(states: Sequence[str], positions: Sequence[str]) -> int:
     """Return how many states there are for each measured position; 1 if all are measured."""
     if not positions:
         return 1
-    states, design = declared.states, declared.design()
     order, rest = divmod(len(states), len(positions))
     if rest or tuple(states[::order]) != tuple(positions):
         raise ValueError(
             "--equation must be given for each position and then for its derivatives in turn; got "
             f"{', '.join(states)} for --position {','.join(positions)}. Sort or add equations."
         )
+    return order
+
+
+def check_derived(declared: DeclaredModel, order: int) -> None:
+    """Raise if a state that is derived from the one before it is declared to be something else."""
+    states, design = declared.states, declared.design()
     for place, state in enumerate(states):
         if (place + 1) % order and design.derivative_of(place) != place + 1:
             raise ValueError(
@@ -58,7 +65,6 @@ def order_of(declared: DeclaredModel, positions: Sequence[str]) -> int:
                 f"{states[place + 1]} is derived from {state}; got another one. Correct it, or "
                 "measure both and leave out --position."
             )
-    return order
 
 
 def read_split(given: Namespace, states: Sequence[str]) -> tuple[list[Record], list[Record]]:

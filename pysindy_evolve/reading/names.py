@@ -58,9 +58,9 @@ def advise_parameter(
     meant = f" Did you mean {near[name]!r}?" if near[name] else ""
     return (
         f"{name!r} is neither a state ({', '.join(states) or 'none'}) nor an input "
-        f"({', '.join(acting) or 'none'}), so it was read as a free parameter.{meant} If it is an "
-        "input, name it in `inputs`; if it is a constant, give it in `known`, or name the whole "
-        "factor as one parameter."
+        f"({', '.join(acting) or 'none'}), so it was read as a free parameter.{meant} If it is a "
+        "state, give its equation; if it is an input, name it in `inputs`; if it is a constant, "
+        "give it in `known`, or name the whole factor as one parameter."
     )
 
 

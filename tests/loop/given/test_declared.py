@@ -121,8 +121,9 @@ def test_text_that_is_no_model_is_refused_with_its_equation_and_place(text, mess
 def test_misspelled_input_is_named_where_it_makes_the_model_nonlinear(text):
     message = (
         r"'curent' is neither a state \(theta, w\) nor an input \(current\), so it was read as a "
-        r"free parameter\. Did you mean 'current'\? If it is an input, name it in `inputs`; if it "
-        r"is a constant, give it in `known`, or name"
+        r"free parameter\. Did you mean 'current'\? If it is a state, give its "
+        r"equation; if it is an input, name it in `inputs`; if it is a constant, give it in "
+        r"`known`, or name"
     )
     with pytest.raises(ValueError, match=message):
         DeclaredModel({"theta": "w", "w": f"-c*w + {text}"}, inputs=["current"])
