@@ -15,6 +15,14 @@ FRICTION = oscillator("Coulomb friction", "- 2*sgn(v)")
 NOTHING = oscillator("nothing", "")
 
 
+@pytest.mark.slow
+def test_a_model_whose_numbers_are_all_known_may_lack_an_effect():
+    record = FRICTION.record(duration=10.0)
+    model = pse.DeclaredModel({"q": "v", "v": "-40*q - 0.8*v + F"}, inputs=["F"])
+    report = pse.close_loop(model, record, operators=(), n_twins=59, random_state=0)
+    assert [effect.name for effect in report.effects] == ["Coulomb friction"]
+
+
 def names(report):
     return [effect.name for effect in report.effects]
 

@@ -11,6 +11,7 @@ from ...terms import Sum, of_term, variable
 from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, bare
+from .inputs import clipped_input
 from .names import (
     ASYMMETRIC_FRICTION,
     COULOMB_FRICTION,
@@ -85,7 +86,7 @@ def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:
         return design.position_of(candidate.state) is None
     if candidate.name != SATURATION or candidate.shape is None or candidate.contains_parents:
         return False
-    (own,) = candidate.variables
+    own = clipped_input(candidate)
     least = 2.0 * abs(ranges.middle[own]) - ranges.largest[own]  # smallest magnitude
     return bool(candidate.shape.values[0] <= least)
 

@@ -38,7 +38,8 @@ def stretches(effect: CandidateMaker, stretch: Sum, reach: float) -> Iterator[Ca
     yield effect(CUBIC_STIFFNESS, power(stretch, 3))
     for share in DEAD_ZONES:
         yield effect(DEAD_ZONE, shape=_half_width(share * reach, stretch))
-    yield from stops(effect, stretch, reach, 0.0)
+    # Not a kink at zero, as zero may lie out of the range: only stops are tuned into it.
+    yield from (stop for stop in stops(effect, stretch, reach, 0.0) if stop.shape is not None)
 
 
 def _half_width(width: float, q: Sum) -> Shape:

@@ -20,7 +20,7 @@ from .differences import differences, leveling, losses, radiated
 from .entries import entries_of
 from .frictions import frictions, frictions_by_position
 from .hysteresis import remembering, rounded, yields
-from .inputs import of_input
+from .inputs import of_input, within_terms
 from .joints import at_joints
 from .links import link_couplings, link_weights
 from .names import CONSTANT_OFFSET
@@ -90,6 +90,7 @@ def _of_rate(
         states = [v] if position is None else [v, variable(position)]
         u, reach = variable(column), float(scales[column])
         yield from of_input(effect, u, states, reach, float(middle[column]))
+        yield from within_terms(effect, design, column, reach)
         if position is None:
             yield from losses(effect, design, column)
     yield from relative(effect, design, state, apart)

@@ -48,6 +48,7 @@ def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.
     ndarray of shape (n_models, n_folds)
         Sum of squared errors in each fold.
     """
+    models = np.asarray(models, dtype=int)  # a model without columns is an empty list of floats
     used, models = np.unique(models, return_inverse=True)  # sums over all columns take longer
     used = np.append(used, grams.shape[-1] - 1)
     return _judge_of(grams[:, used[:, None], used], folds)(models)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...operators import Operator
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
@@ -48,12 +49,15 @@ class Pool:
         Pieces of the training records as they were searched.
     matter : float
         Least gain in log error that matters.
+    operators : collection of Operator
+        Basis functions of grown terms.
     """
 
     grown: Sequence[Candidate]
     small: Sequence[Candidate]
     part: Segments
     matter: float
+    operators: Collection[Operator] = ()
 
     def contenders(
         self, model: Model, own: Contender, drift: Drift, group: Sequence[Candidate] = ()
@@ -83,7 +87,7 @@ class Pool:
         forms = [
             form
             for candidate in (own.candidate, *closest, *members)
-            for form in other_forms(candidate, model.design, self.part)
+            for form in other_forms(candidate, model.design, self.part, self.operators)
         ]
         forms = [one for one in forms if have_values(one.terms, acted)]
         usable = _as_named([*closest, *leading, *forms, *members], model.design, self.part)
@@ -104,7 +108,7 @@ class Pool:
             return []
         design, known_terms = model.design, {one.candidate.terms for one in tuned}
         forms = [
-            *other_forms(best.candidate, design, self.part),
+            *other_forms(best.candidate, design, self.part, self.operators),
             *as_quotients(best.candidate, design, self.part),
         ]
         acted = model.acted(drift.records)

@@ -8,12 +8,13 @@ is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from ...operators import BUILTIN
+from ...breeding.poles import has_pole
+from ...operators import BUILTIN, Operator
 from ...terms import Call, Product, Sum, call, mul, of_term, only_term, power
 from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import terms_in
@@ -30,7 +31,9 @@ NEAR_ZERO = {"sin": 1, "tanh": 1, "softsign": 1, "cos": 2}
 ALIKE = ("sin", "tanh", "softsign")  # straight near zero, and bent differently further away
 
 
-def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Candidate]:
+def other_forms(
+    candidate: Candidate, design: Design, part: Segments, operators: Collection[Operator] = ()
+) -> list[Candidate]:
     """Return the other forms of a grown term; of an end stop, the contact of curved bodies.
 
     They lack one factor, or hold a power or a similar function in place of one function. Each of
@@ -45,6 +48,8 @@ def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Ca
         The model without it; terms that it already holds are not offered.
     part : Segments
         Pieces of the training records. They say whether variables reach zero.
+    operators : collection of Operator
+        Basis functions of grown terms, which may take each other's place.
 
     Returns
     -------
@@ -55,12 +60,17 @@ def other_forms(candidate: Candidate, design: Design, part: Segments) -> list[Ca
     if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
         return []
     product = only_term(candidate.terms[0])
-    terms = [*candidate.terms, *_shorter(product), *_straight(product), *_bent_alike(product)]
+    terms = [*candidate.terms, *_shorter(product), *_straight(product)]
+    terms += _bent_alike(product, operators)
     forms: list[tuple[Sum, ...]] = [(term,) for term in terms[1:]]
     forms += [(term, OFFSET) for term in terms if not _vanishes_at_rest(term, part.rows)]
     known, state = terms_in(design), candidate.state
     new = (terms for terms in forms if not any((state, term) in known for term in terms))
-    return [Candidate(EVOLVED, state, terms) for terms in new]
+    return [
+        Candidate(EVOLVED, state, terms)
+        for terms in new
+        if not any(has_pole(term, part.rows) for term in terms)
+    ]
 
 
 def _shorter(product: Product) -> Iterator[Sum]:
@@ -77,17 +87,18 @@ def _straight(product: Product) -> Iterator[Sum]:
             rest = product.without(place)
             leading = exponent * NEAR_ZERO[atom.operator.name]
             straight = mul(of_term(rest), power(atom.args[0], leading))
-            if len(straight.parts) == 1:
+            if len(straight.parts) == 1 and straight.variables:
                 yield bare(straight)
 
 
-def _bent_alike(product: Product) -> Iterator[Sum]:
+def _bent_alike(product: Product, operators: Collection[Operator]) -> Iterator[Sum]:
     """Yield the product with each function replaced by those that look like it near zero."""
+    alike = [BUILTIN[name] for name in ALIKE if BUILTIN[name] in operators]
     for place, (atom, exponent) in enumerate(product.factors):
-        if isinstance(atom, Call) and atom.operator.name in ALIKE:
+        if isinstance(atom, Call) and atom.operator in alike:
             rest = of_term(product.without(place))
-            for name in (name for name in ALIKE if name != atom.operator.name):
-                yield mul(rest, power(call(BUILTIN[name], *atom.args), exponent))
+            for other in (other for other in alike if other != atom.operator):
+                yield mul(rest, power(call(other, *atom.args), exponent))
 
 
 def _vanishes_at_rest(term: Sum, rows: np.ndarray) -> bool:

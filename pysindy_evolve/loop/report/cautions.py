@@ -26,7 +26,7 @@ from .one_force import one_force
 from .slow_states import slow_drifts
 from .units import percent
 
-__all__ = ["cautions"]
+__all__ = ["cautions", "has_grown_in_all"]
 
 # An error grew if it exceeds both. The first is more than refitted coefficients can cause.
 GREW_TIMES = 1.1  # times the error of the declared model
@@ -101,24 +101,37 @@ def _contradicted_known(outcome: Outcome) -> list[str]:
     return said
 
 
-def _worse(outcome: Outcome) -> list[str]:
-    """Name the errors on held-out data that are larger with the effects than without them."""
-    model = outcome.before.model
+def has_grown_in_all(outcome: Outcome) -> bool:
+    """Tell whether all errors on held-out data are larger with the effects than without them."""
+    kinds = _errors_grown(outcome)
+    rated = [grew for _, before, _, has_grown in kinds for grew in has_grown[before > 0.0]]
+    return bool(rated) and all(rated)
+
+
+def _errors_grown(outcome: Outcome) -> list[tuple[str, np.ndarray, np.ndarray, np.ndarray]]:
+    """Return what each kind of error is of, the errors before and after, and whether they grew."""
+    algebraic, grown = bool(outcome.before.model.n_algebraic), []
     if not outcome.effects:
         return []
-    errors_named = ["derivative_error", "simulation_error"]
-    labels = ["d{}/dt", "the free run of {}"]
-    if model.n_algebraic:  # nothing is differentiated, and nothing runs
-        errors_named, labels = ["simulation_error"], ["{}"]
-    grew = []
-    for kind, title in zip(errors_named, labels, strict=True):
+    kinds = {"derivative_error": "d{}/dt", "simulation_error": "the free run of {}"}
+    if algebraic:  # nothing is differentiated, and nothing runs
+        kinds = {"simulation_error": "{}"}
+    for kind, title in kinds.items():
         before, after = (getattr(errors, kind) for errors in (outcome.before, outcome.after))
         tolerated = np.maximum(GREW_TIMES * before, before + GREW_BY)
         worse = (before < LOST_NRMSE) & ~(after <= tolerated)
-        if kind == "simulation_error" and not model.n_algebraic and worse.any():
+        if kind == "simulation_error" and not algebraic and worse.any():
             by_start = after - before <= run_std_from_start_noise(outcome.after.model, outcome.test)
             worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts
-        for k in np.flatnonzero(worse):
+        grown.append((title, before, after, worse))
+    return grown
+
+
+def _worse(outcome: Outcome) -> list[str]:
+    """Name the errors on held-out data that are larger with the effects than without them."""
+    model, grew = outcome.before.model, []
+    for title, before, after, has_grown in _errors_grown(outcome):
+        for k in np.flatnonzero(has_grown):
             now = percent(after[k]) if np.isfinite(after[k]) else "no finite value"
             grew.append(f"{title.format(model.states[k])} from {percent(before[k])} to {now}")
     if not grew:

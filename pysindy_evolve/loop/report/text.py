@@ -12,6 +12,7 @@ from ...export.hinges import as_hinges
 from ..facts.effect import Effect, Errors, Step
 from ..facts.outcome import Outcome
 from .advice import paragraphs
+from .cautions import has_grown_in_all
 from .effect_text import evidence, sentence
 from .experiment import plan
 from .interval_text import ends, value_within
@@ -63,7 +64,7 @@ def verdict_of(outcome: Outcome) -> str:
     """Return the verdict in a sentence."""
     if outcome.verdict == "complete" and unexplained(outcome):
         return MUCH_LEFT if outcome.rules.max_effects else NOT_LOOKED
-    if outcome.effects and _is_worse_in_all(outcome):
+    if outcome.verdict == "traced" and has_grown_in_all(outcome):
         return NOT_CARRIED_OVER
     runs_off = float(np.max(outcome.after.simulation_error)) >= NOTABLE_NRMSE
     if outcome.verdict == "traced" and runs_off and unexplained(outcome):
@@ -71,16 +72,6 @@ def verdict_of(outcome: Outcome) -> str:
     if outcome.leaves_structure:
         return NOT_ALL
     return VERDICTS[outcome.verdict]
-
-
-def _is_worse_in_all(outcome: Outcome) -> bool:
-    """Tell whether all errors on held-out data are larger with the effects than without them."""
-    before, after = (
-        np.append(errors.derivative_error, errors.simulation_error)
-        for errors in (outcome.before, outcome.after)
-    )
-    rated = np.isfinite(before) & (before > 0.0)
-    return bool(rated.any() and np.all(after[rated] > before[rated]))
 
 
 def as_text(outcome: Outcome) -> str:

@@ -80,7 +80,9 @@ def _is_sign(expression: Sum) -> bool:
 
 def _parents_of(child: Finding, findings: Sequence[Finding], declared: Design) -> list[Finding]:
     """Return the parents that were found, if the derivative showed all that are not declared."""
-    declared_terms = {of_term(term) for term in declared.terms_of(child.candidate.state)}
+    state = child.candidate.state
+    declared_terms = {of_term(term) for term in declared.terms_of(state)}
+    declared_terms |= {term for other, term in terms_in(declared) if other == state}
     wanted = set(child.candidate.parents) - declared_terms
     parents = [
         f

@@ -91,11 +91,11 @@ def _in_place_of(
     # Dead zones with one end that begin at the kink of one of the two.
     mirrors = [tuned(mirror, design, part) for c in pair for mirror in begun_at_same(c)]
     options = [*mirrors, *(c for c in allowed if c not in excluded)]
-    free = dict.fromkeys(replace(c, parents=()) for c in (*options, *pair))
+    own = [replace(c, parents=(), never_paired=False) for c in pair]  # to be scored together
+    free = dict.fromkeys([*(replace(c, parents=()) for c in options), *own])
     # Scored in one call, since the noise weights depend on all columns together.
     scores = score(design, part, list(free))
-    names = {replace(c, parents=()) for c in pair}
-    pair_score = max((2.0 * s.value for s in scores if set(s.group) == names), default=np.inf)
+    pair_score = max((2.0 * s.value for s in scores if set(s.group) == set(own)), default=np.inf)
     singles = [s for s in scores if len(s.group) == 1 and _is_single(s.group[0], pair, excluded)]
     best = max(singles, key=lambda s: s.value, default=None)
     if best is None:

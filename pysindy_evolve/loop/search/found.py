@@ -135,9 +135,9 @@ class Found:
     def kinds(self) -> tuple[object, ...]:
         """What was found in which equation or input, without numbers, and how records are read.
 
-        Where a step leads back to what was there before, the next would find the same again.
+        A search that meets the same twice would go in circles.
         """
-        effects = Counter((one.candidate.name, one.candidate.state) for one in self.findings)
+        effects = Counter((one.candidate.state, one.candidate.form) for one in self.findings)
         memories = Counter((one.kind, one.column) for one in memories_in(self.findings))
         found = frozenset(effects.items()), frozenset(memories.items())
         return found, tuple(sorted(self.held.items())), self.relaxing

@@ -88,7 +88,7 @@ def _held_against_rivals(found: Found, rng: np.random.Generator) -> Found:
     model, part, rules = found.bare_model, found.corrected_pieces, found.rules
     grown = [c for c in found.grown.terms if c.name == EVOLVED]
     findings = shared_by_runs(model, found.findings, records)
-    pool = Pool(grown, found.small_terms(), part, rules.notable_gain)
+    pool = Pool(grown, found.small_terms(), part, rules.notable_gain, found.operators)
     findings = one_for_several(model, findings, pool, records)
     findings = two_for_one(model, findings, records, part, rules)
     findings = exchanged_by_runs(model, findings, pool, records, rules)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...equations import Equations
 from ..effects.candidate import Candidate
+from ..effects.inputs import clipped_input
 from ..effects.names import DEAD_ZONE, SATURATION
 from ..effects.stops import ends_of
 from ..evidence.findings import Finding, with_findings
@@ -63,7 +64,7 @@ def _slopes(
     candidate: Candidate, ends: tuple[float, float], equations: Equations, part: Segments
 ) -> tuple[float, float]:
     """Return the slopes of a rate over a clipped input, inside and above its ends."""
-    (place,) = candidate.terms[0].variables
+    place = clipped_input(candidate)
     n_states = part.n_states
     rows = np.tile(part.z[..., :-1].mean(axis=(0, 1)), (4, 1))
     middle, half = 0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0])

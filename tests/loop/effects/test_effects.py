@@ -294,3 +294,17 @@ def test_an_input_may_be_a_rotation_that_drives_outward(spring, expected):
     offered = proposed(design_of({"q": "v", "v": f"-{spring} - c*v"}))
     found = {c.terms[0].name(names) for c in offered if c.name == "input gain" and c.state == 1}
     assert [name for name in found if "F^2" in name] == [expected] * (expected is not None)
+
+
+def test_an_input_saturates_within_the_declared_term_that_it_stands_in():
+    """A valve with a dead zone was given one outside of its flow, beside an offset of nothing."""
+    design = design_of({"p": "a*F*sqrt(60 - p) - l*p"})
+    state, force = variable(0), variable(1)
+    within = [c for c in proposed(design) if c.acts_at is not None and c.name == "saturation"]
+    assert len(within) == 6
+    z = np.array([[20.0, 9.0, 0.0], [20.0, -9.0, 0.0], [20.0, 1e-3, 0.0]])
+    for candidate in within:
+        (limit,) = candidate.shape.values
+        expected = np.sqrt(40.0) * np.clip(z[:, 1], -limit, limit)
+        assert candidate.terms[0].evaluate(z) == pytest.approx(expected)
+        assert candidate.variables == state.variables | force.variables

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from loop_systems import equations_of
+from loop_systems import equations_of, measured
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.missing import candidates
@@ -39,3 +39,16 @@ def test_a_valve_lets_nothing_through_in_the_equation_of_a_velocity():
     ranges = Ranges.about_zero(np.full(4, 3.0))
     offered = candidates(pse.DeclaredModel(spring, inputs=["u"]).design(), ranges)
     assert not [c for c in offered if c.shape and "supply pressure" in c.shape.meanings]
+
+
+@pytest.mark.slow
+def test_a_dead_zone_of_the_opening_stands_within_the_flow():
+    """Outside of the root it left a third, and an offset and a gain were named beside it."""
+    opening = "(F - (abs(F + 3) - abs(F - 3))/2)"
+    record = measured({"p": f"0.5*{opening}*sqrt(100 - p) - 8*p"}, order=1)
+    valve = pse.DeclaredModel({"p": "a*F*sqrt(100 - p) - l*p"}, inputs=["F"])
+    report = pse.close_loop(valve, record, operators=(), n_twins=59, random_state=0)
+    (effect,) = report.effects
+    assert effect.name == "dead zone"
+    assert effect.numbers == pytest.approx({"half width": 3.0}, rel=0.02)
+    assert effect.coefficients == pytest.approx([-0.5], rel=0.02)

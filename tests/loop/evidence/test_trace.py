@@ -54,6 +54,13 @@ def test_two_effects_that_only_show_together_come_first_as_a_pair():
     assert len(first.places) == 2
 
 
+def test_a_model_without_columns_leaves_all_of_the_target():
+    """All of its numbers were known: what it leaves was judged by indices that were floats."""
+    x, target = np.random.default_rng(0).standard_normal((2, 1600))
+    errors = fold_errors(made(target, x), np.array([()]), FOLDS)
+    assert errors.sum() == pytest.approx(np.sum(target**2))
+
+
 def test_score_is_the_log_of_the_error_ratio_per_effect():
     hidden = oscillator("Coulomb friction", "- 2*sgn(v)")
     for found in ranking(hidden.model, hidden.record())[:20]:

@@ -105,7 +105,9 @@ def test_a_grown_term_is_tried_without_a_factor_straight_bent_otherwise_and_besi
     assert (mul(Q, power(F, 2)),) in [one.terms for one in other_forms(evolved(wave), design, part)]
     swung = mul(power(V, 2), call(BUILTIN["tanh"], mul(constant(1.2), Q)))
     turned = mul(power(V, 2), call(BUILTIN["sin"], mul(constant(1.2), Q)))
-    assert (turned,) in [one.terms for one in other_forms(evolved(swung), design, part)]
+    for operators, is_offered in (((), False), (tuple(BUILTIN.values()), True)):
+        forms = [one.terms for one in other_forms(evolved(swung), design, part, operators)]
+        assert ((turned,) in forms) is is_offered
     diode = call(BUILTIN["exp"], mul(constant(6.0), Q))
     assert (diode, OFFSET) in [one.terms for one in other_forms(evolved(diode), design, part)]
     assert other_forms(Candidate("cubic stiffness", 1, (power(Q, 3),)), design, part) == []

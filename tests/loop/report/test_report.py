@@ -65,6 +65,9 @@ def test_a_verdict_says_so_if_the_corrected_model_is_further_off_in_every_error(
     )
     text = str(replace(report, after=doubled))
     assert ("in every error" in " ".join(text.split())) is not spared
+    assert "On the held-out data some errors grew" in text
+    hardly = replace(before, simulation_error=1.0001 * before.simulation_error)
+    assert "in every error" not in str(replace(report, after=hardly))
 
 
 def test_report_prints_verdict_equations_table_and_evidence_in_this_order(report):
