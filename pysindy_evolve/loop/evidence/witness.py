@@ -14,7 +14,6 @@ import numpy as np
 
 from ...signals import Record
 from ..effects.missing import candidates, for_trajectories
-from ..effects.names import ASYMMETRIC_STIFFNESS
 from ..effects.stops import has_two_ends
 from ..fitting.trajectory import followable
 from ..given.design import Design
@@ -50,12 +49,12 @@ def pieces_to_score(design: Design, records: Sequence[Record]) -> Segments:
 def _says_enough(design: Design, part: Segments) -> bool:
     """Tell whether the spectra of the pieces hold twice as many numbers as there are columns.
 
-    Effects with two ends, or with one at zero, are not counted: they hardly differ from those with
-    one end, or with ends at the same distance.
+    Effects with two ends are not counted: they hardly differ from those with one end, or with ends
+    at the same distance.
     """
     variables = np.concatenate([variables_of(record) for record in part.records])
     usual = for_trajectories(candidates(design, Ranges.of(variables)))
-    single = [c for c in usual if not has_two_ends(c) and c.name != ASYMMETRIC_STIFFNESS]
+    single = [c for c in usual if not has_two_ends(c)]
     offered = [c.state for c in single for _ in c.terms]
     n_columns = len(design.columns) + max(offered.count(state) for state in design.open_states)
     n_numbers = len(part.places) * (2 * n_frequencies(part) - 1)
