@@ -38,8 +38,7 @@ def stretches(effect: CandidateMaker, stretch: Sum, reach: float) -> Iterator[Ca
     yield effect(CUBIC_STIFFNESS, power(stretch, 3))
     for share in DEAD_ZONES:
         yield effect(DEAD_ZONE, shape=_half_width(share * reach, stretch))
-    # Not a kink at zero, as zero may lie out of the range: only stops are tuned into it.
-    yield from (stop for stop in stops(effect, stretch, reach, 0.0) if stop.shape is not None)
+    yield from stops(effect, stretch, reach, 0.0)
 
 
 def _half_width(width: float, q: Sum) -> Shape:
