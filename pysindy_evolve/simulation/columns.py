@@ -66,8 +66,8 @@ class Field:
 class Columns(NamedTuple):
     """State of some columns at the start of a step; see the table of the module.
 
-    `t`, of shape (n_columns,), holds the time of each column. It is a plain tuple, as steps make
-    many of them: a dataclass takes longer than the arithmetic.
+    `t`, of shape (n_columns,), holds the time of each column. This class is a plain tuple: steps
+    make many of them, and to make a dataclass takes longer than the arithmetic.
     """
 
     x: np.ndarray

@@ -49,7 +49,8 @@ class Tape:
         self._n_given = n_variables + len(switches)
         self._nested = 0  # number of functions around the atom that is being recorded
         self._known: dict[Any, int] = {}
-        self._blank: list[np.ndarray | None] = []  # registers beyond those given: constants
+        # After variables and signs: a constant, or None for what an instruction fills in.
+        self._blank: list[np.ndarray | None] = []
         self._instructions: list[Instruction] = []
         self._g = [self._sum(switch.g) for switch in switches]
         self._for_g = tuple(self._instructions)

@@ -61,7 +61,8 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
         its sign, another stiffness above zero. Each has a mean, so an offset is its parent.
     """
     half, least = largest - abs(middle), MIN_DISTANCE_SHARE * largest
-    if half - abs(middle) >= least:  # a crack that opens and closes, a rope beside a spring
+    shorter_side = half - abs(middle)  # how far the range reaches beyond zero, on both sides
+    if shorter_side >= least:  # a crack that opens and closes, a rope beside a spring
         beyond_zero = EXTREMES["max"](q, constant(0.0))
         yield effect(ASYMMETRIC_STIFFNESS, beyond_zero, parents=(OFFSET,))
     for place in (middle + share * half for share in PLACES):

@@ -66,16 +66,17 @@ def posing_as_offset(
     list of (int, int)
     """
     offsets = {candidates[i].state: i for i in new if candidates[i].terms == (OFFSET,)}
-    lacking = ((candidates[i].state, i) for i in new if _lacks_offset_alone(candidates[i], present))
+    lacking = ((candidates[i].state, i) for i in new if _lacks_only_offset(candidates[i], present))
     return [(offsets[state], i) for state, i in lacking if state in offsets]
 
 
-def _lacks_offset_alone(candidate: Candidate, present: Keys) -> bool:
-    """Tell whether a candidate lacks no parent but the offset, beside which it is never tried.
+def _lacks_only_offset(candidate: Candidate, present: Keys) -> bool:
+    """Tell whether a candidate lacks no parent but the offset.
 
     One with more parents that may be paired gets its offset as the partner of a pair.
     """
-    if candidate.parents != (OFFSET,) and not candidate.never_paired:
+    has_more = candidate.parents != (OFFSET,)
+    if has_more and not candidate.never_paired:
         return False
     return _parents(candidate) - present - _terms(candidate) == {(candidate.state, OFFSET)}
 

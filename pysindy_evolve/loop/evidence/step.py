@@ -114,9 +114,9 @@ class _Scored:
     def statistic_of(self, best: Score) -> tuple[bool, float]:
         """Return whether candidates are tuned in the twins too, and the score to compare.
 
-        That takes long, so it is done only where the best effect gains far more off the grid.
-        Otherwise the twins are not tuned, and a tuned score would beat them unfairly: then no more
-        counts than the best one on the grid.
+        To tune in each twin takes long, so it is done only where the best effect gains far more off
+        the grid. Otherwise its score counts no more than the best on the grid, as twins have no
+        more.
         """
         on_grid = self.on_grid[0].value
         tunes = best.value >= on_grid + ERROR_HALVED

@@ -49,9 +49,9 @@ def fold_errors(grams: np.ndarray, models: np.ndarray, folds: np.ndarray) -> np.
         Sum of squared errors in each fold.
     """
     models = np.asarray(models, dtype=int)  # a model without columns is an empty list of floats
-    used, models = np.unique(models, return_inverse=True)  # sums over all columns take longer
+    used, places = np.unique(models, return_inverse=True)  # sums over all columns take longer
     used = np.append(used, grams.shape[-1] - 1)
-    return _judge_of(grams[:, used[:, None], used], folds)(models)
+    return _judge_of(grams[:, used[:, None], used], folds)(places.reshape(models.shape))
 
 
 def _judge_of(grams: np.ndarray, folds: np.ndarray) -> Judge:
@@ -135,11 +135,11 @@ def ranked(
     base_error = judge(np.arange(n_fixed)[None, :])[0]
     lacking = posing_as_offset(candidates, new, present)
     offset_free = _needing_no_offset(partial(errors_of_groups, columns), base_error, lacking)
-    if pairs:  # one that is paired with nothing else gets the offset that it needs
-        groups += [
-            (i, k) for i, k in lacking if candidates[k].never_paired and k not in offset_free
-        ]
-    # The others are tried once more, each as a candidate of its own at the end.
+    # An effect that lacks only an offset is tried beside it, or without it if it needs none: then
+    # as a candidate of its own at the end.
+    if pairs:
+        beside = [(i, k) for i, k in lacking if k not in offset_free]
+        groups += [(i, k) for i, k in beside if candidates[k].never_paired]  # others are pairs
     tried = [*candidates, *(candidates[i].needing_no_offset() for i in offset_free)]
     columns += [columns[i] for i in offset_free]
     groups += [(place,) for place in range(len(candidates), len(tried))]

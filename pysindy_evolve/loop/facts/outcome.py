@@ -21,7 +21,7 @@ __all__ = ["Outcome"]
 class Outcome:
     """The effects that a declared model lacks, and the errors without and with them.
 
-    `LoopReport` is the same with all that prints, draws and simulates it; it says what each field
+    `LoopReport` is an outcome that prints, draws and simulates itself, and says what each field
     means. What decides or tells something takes an outcome, and need not know the report.
     """
 

@@ -6,6 +6,7 @@ Each record by itself is then explained well, but no fixed value explains all of
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import studentized_range
 
 from ...hidden_states.memory_equations import as_acting
 from ..fitting.fit import derivative_square, refit
@@ -15,6 +16,8 @@ from .outcome import Outcome
 __all__ = ["numbers_by_record"]
 
 LESS_SQUARE = 0.8  # largest ratio of squared errors, with a value for each record over common ones
+REACH_OF_95 = 3.92  # width of a 95 % interval, in standard deviations
+SURE = 0.99  # chance with which the same parameter lies closer together
 SAME = 0.01  # relative spread of a parameter below which the records count as the same
 MIN_CHANGE_SHARE = 0.5  # share of the largest change of the rates by any parameter that differs
 
@@ -54,8 +57,10 @@ def numbers_by_record(outcome: Outcome) -> dict[str, np.ndarray]:
 def _spread_by_chance(outcome: Outcome, name: str) -> float:
     """Return the spread between records that chance gives a parameter that is the same in all.
 
-    The interval of a single record is sqrt(n_records) times as wide as that of all, and the
-    largest and the smallest of a few draws lie about this interval apart.
+    The interval of a single record is sqrt(n_records) times as wide as that of all. How far the
+    largest and the smallest of n draws lie apart is the studentized range.
     """
+    n_records = len(outcome.train)
     low, high = outcome.after.parameter_intervals.get(name, np.zeros(2))
-    return float(high - low) * np.sqrt(len(outcome.train))
+    deviation = float(high - low) * np.sqrt(n_records) / REACH_OF_95
+    return deviation * float(studentized_range.ppf(SURE, n_records, np.inf))

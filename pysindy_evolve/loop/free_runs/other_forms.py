@@ -60,16 +60,16 @@ def other_forms(
     if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
         return []
     product = only_term(candidate.terms[0])
-    terms = [*candidate.terms, *_shorter(product), *_straight(product)]
-    terms += _bent_alike(product, operators)
-    forms: list[tuple[Sum, ...]] = [(term,) for term in terms[1:]]
-    forms += [(term, OFFSET) for term in terms if not _vanishes_at_rest(term, part.rows)]
+    others = [*_shorter(product), *_straight(product), *_bent_alike(product, operators)]
+    forms: list[tuple[Sum, ...]] = [(term,) for term in others]
+    not_zero = (t for t in (*candidate.terms, *others) if not _vanishes_at_rest(t, part.rows))
+    forms += [(term, OFFSET) for term in not_zero]
     known, state = terms_in(design), candidate.state
-    new = (terms for terms in forms if not any((state, term) in known for term in terms))
+    new = (form for form in forms if not any((state, term) in known for term in form))
     return [
-        Candidate(EVOLVED, state, terms)
-        for terms in new
-        if not any(has_pole(term, part.rows) for term in terms)
+        Candidate(EVOLVED, state, form)
+        for form in new
+        if not any(has_pole(term, part.rows) for term in form)
     ]
 
 

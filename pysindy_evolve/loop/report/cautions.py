@@ -34,8 +34,8 @@ GREW_BY = 0.1  # added to it, percent of the standard deviation
 # A derivative is lost again if its error exceeds both. A final fit to free runs changes it by less.
 LOST_AGAIN = 2.0  # times the error after an earlier effect
 LOST_BY = 1.0  # added to it, percent of the standard deviation
-# Ratio of a parameter after and before. Smaller: little is left of it. A change of sign counts
-# between this and its inverse.
+# Share of its former size below which little is left of a parameter. That its sign is reversed is
+# said if neither size is below this share of the other.
 NEGLIGIBLE = 0.05
 
 

@@ -142,7 +142,7 @@ def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> b
 
 
 def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:
-    """Return what was found, each with what could stand in its place."""
+    """Return what was found, in the same order, each with what could stand in its place."""
     findings, design, rules = found.findings, found.declared, found.rules
     acted = found.pieces.of(
         [with_memories_applied(record, memories_in(findings)) for record in found.wide_records]
