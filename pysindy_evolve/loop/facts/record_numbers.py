@@ -17,7 +17,7 @@ __all__ = ["numbers_by_record"]
 
 LESS_SQUARE = 0.8  # largest ratio of squared errors, with a value for each record over common ones
 REACH_OF_95 = 3.92  # width of a 95 % interval, in standard deviations
-SURE = 0.99  # chance with which the same parameter lies closer together
+SURE = 0.995  # chance with which the same parameter lies closer together
 SAME = 0.01  # relative spread of a parameter below which the records count as the same
 MIN_CHANGE_SHARE = 0.5  # share of the largest change of the rates by any parameter that differs
 
