@@ -161,7 +161,7 @@ def test_the_weight_of_a_second_link_is_named_in_both_equations():
     for effect in report.effects:
         assert effect.coefficients[0] == pytest.approx(-2.0, rel=0.02)
     said = " ".join(str(report).split())
-    assert "acts where M1 and M2 act, as this number times sin(q1 + q2) in both" in said
+    assert "acts where M1 and M2 act, as this number times sin(q1 + q2), with coeff" in said
 
 
 @pytest.mark.slow
