@@ -27,6 +27,7 @@ __all__ = [
     "ends_of",
     "has_two_ends",
     "is_stop",
+    "kinked_at_zero",
     "one_end_each",
     "pressed",
     "stops",
@@ -57,14 +58,10 @@ def stops(effect: CandidateMaker, q: Sum, largest: float, middle: float) -> Iter
     Yields
     ------
     Candidate
-        A dead zone that ends at one place, or at two with a stiffness each; where the state changes
-        its sign, another stiffness above zero. Each has a mean, so an offset is its parent.
+        A dead zone that ends at one place, or at two with a stiffness each. It has a mean, so an
+        offset is its parent.
     """
     half, least = largest - abs(middle), MIN_DISTANCE_SHARE * largest
-    shorter_side = half - abs(middle)  # how far the range reaches beyond zero, on both sides
-    if shorter_side >= least:  # a crack that opens and closes, a rope beside a spring
-        beyond_zero = EXTREMES["max"](q, constant(0.0))
-        yield effect(ASYMMETRIC_STIFFNESS, beyond_zero, parents=(OFFSET,))
     for place in (middle + share * half for share in PLACES):
         if abs(place) >= least:
             yield from (_at(effect, q, place, side) for side in (1.0, -1.0))
@@ -142,6 +139,18 @@ def one_end_each(candidate: Candidate) -> list[Candidate]:
         return []
     effect, q = CandidateMaker(candidate.state), _travel_in(candidate.terms[0])
     return [_at(effect, q, *end) for end in zip(ends_of(candidate.shape), (-1.0, 1.0), strict=True)]
+
+
+def kinked_at_zero(candidate: Candidate) -> Candidate | None:
+    """Return another stiffness above zero, in the place of a dead zone with two ends.
+
+    A crack that opens and closes looks like one with no width, of which no record says how stiff
+    either side is. None in the place of any other effect.
+    """
+    if candidate.name != DEAD_ZONE or not has_two_ends(candidate):
+        return None
+    above = EXTREMES["max"](_travel_in(candidate.terms[0]), constant(0.0))
+    return CandidateMaker(candidate.state)(ASYMMETRIC_STIFFNESS, above)
 
 
 def begins_within(candidate: Candidate, variables: np.ndarray) -> bool:

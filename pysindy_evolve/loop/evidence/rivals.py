@@ -132,9 +132,9 @@ def _is_outdone(
     two apart, as the scatter over the pieces is then large.
     """
     theirs, ours = (fold_errors(grams, np.array([model]), folds)[0] for model in (rival, own))
-    return bool(
-        theirs.sum() > OUTDONE_SQUARES_RATIO * ours.sum() and np.median(theirs / ours) > 1.0
-    )
+    weighed = ours > 0.0  # in a fold before all states have settled nothing is
+    most = np.median(theirs[weighed] / ours[weighed]) if weighed.any() else 0.0
+    return bool(theirs.sum() > OUTDONE_SQUARES_RATIO * ours.sum() and most > 1.0)
 
 
 def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:

@@ -19,7 +19,7 @@ from ...terms import Call, Product, Sum, call, mul, of_term, only_term, power
 from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import terms_in
 from ..effects.names import EVOLVED
-from ..effects.stops import is_stop, pressed
+from ..effects.stops import is_stop, kinked_at_zero, pressed
 from ..given.design import Design
 from ..given.ranges import Ranges
 from ..given.segments import Segments
@@ -34,7 +34,7 @@ ALIKE = ("sin", "tanh", "softsign")  # straight near zero, and bent differently 
 def other_forms(
     candidate: Candidate, design: Design, part: Segments, operators: Collection[Operator] = ()
 ) -> list[Candidate]:
-    """Return the other forms of a grown term; of an end stop, the contact of curved bodies.
+    """Return the other forms of a grown term, and of stops: their curved and their plain forms.
 
     They lack one factor, or hold a power or a similar function in place of one function. Each of
     them, and the term, is also offered beside an offset unless the records show that it vanishes at
@@ -43,7 +43,8 @@ def other_forms(
     Parameters
     ----------
     candidate : Candidate
-        Grown. Effects of the vocabulary have no other forms here, except end stops.
+        Grown. Of the vocabulary, only stops have other forms: one that ends at a place the contact
+        of curved bodies, one with two ends another stiffness above zero.
     design : Design
         The model without it; terms that it already holds are not offered.
     part : Segments
@@ -57,6 +58,9 @@ def other_forms(
     """
     if is_stop(candidate):
         return [replace(pressed(candidate), name=EVOLVED)]
+    kinked = kinked_at_zero(candidate)
+    if kinked is not None:
+        return [kinked]
     if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
         return []
     product = only_term(candidate.terms[0])

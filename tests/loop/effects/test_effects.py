@@ -27,7 +27,6 @@ STATIC = {
     "quadratic stiffness",
     "cubic stiffness",
     "quintic stiffness",
-    "asymmetric stiffness",
     "dead zone",
     "saturation",
     "gravity",
