@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from scipy.stats import binned_statistic
+from scipy.stats import binned_statistic, linregress
 
 from ...operators import BUILTIN
 from ...terms import Sum, call, constant, mul, variable
+from ..given.design import Design
 from .candidate import Candidate, CandidateMaker, Shape
 from .lines import find_lines
 from .names import FORCING, RIPPLE
@@ -23,6 +25,7 @@ __all__ = [
     "is_same_ripple",
     "lines_of",
     "of_line",
+    "other_ripples",
     "periodic_candidates",
     "ripple_candidates",
     "waves_of",
@@ -176,6 +179,41 @@ def ripple_candidates(
         )
         for cycles in lines
     ]
+
+
+def other_ripples(ripple: Candidate, design: Design, rows: np.ndarray) -> list[Candidate]:
+    """Return the same ripple over what else may repeat with the position: other angles, inputs.
+
+    The error of a gear repeats with the angle of its motor. The load nearly follows that angle, so
+    that the residual does not tell over which of the two it repeats; free runs do.
+
+    Parameters
+    ----------
+    ripple : Candidate
+        The ripple that was found; the list is empty for another effect.
+    design : Design
+        The model without it.
+    rows : ndarray of shape (n_samples, n_variables)
+        Measured variables.
+
+    Returns
+    -------
+    list of Candidate
+        One for each other variable, apart from velocities, in the declared equation.
+    """
+    state, position = ripple.state, design.position_of(ripple.state)
+    if ripple.name != RIPPLE or ripple.shape is None or ripple.variables != {position}:
+        return []
+    in_equation = frozenset().union(*(column.parts[state].variables for column in design.columns))
+    moving = (other for other in in_equation if np.ptp(rows[:, other]) > 0.0)
+    found = []
+    for other in sorted({*moving} - {position, design.time, *design.velocities}):
+        slope = abs(float(linregress(rows[:, other], rows[:, position]).slope))
+        if slope > 0.0:
+            values = (ripple.shape.values[0] * slope,)
+            shape = replace(ripple.shape, values=values, builds=waves_of(other), branch=other)
+            found.append(CandidateMaker(state)(RIPPLE, shape=shape))
+    return found
 
 
 def is_same_ripple(one: Candidate, other: Candidate) -> bool:

@@ -109,8 +109,8 @@ class Trial:
         n_stretches, length, _ = self.x.shape
         keep = max(1, n_stretches * length // ROWS_PER_STEP)
         free, response = map(self._of_seen, self.sensitivities(keep))
-        growth = np.max(np.abs(free), axis=(1, 2))
-        if not (np.max(growth) <= MAX_GROWTH and np.median(growth) <= most_growth):
+        largest = np.max(np.abs(free), axis=2)
+        if not (np.max(largest) <= MAX_GROWTH and np.median(_lasting(largest)) <= most_growth):
             return None
         if self.part.limits is not None:
             observed = is_observed(self.x, self.part.limits, self.part.seen)
@@ -223,6 +223,18 @@ def picked(states: np.ndarray, keep: int) -> np.ndarray:
 def converged(trials: Sequence[Trial]) -> list[Trial]:
     """Run and fit coefficients and starts of all trials; those that diverge stay as they are."""
     return after_gauss_newton(runs_of(list(trials)))
+
+
+def _lasting(deviation: np.ndarray) -> np.ndarray:
+    """Return the factor by which a small deviation keeps growing, for each stretch.
+
+    A stiff spring turns a small deviation into a large velocity at once, and lets it grow no
+    further. So the growth of the first quarter is the unit; what grows exponentially grows in the
+    other three by the 3/4 power of the whole.
+    """
+    first = -(-deviation.shape[1] // 4)
+    at_once, whole = np.max(deviation[:, :first], axis=1), np.max(deviation, axis=1)
+    return np.minimum((whole / at_once) ** (4.0 / 3.0), whole)
 
 
 def after_gauss_newton(

@@ -12,6 +12,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.names import EVOLVED
+from ..effects.periodic import other_ripples
 from ..effects.pumps import other_pumps
 from ..evidence.scoring import MIN_GAIN_LOG, columns_of, score, sharpened
 from ..fitting.fit import refit
@@ -134,8 +135,8 @@ def _closest(
     Numbers are tuned before: a narrow dead zone between two widths of the grid would lose to a
     grown step. Of candidates that differ only in their numbers, the best is kept.
     """
-    pumps = other_pumps(effect, model.design)
-    options = [*candidates(model.design, part.ranges), *pumps, *grown]
+    waves = [*other_pumps(effect, model.design), *other_ripples(effect, model.design, part.rows)]
+    options = [*candidates(model.design, part.ranges), *waves, *grown]
     same_equation = dict.fromkeys(
         c for c in options if c.state == effect.state and c.terms != effect.terms
     )

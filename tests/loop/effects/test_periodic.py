@@ -8,7 +8,13 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.modulation import pumping
 from pysindy_evolve.loop.effects.names import FORCING
-from pysindy_evolve.loop.effects.periodic import lines_of, periodic_candidates, ripple_candidates
+from pysindy_evolve.loop.effects.periodic import (
+    lines_of,
+    other_ripples,
+    periodic_candidates,
+    ripple_candidates,
+    waves_of,
+)
 from pysindy_evolve.loop.effects.pumps import is_partner_pump, other_pumps, partner_pumps
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.terms import mul, variable
@@ -142,6 +148,23 @@ def test_a_wave_number_may_be_tuned_by_half_a_period_of_the_stroke_and_no_furthe
     q, noise = travel
     (ripple,) = ripple_candidates(1, 0, np.cos(50.0 * q) + noise, q)
     assert ripple.shape.reach == pytest.approx(0.5 / (50.0 * np.ptp(q) / (2 * np.pi)), rel=0.02)
+
+
+def test_a_ripple_of_a_geared_load_may_repeat_with_the_angle_of_its_motor(travel):
+    """The angle is read off the gear: twenty turns of the motor for one of the load."""
+    equations = {"p": "w", "w": "k*(a/20 - p) - c*w", "a": "v", "v": "b*M - e*v"}
+    design = pse.DeclaredModel(equations, inputs=["M"]).design()
+    q, _ = travel
+    (ripple,) = ripple_candidates(1, 0, np.sin(40.0 * q), q)
+    rest = np.zeros_like(q)
+    rows = np.column_stack([q, rest, -20.0 * q + 1e-3, rest, rest, rest])
+    (other,) = other_ripples(ripple, design, rows)
+    assert (other.name, other.state, other.variables) == (ripple.name, 1, {2})
+    assert other.shape.values == pytest.approx((ripple.shape.values[0] / 20.0,), rel=1e-6)
+    assert other.terms == tuple(build(*other.shape.values) for build in waves_of(2))
+    assert other_ripples(other, design, rows) == []  # it is over another body's angle already
+    rows[:, 2] = 0.0  # the motor stands still
+    assert other_ripples(ripple, design, rows) == []
 
 
 def test_a_ripple_as_fine_as_the_steps_of_an_encoder_is_none_of_the_machine(travel):

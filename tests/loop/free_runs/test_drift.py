@@ -24,9 +24,9 @@ def beam(stiffening):
 
 def test_chaotic_motion_is_run_over_shorter_stretches_if_no_deviation_may_grow_much():
     record, model, coef = beam(3000.0)
-    far, near = (drift_of(model, coef, [record], STRETCHES, most) for most in (1e3, 5.0))
+    far, near = (drift_of(model, coef, [record], STRETCHES, most) for most in (1e3, 3.0))
     assert len(far.part.z) == 16
-    assert len(near.part.z) == 64
+    assert len(near.part.z) == 32
     assert near.trial.coef == pytest.approx(coef, rel=0.1)
 
 
@@ -34,3 +34,15 @@ def test_calm_motion_is_run_over_the_longest_ones_all_the_same():
     record, model, coef = beam(0.0)
     drift = drift_of(model, coef, [record], STRETCHES, 5.0)
     assert len(drift.part.z) == 16
+
+
+def test_a_stiff_spring_is_no_chaos_though_a_small_deviation_becomes_a_large_speed():
+    """A load on a stiff shaft that follows a motor: its speed deviates 18 times as far at once."""
+    truth = {"p": "w", "w": "-9000*p - 2*w + 9000*a"}
+    t, angle = np.arange(0.0, 28.0, 0.004), multisine(1.0, 3, band=(0.1, 1.0))
+    p = pse.simulate(equations_of(truth, ("a",)), [0.0, 0.0], t, angle, tolerance=1e-8)[:, 0]
+    record = pse.prepare(t, p, angle(t))
+    declared = pse.DeclaredModel({"p": "w", "w": "k*(a - p) - c*w"}, inputs=["a"])
+    model = Model(design_of(declared, [record]))
+    coef = np.array([9000.0, 2.0])
+    assert len(drift_of(model, coef, [record], STRETCHES, 5.0).part.z) == 16
