@@ -213,9 +213,11 @@ def table_cells(outcome: Outcome) -> tuple[list[str], list[tuple[str, list[str]]
 
 
 def _label(step: Step, outcome: Outcome) -> str:
-    """Return the name of an effect; with its state, if another step added one of the same name."""
-    is_alone = sum(other.name == step.name for other in outcome.steps) == 1
-    return step.name if is_alone else f"{step.name} ({step.state})"
+    """Return the name of an effect; with its state, if one of the same name entered another one."""
+    alike = [other for other in outcome.steps if other.name == step.name]
+    here = [other for other in alike if other.state == step.state]
+    name = step.name if len(here) == len(alike) else f"{step.name} ({step.state})"
+    return name if here[0] is step else f"a further {name}"
 
 
 def _is_rated(outcome: Outcome, index: int) -> bool:
