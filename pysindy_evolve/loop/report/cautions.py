@@ -21,7 +21,7 @@ from ..given.kinematics import disagreement
 from .dilution import dilution_sentences
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import extrapolation_sentences
-from .missed import misfit_sentences
+from .missed import NOTABLE_NRMSE, misfit_sentences
 from .one_force import one_force
 from .slow_states import slow_drifts
 from .units import percent
@@ -270,6 +270,14 @@ def _leaves_structure(outcome: Outcome) -> list[str]:
     ]
 
 
+def _misfit(outcome: Outcome) -> list[str]:
+    """Say what the model misses; not what the free run does where the effects made all worse."""
+    run_error = float(np.max(outcome.after.simulation_error))
+    if has_grown_in_all(outcome) and run_error >= NOTABLE_NRMSE:
+        return []
+    return misfit_sentences(outcome)
+
+
 CAUTIONS = (
     _doubted,
     _contradicted_known,
@@ -287,6 +295,6 @@ CAUTIONS = (
     _offsets,
     _numbers,
     extrapolation_sentences,
-    misfit_sentences,
+    _misfit,
     _leaves_structure,
 )  # in the order of the report

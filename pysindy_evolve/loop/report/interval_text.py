@@ -29,7 +29,7 @@ def ends(low: float, high: float) -> str:
     digits = _digits(low, high)
     texts = [f"{end:#.{digits}g}" if end else "0" for end in (low, high)]
     if any("e" in end for end in texts):
-        return f"{low:.{digits}g} to {high:.{digits}g}"
+        return " to ".join(format_number(end, digits) for end in (low, high))
     while all("." in end and end[-1] in "0." for end in texts):
         texts = [end[:-1] for end in texts]
     return " to ".join(end.removesuffix(".") for end in texts)

@@ -10,13 +10,16 @@ __all__ = ["check_units", "label", "percent", "percent_cell", "rate_label", "wit
 
 ROUND = 99.5  # percent; from here on the format .2g would print 1e+02
 TENFOLD = 999.5  # percent; from here on a factor is printed
+LARGE = 1e6  # from here on a number is printed with a power of ten
 MANY = 1e3  # larger factors are printed as "over 1000 times"
 
 
 def with_unit(value: float, name: str, units: Mapping[str, str] | None) -> str:
     """Return a number with the unit of a variable."""
-    unit = (units or {}).get(name, "")
-    return f"{value:.3g} {unit}".rstrip()
+    unit, text = (units or {}).get(name, ""), f"{value:.3g}"
+    if abs(value) < LARGE:
+        text = f"{float(text):.0f}" if "e+" in text else text  # 2440 and not 2.44e+03
+    return f"{text} {unit}".rstrip()
 
 
 def percent(value: float) -> str:

@@ -10,7 +10,8 @@ import sympy
 from loop_systems import equations_of, measured, multisine, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.export import format_number
+from pysindy_evolve.export import format_equations, format_number
+from pysindy_evolve.hidden_states.boucwen import yielding
 from pysindy_evolve.hidden_states.memory import Memory
 from pysindy_evolve.hidden_states.memory_equations import with_memories
 from pysindy_evolve.hidden_states.relaxing import relaxing
@@ -21,11 +22,11 @@ from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.effect_text import evidence, with_sign
 from pysindy_evolve.loop.report.interval_text import interval, value_within
-from pysindy_evolve.loop.report.text import as_text
+from pysindy_evolve.loop.report.text import as_text, note_on_shared_terms, table_cells
 from pysindy_evolve.loop.report.units import percent
 from pysindy_evolve.loop.settling.doubtful import most_doubtful
 from pysindy_evolve.loop.settling.quantities import with_share_of_runs
-from pysindy_evolve.terms import constant, mul, power, variable
+from pysindy_evolve.terms import add, constant, mul, power, variable
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")
 
@@ -47,7 +48,7 @@ def drifting():
         (9.0, 136.2, "9.000 to 136.2"),
         (-6.141, 0.0, "-6.141 to 0"),
         (20.0, 30.0, "20 to 30"),
-        (1.5e-7, 3e-7, "1.5e-07 to 3e-07"),
+        (1.5e-7, 3e-7, "1.5e-7 to 3e-7"),
     ],
 )
 def test_the_ends_of_an_interval_can_be_told_apart(low, high, shown):
@@ -120,6 +121,16 @@ def test_intervals_of_declared_parameters_are_those_of_the_model_that_lacks_noth
         low, high = report.after.parameter_intervals[name]
         assert low < report.after.parameters[name] < high
         assert (low + high) / 2 == pytest.approx(truth, abs=2 * (high - low))
+
+
+def test_steps_of_one_name_are_told_apart_in_the_table(report):
+    def rows(*places):
+        steps = [Step(*place, replace(report.after)) for place in places]
+        return [name for name, _ in table_cells(replace(report, steps=steps))[1][1:]]
+
+    assert rows(("drag", "v"), ("drag", "v")) == ["+ drag", "+ a further drag"]
+    assert rows(("drag", "v"), ("drag", "q")) == ["+ drag (v)", "+ drag (q)"]
+    assert rows(("drag", "v"), ("offset", "v")) == ["+ drag", "+ offset"]
 
 
 def test_table_shows_the_errors_of_the_report(report):
@@ -494,7 +505,40 @@ def softened():
 
 def test_a_declared_term_that_an_effect_holds_too_is_mentioned(report, softened):
     assert "Where an effect below has a term in common with the rest" in str(softened)
-    assert "Where an effect below holds" not in str(report)
+    assert "Where an effect below has a term in common" not in str(report)
+
+
+def _told(before, after, *expressions):
+    """Return an outcome of which only the equations and the terms of its effects matter."""
+    effects = [
+        SimpleNamespace(state="v", expressions=(e,), quantities=(), written=()) for e in expressions
+    ]
+    models = {"before": SimpleNamespace(model=before), "equations": after}
+    return SimpleNamespace(
+        effects=effects, after=SimpleNamespace(model=after, parameters={"k": 2.0}), **models
+    )
+
+
+def test_hidden_states_do_not_make_a_sum_of_terms():
+    """They come before the inputs, and so shift the numbers of these."""
+    before = equations_of({"q": "v", "v": "-2*q + F"}, ("F",))
+    yielded = yielding(variable(0), variable(1), 0.1, 0.5)
+    (path,), (square,) = yielded.parts, power(variable(2), 2).parts
+    coef = np.pad(before.coef, ((0, 0), (0, 2)))
+    coef[1, -2:] = 3.0
+    inner = replace(before, terms=(*before.terms, path[1], square[1]), coef=coef)
+    after = with_memories(inner, [])
+    assert len(after.states) == 3
+    assert note_on_shared_terms(_told(before, after, yielded, power(variable(2), 2))) == []
+
+
+def test_the_power_of_a_difference_is_said_to_be_multiplied_out():
+    before = equations_of({"q": "v", "v": "-2*q", "p": "w", "w": "-p"})
+    after = equations_of({"q": "v", "v": "-2*q - 4*(q - p)**3", "p": "w", "w": "-p"})
+    cube = power(add(variable(0), mul(constant(-1.0), variable(2))), 3)
+    (said,) = note_on_shared_terms(_told(before, after, cube))
+    assert said.endswith("the power of a difference below multiplied out.")
+    assert "q^3 " in format_equations(after)
 
 
 def test_a_sum_that_a_coefficient_multiplies_stands_in_parentheses(softened):
