@@ -145,7 +145,8 @@ def centripetal(
             square = power(other, 2)
             yield effect(COUPLING, mul(square, call(BUILTIN["sin"], variable(angle))))
             yield effect(COUPLING, mul(square, call(BUILTIN["cos"], variable(angle))))
-            yield effect(COUPLING, mul(mul(own, other), _outward(angle, turning)))
+            for factor in _factors(angle, turning):
+                yield effect(COUPLING, mul(mul(own, other), factor))
 
 
 def centrifugal(
@@ -159,15 +160,22 @@ def centrifugal(
     axes = [rate for rate in design.velocities if rate != effect.state]
     inputs = range(len(design.states), design.time)
     unused = [u for u in inputs if not any(u in side.variables for side in sides)]
-    for rate in (*axes, *unused):
-        name = COUPLING if rate in axes else INPUT_GAIN
-        yield effect(name, mul(power(variable(rate), 2), _outward(position, turning)))
+    factors = _factors(position, turning)
+    for rate in axes:
+        for factor in factors:
+            yield effect(COUPLING, mul(power(variable(rate), 2), factor))
+    for rate in unused:
+        yield effect(INPUT_GAIN, mul(power(variable(rate), 2), factors[0]))
 
 
-def _outward(position: int, turning: frozenset[int]) -> Sum:
-    """Return the factor of the squared speed of rotation in a centrifugal force.
+def _factors(position: int, turning: frozenset[int]) -> list[Sum]:
+    """Return the factors that the squared speed of rotation may have in a centrifugal force.
 
-    A mass on a turntable is driven out by w^2 r, one in a turning hoop by w^2 sin(q) cos(q).
+    A mass on a turntable is driven out by w^2 r, one in a turning hoop by w^2 sin(q) cos(q), and
+    the second link of an arm by w^2 sin(q), with q between the links, or cos(q), with another zero.
     """
     q = variable(position)
-    return mul(call(BUILTIN["sin"], q), call(BUILTIN["cos"], q)) if position in turning else q
+    if position not in turning:
+        return [q]
+    sine, cosine = (call(wave, q) for wave in WAVES)
+    return [mul(sine, cosine), sine, cosine]

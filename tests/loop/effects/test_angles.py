@@ -57,6 +57,33 @@ def test_what_comes_twice_a_turn_is_one_effect_wherever_the_angle_is_measured_fr
         assert report.effects[0].coefficients == pytest.approx(expected, rel=0.02)
 
 
+GEARED = {  # an arm whose large gears make the inertias constant; the gears hold q2 by springs
+    "q1": "w1",
+    "w1": "3*F - 2*w1 - 6*q1 + 1.2*w1*w2*sin(q2)",
+    "q2": "w2",
+    "w2": "2*F - 3*w2 - 9*q2 + 12 - 4*cos(q2) - 0.8*w1^2*sin(q2)",
+}
+
+
+@pytest.mark.slow
+def test_forces_between_two_geared_joints_are_found_one_by_one():
+    declared = {
+        "q1": "w1",
+        "w1": "b1*F - d1*w1 - k1*q1",
+        "q2": "w2",
+        "w2": "b2*F - d2*w2 - k2*q2 + o - g*cos(q2)",
+    }
+    record = measured(GEARED, size=10.0, noise=1e-4)
+    model = pse.DeclaredModel(declared, inputs=["F"])
+    report = pse.close_loop(model, record, operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == ["coupling"] * 2
+    found = {str(effect.term): effect.coefficients[0] for effect in report.effects}
+    assert found == {
+        "w1*w2*sin(q2)": pytest.approx(1.2, rel=0.02),
+        "w1**2*sin(q2)": pytest.approx(-0.8, rel=0.02),
+    }
+
+
 def test_whole_turns_are_taken_out_of_a_phase():
     turned = wave("sin", add(variable(0), constant(261.452)))
     plain = without_turns(turned)
