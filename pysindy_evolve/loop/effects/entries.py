@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...terms import Product, Sum, Variable, div, mul, of_term, variable
+from ...operators import BUILTIN
+from ...terms import Call, Product, Sum, Variable, div, mul, of_term, variable
 from ..given.design import Design
 from .candidate import bare
 
@@ -45,7 +46,8 @@ def entries_of(design: Design, state: int) -> list[Entry]:
     Returns
     -------
     list of Entry
-        With the velocity that a declared damping gives for the place; without one, all of them.
+        With the velocity that a declared damping gives for the place; without one, all of them. A
+        load that presses on a brake, as N sgn(v), is no such place.
     """
     sides = [column.parts[state] for column in design.columns if column.parts[state].parts]
     found: dict[Sum, Entry] = {}
@@ -62,7 +64,7 @@ def entries_of(design: Design, state: int) -> list[Entry]:
                 known = found.get(bare(factor))
                 where = design.velocities if known is None else known.velocities
                 found[bare(factor)] = Entry(factor, where, column, side is design.fixed[state])
-    return [entry for entry in found.values() if entry.factor.variables]
+    return [one for one in found.values() if one.factor.variables and not _has_sign(one.factor)]
 
 
 def entered(design: Design, state: int, expression: Sum) -> tuple[Entry, Sum] | None:
@@ -91,6 +93,11 @@ def entered(design: Design, state: int, expression: Sum) -> tuple[Entry, Sum] | 
         if bare(mul(entry.factor, force)) == bare(expression) and force.size < expression.size
     ]
     return min(found, key=lambda pair: pair[1].size, default=None)
+
+
+def _has_sign(factor: Sum) -> bool:
+    atoms = (atom for _, term in factor.parts for atom, _ in term.factors)
+    return any(isinstance(atom, Call) and atom.operator == BUILTIN["sgn"] for atom in atoms)
 
 
 def _over(term: Product, other: Product) -> Sum:

@@ -59,6 +59,12 @@ def test_a_constant_factor_is_no_entry():
     assert entries_of(design, 1) == []
 
 
+def test_a_measured_load_on_a_brake_is_no_place_where_forces_enter():
+    """A friction there, sgn(v)^2, was named as an alternative of a constant offset."""
+    brake = pse.DeclaredModel({"q": "v", "v": "b*M - f*N*sgn(v)"}, inputs=["M", "N"])
+    assert entries_of(brake.design(), 1) == []
+
+
 def test_without_a_declared_damping_a_force_may_depend_on_any_speed():
     design = pse.DeclaredModel(
         {"q": "v", "v": "F/(1 + q**2) - k*q", "p": "w", "w": "-a*p"}, inputs=["F"]
