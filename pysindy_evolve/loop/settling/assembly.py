@@ -10,14 +10,16 @@ import numpy as np
 
 from ...hidden_states.memory import with_memories_applied
 from ...signals import Record
+from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding
 from ..evidence.rivals import Rival
 from ..evidence.scoring import columns_of
 from ..facts.effect import Effect, Step
 from ..facts.outcome import Outcome
 from ..fitting.fit import refit
-from ..given.design import Design
-from ..given.rules import Rules
+from ..given.held import held_like
+from ..given.resampled import widened
+from ..search.found import Found
 from .described import described, total
 from .quantities import (
     with_intervals,
@@ -30,23 +32,31 @@ from .stages import Stage, fitted_stages
 
 __all__ = ["assembled"]
 
+FLAT_CUTOFF_SHARE = 0.5  # of the cutoff, up to which a low-pass leaves what there is
+
 
 def assembled(
-    declared: Design,
+    found: Found,
     findings: Sequence[Finding],
-    train: Sequence[Record],
     test: Sequence[Record],
-    verdict: str,
-    rules: Rules,
     rng: np.random.Generator,
     *,
     finished: bool,
 ) -> Outcome:
-    """Fit each stage on all training rows and judge it on held-out records."""
+    """Fit all stages and judge them, on records whose low-pass leaves what was found.
+
+    `findings` are those of `found` under their right names, with their alternatives.
+    """
+    declared, verdict = found.declared, found.verdict
+    train, judged = found.records, [held_like(record, found.records) for record in test]
+    if not declared.algebraic and _is_near_cutoff(findings, found.records):
+        train, judged = found.wide_records, widened(judged)
     is_complete = verdict == "complete"
-    stages = fitted_stages(declared, findings, train, test, rules, rng, is_complete=is_complete)
+    stages = fitted_stages(
+        declared, findings, train, judged, found.rules, rng, is_complete=is_complete
+    )
     first, last = stages[0], stages[-1]
-    effects = _described(stages, train, test)
+    effects = _described(stages, train, judged)
     steps = [
         Step(finding.candidate.name, declared.states[finding.candidate.state], stage.errors)
         for stage in stages
@@ -54,16 +64,29 @@ def assembled(
     ]
     return Outcome(
         verdict,
-        _numbered(effects, len(declared.columns), last, train, test, rng),
+        _numbered(effects, len(declared.columns), last, train, judged, rng),
         before=first.errors,
         after=last.errors,
         steps=steps,
         train=tuple(train),
-        test=tuple(test),
+        test=tuple(judged),
         finished=finished,
-        rules=rules,
+        rules=found.rules,
         design=last.design,
+        rejected=found.rejected,
+        chance_left=found.chance_left,
+        found_held=tuple(sorted(set(found.held) - set(test[0].held))),
     )
+
+
+def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> bool:
+    """Tell whether the low-pass of records takes a part of a forcing: its size would be too small.
+
+    It is a function of time, not of what was measured, so it did not pass the same filter.
+    """
+    made = [record.preparation for record in records]
+    cutoff = min((one.cutoff for one in made if one is not None and one.cutoff), default=np.inf)
+    return any(frequency_of(finding.candidate) > FLAT_CUTOFF_SHARE * cutoff for finding in findings)
 
 
 def _described(
