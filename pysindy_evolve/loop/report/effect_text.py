@@ -17,7 +17,7 @@ from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT
 from ..effects.names import FORCING, INERTIA, RIPPLE
 from ..facts.effect import Alternative, Effect
-from .interval_text import interval, value_within
+from .number_text import interval, value_within
 
 __all__ = [
     "evidence",

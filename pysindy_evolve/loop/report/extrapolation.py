@@ -10,7 +10,7 @@ from ...export import format_number
 from ..facts.outcome import Outcome
 from ..facts.residuals import percent_left
 from ..given.rows import variables_of
-from .units import percent
+from .number_text import percent
 
 __all__ = ["extrapolation_sentences"]
 

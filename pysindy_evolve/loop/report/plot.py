@@ -11,8 +11,8 @@ from ...signals import Record, Windows, choose_windows
 from ..facts.outcome import Outcome
 from ..given.kinematics import positions
 from ..given.rows import variables_of
+from .number_text import check_units, label, rate_label, with_unit
 from .panels import draw_frequency, draw_plane, draw_time, draw_twins, draw_variable, tidy
-from .units import check_units, label, rate_label, with_unit
 
 __all__ = ["draw_residuals", "draw_scores", "plot_residuals"]
 

@@ -7,8 +7,8 @@ import numpy as np
 from ..evidence.rejected import Rejected
 from ..facts.outcome import Outcome
 from .cautions import cautions
+from .number_text import percent
 from .slow_states import slow_rest
-from .units import percent
 
 __all__ = ["remains"]
 

@@ -8,7 +8,7 @@ from ...hidden_states.memory_equations import as_acting
 from ..evidence.noise_floor import noise_alone
 from ..facts.outcome import Outcome
 from ..facts.residuals import in_percent, percent_left
-from .units import percent
+from .number_text import percent
 
 __all__ = ["unexplained"]
 
