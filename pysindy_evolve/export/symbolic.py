@@ -12,7 +12,7 @@ from ..equations import Equations
 from ..hidden_states.memory_equations import MemoryEquations
 from ..reading.library_terms import from_model
 from ..terms import ONE, Product, Sum, of_term
-from .fractions import as_fractions
+from .compact import as_fractions
 from .hinges import as_hinges
 
 __all__ = ["System", "as_shown", "constant_last", "round_to", "system_of", "to_sympy"]

@@ -13,8 +13,8 @@ from typing import Any
 from ..export import plot_tree
 from .cases import SNR_RIG, Case, Plan
 from .facts import PARTS, TABLE_4
-from .identified import Identified
 from .store import Store
+from .trials import Identified
 
 __all__ = ["draw"]
 

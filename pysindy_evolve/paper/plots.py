@@ -17,8 +17,7 @@ from .tables import accuracy
 
 if TYPE_CHECKING:
     from ..datasets import DuffingRig
-    from .identified import Identified
-    from .trials import Trial
+    from .trials import Identified, Trial
 
 __all__ = [
     "accuracy_over_noise", "comparison", "input_and_output", "phase_plane", "record", "save",

@@ -17,9 +17,8 @@ from ..effects.candidate import Candidate
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of
+from ..twins.chance import p_value_of, twin_values
 from ..twins.twins import TwinMaker
-from ..twins.values import twin_values
 from .scoring import MIN_GAIN_LOG, columns_of, quick_fit, score
 
 __all__ = ["justified"]

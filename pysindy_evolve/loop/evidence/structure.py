@@ -24,10 +24,9 @@ from ..fitting.linear import log_ratio
 from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of
+from ..twins.chance import p_value_of, twin_values
 from ..twins.colored import ColoredTwins
 from ..twins.twins import TwinMaker
-from ..twins.values import twin_values
 from .noise_floor import MIN_POWER_OVER_NOISE, NoiseFloor
 from .nulls import chance_of, without_noise_shift
 from .scoring import quick_fit

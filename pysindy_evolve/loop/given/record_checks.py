@@ -10,9 +10,9 @@ import numpy as np
 from ...checks import SIZES
 from ...signals import Record
 from ...warn import warn
-from .common_step import TOLERANCE
 from .design import Design
 from .records import HELD_OUT
+from .resampled import TOLERANCE
 from .rows import MAX_TERM_VALUE, variables_of
 from .through import with_functions
 

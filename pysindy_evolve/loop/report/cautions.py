@@ -10,8 +10,7 @@ from ...terms import ONE
 from ..facts.effect import Effect
 from ..facts.held_delays import held_delays, short_delays
 from ..facts.outcome import Outcome
-from ..facts.record_numbers import numbers_by_record
-from ..facts.record_offsets import offsets_by_record
+from ..facts.record_differences import numbers_by_record, offsets_by_record
 from ..facts.shared_lines import shared_lines
 from ..facts.unidentified import unidentified
 from ..given.kinematics import disagreement

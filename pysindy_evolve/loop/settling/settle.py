@@ -13,7 +13,7 @@ from ..evidence.findings import Finding, limits_in, memories_in, with_findings
 from ..evidence.offers import after_settling
 from ..facts.held_delays import is_hold_only
 from ..facts.outcome import Outcome
-from ..facts.record_offsets import offsets_by_record
+from ..facts.record_differences import offsets_by_record
 from ..facts.shared_lines import shared_lines
 from ..given.limits import off_limits
 from ..memories.polish import polished
