@@ -193,12 +193,7 @@ def integer(call: str, parameter: str, value: Any, least: int, advice: str) -> i
 
 
 def real(
-    call: str,
-    parameter: str,
-    value: Any,
-    constraint: str,
-    ok: Callable[[float], bool],
-    advice: str,
+    call: str, parameter: str, value: Any, constraint: str, ok: Callable[[float], bool], advice: str
 ) -> float:
     """Return an option that is a number for which `ok` holds."""
     if isinstance(value, bool) or not isinstance(value, Real):

@@ -62,7 +62,7 @@ def watch(
         interrupted = True
         warn(
             f"EvolvingLibrary.fit was interrupted after {len(history)} generations; the best "
-            "equation so far is kept. Fit again to let the search end by itself.",
+            "equation so far is kept. Fit again to let the search end by itself."
         )
     finally:
         shown.close()

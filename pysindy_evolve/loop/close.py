@@ -143,7 +143,7 @@ def _search(found: Found, rng: np.random.Generator) -> tuple[Found, bool]:
             raise
         warn(
             "close_loop was interrupted. The report is being made from what was found so far; "
-            "press Ctrl-C again to stop without a report.",
+            "press Ctrl-C again to stop without a report."
         )
         return found, True
     return found, False

@@ -203,9 +203,7 @@ def bridged(y: Array, limits: Array, dt: float, cutoff: float | None, order: int
         frequency = np.clip(SHARPNESS * (cutoff or np.inf) * dt, *FREQUENCY_RANGE)
         curve = _smooth(readings, ~gap, float(frequency))
         curve = np.where(
-            readings >= high,
-            np.clip(curve, high, high + span),
-            np.clip(curve, low - span, low),
+            readings >= high, np.clip(curve, high, high + span), np.clip(curve, low - span, low)
         )
         bridge = gap.copy()
         bridge[: seen[0]] = bridge[seen[-1] + 1 :] = False

@@ -15,11 +15,7 @@ MAX_SUBSTEPS = 20
 
 
 def simulate_pieces(
-    equations: Equations,
-    coef: np.ndarray,
-    x0: np.ndarray,
-    t: np.ndarray,
-    u: np.ndarray,
+    equations: Equations, coef: np.ndarray, x0: np.ndarray, t: np.ndarray, u: np.ndarray
 ) -> np.ndarray:
     """Integrate models that share their terms, each over the same number of pieces.
 

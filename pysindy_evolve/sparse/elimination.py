@@ -79,10 +79,7 @@ def information(gram: Gram, support: np.ndarray, penalty: np.ndarray, n_effectiv
 
 
 def eliminate(
-    gram: Gram,
-    support: Sequence[int] | np.ndarray,
-    penalty: np.ndarray,
-    n_effective: float,
+    gram: Gram, support: Sequence[int] | np.ndarray, penalty: np.ndarray, n_effective: float
 ) -> list[tuple[np.ndarray, float]]:
     """Eliminate terms backward, the least useful first, until none is left.
 

@@ -148,10 +148,7 @@ def _total_price(gram: Gram, support: Sequence[int], cost: np.ndarray) -> float:
 
 
 def drop_unstable(
-    whole: Gram,
-    folds: Sequence[Gram],
-    support: Sequence[int] | np.ndarray,
-    min_ratio: float = 3.0,
+    whole: Gram, folds: Sequence[Gram], support: Sequence[int] | np.ndarray, min_ratio: float = 3.0
 ) -> np.ndarray:
     """Drop terms whose coefficient scatters too much between parts of the record.
 

@@ -25,9 +25,7 @@ def signed(parts: Iterable[tuple[float, Term]]) -> Iterator[tuple[str, float, Te
 
 
 def join_terms(
-    parts: Iterable[tuple[float, Term]],
-    number: Callable[[float], str],
-    term: Callable[[Term], str],
+    parts: Iterable[tuple[float, Term]], number: Callable[[float], str], term: Callable[[Term], str]
 ) -> str:
     """Write coefficients times terms with the signs between them.
 

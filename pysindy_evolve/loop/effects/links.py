@@ -93,10 +93,7 @@ def link_couplings(
 
 
 def _at_both(
-    effect: CandidateMaker,
-    design: Design,
-    joints: Sequence[Entry | None],
-    forces: tuple[Sum, Sum],
+    effect: CandidateMaker, design: Design, joints: Sequence[Entry | None], forces: tuple[Sum, Sum]
 ) -> Candidate:
     """Return the forces at two joints as one effect; nothing acts where a joint has no entry."""
     acting = [

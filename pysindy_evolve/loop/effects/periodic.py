@@ -123,11 +123,7 @@ def lines_of(
 
 
 def ripple_candidates(
-    state: int,
-    position: int,
-    residual: np.ndarray,
-    q: np.ndarray,
-    noise: float = 0.0,
+    state: int, position: int, residual: np.ndarray, q: np.ndarray, noise: float = 0.0
 ) -> list[Candidate]:
     """Return sine and cosine of a position at the strongest wave number of a residual.
 

@@ -35,11 +35,7 @@ class NoiseFloor:
 
     @classmethod
     def of(
-        cls,
-        equations: Equations,
-        design: Design,
-        part: Segments,
-        rng: np.random.Generator,
+        cls, equations: Equations, design: Design, part: Segments, rng: np.random.Generator
     ) -> NoiseFloor | None:
         """Add the sensor noise of states and inputs to the records once more.
 

@@ -73,11 +73,7 @@ def justified(
 
 
 def _lead(
-    part: Segments,
-    *,
-    design: Design,
-    forms: Sequence[Candidate],
-    plain: Sequence[Candidate],
+    part: Segments, *, design: Design, forms: Sequence[Candidate], plain: Sequence[Candidate]
 ) -> float:
     """Return by how much the best form scores more than the best plain one."""
     scores = score(design, part, [*forms, *plain], pairs=False)

@@ -13,12 +13,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, terms_in
-from ..effects.periodic import (
-    N_LINES,
-    is_same_ripple,
-    periodic_candidates,
-    ripple_candidates,
-)
+from ..effects.periodic import N_LINES, is_same_ripple, periodic_candidates, ripple_candidates
 from ..effects.pumps import partner_pumps, pumped_candidates
 from ..effects.rippled import rippled_candidates
 from ..effects.stops import begins_within, one_end_each

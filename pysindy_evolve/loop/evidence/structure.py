@@ -65,10 +65,7 @@ class Monomial(Column):
 
 
 def structure_chance(
-    design: Design,
-    part: Segments,
-    rules: Rules,
-    rng: np.random.Generator,
+    design: Design, part: Segments, rules: Rules, rng: np.random.Generator
 ) -> float:
     """Return the chance that a generic model predicts twins as well as the record.
 

@@ -39,11 +39,7 @@ __all__ = ["exchanged_by_runs", "is_closer"]
 
 
 def exchanged_by_runs(
-    model: Model,
-    findings: Sequence[Finding],
-    pool: Pool,
-    records: Sequence[Record],
-    rules: Rules,
+    model: Model, findings: Sequence[Finding], pool: Pool, records: Sequence[Record], rules: Rules
 ) -> list[Finding]:
     """Return the findings, each effect replaced where another one comes closer to the record.
 

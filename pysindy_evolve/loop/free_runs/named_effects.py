@@ -115,14 +115,7 @@ def _memory_or_term(
     in_twins = chance_of_terms(drift, sought, signs)
     gains = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
     return best_of(
-        drift,
-        wide,
-        [*terms, *memories],
-        gains,
-        in_twins,
-        signs,
-        rules,
-        must_be_clear=must_be_clear,
+        drift, wide, [*terms, *memories], gains, in_twins, signs, rules, must_be_clear=must_be_clear
     )
 
 

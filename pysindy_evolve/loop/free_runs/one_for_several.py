@@ -29,10 +29,7 @@ MANY = 3  # named effects in one equation that a single effect may replace
 
 
 def one_for_several(
-    model: Model,
-    findings: Sequence[Finding],
-    pool: Pool,
-    records: Sequence[Record],
+    model: Model, findings: Sequence[Finding], pool: Pool, records: Sequence[Record]
 ) -> list[Finding]:
     """Return the findings, groups of them replaced by single effects that do as well.
 

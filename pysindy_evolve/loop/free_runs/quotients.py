@@ -17,19 +17,7 @@ from scipy.optimize import minimize_scalar
 
 from ...checks import TINY
 from ...operators import SCALED
-from ...terms import (
-    Atom,
-    Call,
-    Product,
-    Sum,
-    add,
-    constant,
-    mul,
-    of_term,
-    power,
-    sub,
-    variable,
-)
+from ...terms import Atom, Call, Product, Sum, add, constant, mul, of_term, power, sub, variable
 from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import terms_in
 from ..effects.names import EVOLVED

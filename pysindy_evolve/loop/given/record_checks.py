@@ -74,7 +74,7 @@ def _doubt_clock(records: Sequence[Record]) -> None:
         warn(
             f"close_loop(train=..., test=...): times begin at {start:.10g}, long after zero. A "
             "drift from there is next to constant, and the phase of a forcing needs all digits of "
-            "its frequency. Subtract the first time of the first record from all of them.",
+            "its frequency. Subtract the first time of the first record from all of them."
         )
 
 
@@ -92,7 +92,7 @@ def doubt_held_out(train: Sequence[Record], test: Sequence[Record]) -> None:
             warn(
                 f"close_loop(train=..., test=...): {len(shared)} samples of a test record are in a "
                 "training record too, so errors on it are no held-out errors. Pass another record, "
-                "or leave `test` out: the end of the training record is held out then.",
+                "or leave `test` out: the end of the training record is held out then."
             )
             return
 

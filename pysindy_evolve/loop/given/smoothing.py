@@ -73,7 +73,7 @@ def with_own_slopes(
         f"of their states, by {MISSED_SHARE_AT_CUTOFF:.0%} at {cutoff:.3g} cycles per unit of t: "
         "they are smoothed too much. They are taken anew from the states, up to there. "
         + ("" if shown else "The motion is faster than that, so no effect is looked for. ")
-        + "Give the measurement as it is to prepare(t, y, u).",
+        + "Give the measurement as it is to prepare(t, y, u)."
     )
     train, test = ([_prepared_anew(r, order, cutoff) for r in records] for records in (train, test))
     return train, test, shown

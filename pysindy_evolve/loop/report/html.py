@@ -29,12 +29,7 @@ from .effect_text import (
 from .experiment import plan
 from .number_text import check_units, with_unit
 from .remains import remains
-from .text import (
-    free_parameters,
-    note_on_shared_terms,
-    p_of_effects,
-    table_cells,
-)
+from .text import free_parameters, note_on_shared_terms, p_of_effects, table_cells
 from .verdict import verdict_of
 
 __all__ = ["as_html"]

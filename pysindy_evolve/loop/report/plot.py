@@ -98,8 +98,7 @@ def draw_residuals(
     _label(panels, shown, names, units, rate)
     span = with_unit(windows.width * record.dt, "t", units)
     figure.suptitle(
-        f"Held-out residual, averaged over windows of {span} as in the fit",
-        fontsize=10,
+        f"Held-out residual, averaged over windows of {span} as in the fit", fontsize=10
     )
     _draw_planes(figure, panels, outcome, index, stages, variables, units)
 

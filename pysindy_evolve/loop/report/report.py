@@ -78,7 +78,7 @@ class LoopReport(Outcome):
             )
             warn(
                 "LoopReport.model: a SINDy model cannot delay its inputs; this one takes "
-                f"{changed}. Shift the input, or use LoopReport.simulate.",
+                f"{changed}. Shift the input, or use LoopReport.simulate."
             )
         return as_sindy(self.equations)
 

@@ -46,10 +46,7 @@ class Beginning:
 
 
 def settled_beginning(
-    declared: Design,
-    findings: Sequence[Finding],
-    plain: Sequence[Record],
-    part: Segments,
+    declared: Design, findings: Sequence[Finding], plain: Sequence[Record], part: Segments
 ) -> Beginning:
     """Return findings with memories tuned again, given the inputs before the records began.
 

@@ -21,13 +21,7 @@ from ..given.held import held_like
 from ..given.resampled import widened
 from ..search.found import Found
 from .described import described, total
-from .quantities import (
-    with_intervals,
-    with_limit,
-    with_memory,
-    with_sensor,
-    with_share_of_runs,
-)
+from .quantities import with_intervals, with_limit, with_memory, with_sensor, with_share_of_runs
 from .stages import Stage, fitted_stages
 
 __all__ = ["assembled"]
