@@ -22,8 +22,6 @@ from .sparse.selection import select
 from .threads import one_thread
 from .warn import warn
 
-__all__ = ["ElasticNet"]
-
 TOLERANCE = 1e-9  # of coordinate descent: duality gap, as a share of the target's power
 
 

@@ -11,8 +11,6 @@ from ..warn import warn
 from .generation import Generation
 from .plateau import Plateau
 
-__all__ = ["watch"]
-
 
 def watch(
     search: Iterable[tuple[Generation, tuple[Product, ...]]],

@@ -21,8 +21,6 @@ from .options import PROGRAM
 from .output import print_code, print_errors, progress, save, say
 from .records import check_derived, check_names, derived_names, order_of, read_all, read_split
 
-__all__ = ["demo", "fit", "loop"]
-
 
 def demo(given: Namespace) -> bool:
     """Close the loop on a simulated axis whose declared model lacks dry friction."""

@@ -17,8 +17,6 @@ from ..loop.fitting.runs import nrmse, simulation_errors
 from ..loop.report.number_text import percent_cell
 from ..signals import Record
 
-__all__ = ["complain", "print_code", "print_errors", "progress", "save", "say"]
-
 POOR = 50.0  # % NRMSE; both errors must exceed it, as one may be noise, the other chaos
 
 

@@ -16,17 +16,6 @@ from ..signals.files import column_names
 from ..signals.spectral import Array
 from ..signals.wrapping import BEYOND
 
-__all__ = [
-    "check_angles",
-    "check_derived",
-    "check_names",
-    "derived_names",
-    "order_of",
-    "read_all",
-    "read_split",
-    "unwrapped",
-]
-
 
 def derived_names(positions: Sequence[str], order: int) -> tuple[str, ...]:
     """Name positions and their derivatives: q, q_dot, q_ddot, q_d3."""

@@ -10,8 +10,6 @@ import sympy
 from ..terms import ONE, Atom, Call, Product, Sum
 from .hinges import as_hinges
 
-__all__ = ["as_fractions", "as_written", "compact"]
-
 
 def as_written(expression: Sum, symbols: Sequence[Any]) -> Any:
     """Return an expression in sympy as people write it: fractions, hinges, powers of differences.

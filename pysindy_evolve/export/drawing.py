@@ -17,8 +17,6 @@ from matplotlib.textpath import TextPath
 
 from .tree import Node
 
-__all__ = ["draw"]
-
 FONT_SIZE = 11.0  # points
 HEIGHT = 0.32  # of a box
 PADDING = 0.11  # between a label and the end of its box

@@ -13,8 +13,6 @@ from ..terms import signed
 from .printing import format_number
 from .symbolic import as_shown, system_of
 
-__all__ = ["equations_mathml", "expression_mathml"]
-
 CHARACTERS = {"&ExponentialE;": "e", "&InvisibleTimes;": "\u2062", "<mo>-</mo>": "<mo>−</mo>"}
 
 

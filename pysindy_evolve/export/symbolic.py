@@ -15,9 +15,6 @@ from ..terms import ONE, Product, Sum, of_term
 from .compact import as_fractions
 from .hinges import as_hinges
 
-__all__ = ["System", "as_shown", "constant_last", "round_to", "system_of", "to_sympy"]
-__all__ += ["without_sign"]
-
 
 def to_sympy(model: Any, digits: int | None = None) -> list[Any]:
     """Return the right-hand sides as sympy expressions.

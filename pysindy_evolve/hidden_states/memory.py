@@ -35,9 +35,6 @@ from ..terms import Sum, add, call, constant, mul, power, sub
 if TYPE_CHECKING:
     from ..signals import Record
 
-__all__ = ["DELAY", "LAG", "VESSEL", "Memory", "balance", "output_of", "rate", "with_past_inputs"]
-__all__ += ["with_memories_applied"]
-
 DELAY, LAG, VESSEL = "input delay", "actuator lag", "hidden state"
 REFINEMENT = 4  # steps per sample for a lag; the input is straight within each
 N_SUBSTEPS = 4  # integration steps per sample for a vessel

@@ -24,8 +24,6 @@ from .search.found import Found
 from .search.look_for_effects import look_for_effects
 from .settling.settle import settled
 
-__all__ = ["close_loop"]
-
 
 @one_thread()
 def close_loop(

@@ -16,8 +16,6 @@ from .facts import PARTS, TABLE_4
 from .store import Store
 from .trials import Identified
 
-__all__ = ["draw"]
-
 
 def draw(parts: Sequence[str], plan: Plan, store: Store, folder: Path) -> Iterator[Path]:
     """Draw figures into a folder, one after the other.

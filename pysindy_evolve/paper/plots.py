@@ -19,11 +19,6 @@ if TYPE_CHECKING:
     from ..datasets import DuffingRig
     from .trials import Identified, Trial
 
-__all__ = [
-    "accuracy_over_noise", "comparison", "input_and_output", "phase_plane", "record", "save",
-    "style",
-]  # fmt: skip
-
 DARK, LIGHT, RED = "#24476b", "#9db4cc", "#c0392b"
 WIDTH = 6.3  # inches: the text of a page
 CLOSE_UP = 0.6  # s of the validation part, around its largest acceleration

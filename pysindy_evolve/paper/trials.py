@@ -20,8 +20,6 @@ from ..signals import fuse
 from ..terms import Product
 from .cases import Case
 
-__all__ = ["Identified", "Trial", "identify", "run"]
-
 
 @dataclass(frozen=True)
 class Trial:

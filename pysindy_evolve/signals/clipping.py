@@ -24,8 +24,6 @@ from .. import checks
 from .noise import DWELL
 from .spectral import Array
 
-__all__ = ["as_limits", "beyond", "bridged", "longest", "sensor_limits", "widened"]
-
 LEAST_STAY = 3  # consecutive readings that count as a stay: at a limit, or where a machine rests
 # A crest of a rounded signal holds at most CREST_RATIO times as many readings as a level next to
 # it; a limit needs LEAST_EXTRA more. NEXT_LEVELS levels below the limit are compared.

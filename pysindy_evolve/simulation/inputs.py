@@ -10,8 +10,6 @@ import numpy as np
 from .. import checks
 from ..equations import Equations
 
-__all__ = ["check_input", "check_start", "check_time"]
-
 Input = np.ndarray | Callable[[np.ndarray], Any] | None
 
 

@@ -8,8 +8,6 @@ from ..equations import Equations
 from .columns import Columns, choose_substeps, field_of
 from .crossing import advance, start_signs
 
-__all__ = ["simulate_pieces"]
-
 TOLERANCE = 1e-5  # error of a sample interval, relative to the state: enough beside a sensor
 MAX_SUBSTEPS = 20
 

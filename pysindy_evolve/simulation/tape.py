@@ -17,8 +17,6 @@ from ..terms import ONE as CONSTANT_TERM
 from ..terms import Atom, Call, Product, Sum, Variable
 from .structure import Switch
 
-__all__ = ["Tape"]
-
 
 class Instruction(NamedTuple):
     """One array operation: function(*values of the arguments) goes to a register."""

@@ -11,8 +11,6 @@ import numpy as np
 
 from .gram import MIN_SQUARE_SHARE, Gram, inverse, least_squares, rss
 
-__all__ = ["default_penalty", "eliminate", "front", "gains", "information"]
-
 HEALTHY = 0.1  # of 1 / n, the least diagonal element of the inverse for columns of unit RMS
 
 

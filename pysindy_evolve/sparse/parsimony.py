@@ -13,16 +13,6 @@ import numpy as np
 from .elimination import gains
 from .gram import Gram, inverse, least_squares, rss
 
-__all__ = [
-    "MIN_ROWS",
-    "N_BLOCKS",
-    "PERFECT",
-    "drop_immaterial",
-    "drop_unstable",
-    "exchange_for_simpler",
-    "prefer_smaller",
-]
-
 N_BLOCKS = 12  # parts of the record that a coefficient must agree on
 MIN_ROWS = 20  # least rows of such a part
 PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain

@@ -15,8 +15,6 @@ from .elimination import front
 from .gram import Gram
 from .parsimony import PERFECT, prefer_smaller
 
-__all__ = ["Selection", "effective_size", "select"]
-
 DIRECT = 8  # lags taken one by one; for nearly white noise the sum ends among them
 BLOCK = 1 << 17  # samples whose correlations are taken at once; lags go up to half of it
 

@@ -13,8 +13,6 @@ from .atoms import Call, Variable
 from .node import Cache, Node, take
 from .products import ONE, Product
 
-__all__ = ["Atom", "Sum", "as_sum", "collect", "join_terms", "of_term", "only_term", "signed"]
-
 Term = TypeVar("Term")  # of this package, or of sympy
 
 

@@ -16,8 +16,6 @@ from ..given.rows import variables_of
 from .outcome import Outcome
 from .residuals import residual_of
 
-__all__ = ["numbers_by_record", "offsets_by_record"]
-
 LESS_SQUARE = 0.8  # largest ratio of squared errors, with a value for each record over common ones
 REACH_OF_95 = 3.92  # width of a 95 % interval, in standard deviations
 SURE = 0.995  # chance with which the same parameter lies closer together

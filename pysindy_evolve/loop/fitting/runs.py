@@ -16,8 +16,6 @@ from ..given.rows import scale_of
 from ..given.sensor import limits_of_states, miss_of_run, shown
 from .past import first_state, hidden_on, with_estimated_past
 
-__all__ = ["LOST_NRMSE", "free_run", "nrmse", "simulation_errors", "stretch_misses"]
-
 LOST_NRMSE = 100.0  # percent: a run that misses more tells less than the mean of the record
 REFINEMENT = 4  # steps into which splines divide each sample of an input
 

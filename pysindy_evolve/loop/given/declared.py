@@ -18,8 +18,6 @@ from .design import Column, Design
 from .kinematics import disagreement
 from .sindy_models import design_of_sindy
 
-__all__ = ["DeclaredModel", "design_of", "with_contradicted"]
-
 OWNER = "close_loop(declared=...)"
 CONTRADICTED = 0.1  # disagreement over the rate's spread; gains of two sensors differ by less
 

@@ -16,8 +16,6 @@ from .resampled import TOLERANCE
 from .rows import MAX_TERM_VALUE, variables_of
 from .through import with_functions
 
-__all__ = ["check_records", "doubt_held_out"]
-
 MIN_SAMPLES = 32
 MAX_START_IN_LENGTHS = 100.0  # largest start time without a warning, in lengths of all records
 MAX_CONSTANT_SPREAD = 1e-13  # relative variation that a filter leaves in a constant column

@@ -13,8 +13,6 @@ import numpy as np
 from ...signals import Preparation, Record, as_target, prepare
 from ...signals.prepare import LEAST_OVERSAMPLING
 
-__all__ = ["TOLERANCE", "at_one_step", "common_step", "undecimated", "widened"]
-
 SEARCH_CUTOFF_RATIO = 2.0  # cutoff of the search, in cutoffs of the record ...
 MAX_SAMPLING_RATE_SHARE = 0.4  # ... and at most, in sampling rates of the raw record
 MOST_RAW = 100_000  # rows of all records up to which they are used undecimated

@@ -16,8 +16,6 @@ from ...terms import Sum, of_term, variable
 from .design import Column, Design
 from .rows import variables_of
 
-__all__ = ["design_of_sindy"]
-
 ROUNDED = 1e-3  # relative error that a fit may make in q' = v
 
 

@@ -22,8 +22,6 @@ from ...signals import Record, prepare
 from ...warn import warn
 from .design import Design
 
-__all__ = ["with_own_slopes"]
-
 MIN_MISSED_SHARE = 0.001  # share of a slope; a larger systematic miss shows in the loop
 MAX_SHARE_OFF_LAW = 0.5  # share of the miss that 1 - b f^2 may leave; more is not due to smoothing
 # Share of a slope missed at the new cutoff; there states are right to a few percent.

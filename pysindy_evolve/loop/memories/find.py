@@ -26,8 +26,6 @@ from .effect_or_memory import beats_tuned_memories, memory_instead
 from .probes import MemoryCandidate, Probes, grid_of, users_of
 from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
 
-__all__ = ["find_with_memories", "resettled", "with_kinds_rechosen"]
-
 
 def find_with_memories(
     declared: Design,

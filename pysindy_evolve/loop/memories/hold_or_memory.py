@@ -26,14 +26,6 @@ from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
 from ..given.segments import Segments, segments
 from .reach import exchanged, plainest, reach_of
 
-__all__ = [
-    "free_to_be_held",
-    "hold_beside_another",
-    "holds_alone",
-    "in_pieces",
-    "memory_beside_hold",
-]
-
 # Share of a sampling time by which records that are sampled alike may differ.
 MAX_TIME_STEP_SPREAD = 0.01
 SHORTEST, LONGEST = 0.4, 0.6  # delay of a hold that a user's low-pass has hidden, sampling times

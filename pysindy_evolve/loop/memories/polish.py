@@ -29,8 +29,6 @@ from ..given.segments import Segments
 from .probes import Probes
 from .reach import swapped
 
-__all__ = ["polished", "row_interval"]
-
 N_ROUNDS = 3  # over all memories, as they affect each other
 RELATIVE_STEP = 0.02  # relative step of a delay or time constant, to take the derivative by it
 MAX_RELATIVE_CHANGE = 0.2  # largest relative change of a number in one step

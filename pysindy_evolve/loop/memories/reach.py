@@ -19,9 +19,6 @@ from ..given.segments import Segments
 from .chains import Chain, Traded
 from .probes import RATIO, Exchange, Probes, exchanges, grid_of
 
-__all__ = ["best_of_kinds", "chain_of", "exchanged", "plainest", "reach_of"]
-__all__ += ["settled_memory", "swapped", "trade_of"]
-
 
 def settled_memory(
     memory: Memory,

@@ -14,8 +14,6 @@ from ..facts.effect import Alternative, Effect
 from .motions import Motion
 from .number_text import with_unit
 
-__all__ = ["ENOUGH_STANDARD_ERRORS", "Experiment", "Plan", "paragraphs"]
-
 MAX_RECORDS = 20  # a motion that needs more records is not proposed
 MANY = 100.0  # standard errors; larger numbers are not printed
 # Standard errors: a test at 5 % among many candidates then misses one in twenty.

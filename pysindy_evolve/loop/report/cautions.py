@@ -22,8 +22,6 @@ from .missed import misfit_sentences
 from .number_text import percent
 from .slow_states import slow_drifts
 
-__all__ = ["cautions", "one_force"]
-
 # Share of its former size below which little is left of a parameter. That its sign is reversed is
 # said if neither size is below this share of the other.
 NEGLIGIBLE = 0.05

@@ -35,8 +35,6 @@ from .advice import ENOUGH_STANDARD_ERRORS, Experiment, Plan
 from .motions import Motion, Motions
 from .number_text import check_units
 
-__all__ = ["plan"]
-
 MAX_ROWS = 8000  # rows of the records that are used
 SMOOTHING = 4.0  # standard deviation of the Gaussian over the noise spectrum, in its bins
 

@@ -12,8 +12,6 @@ from ..facts.residuals import percent_left
 from ..given.rows import variables_of
 from .number_text import percent
 
-__all__ = ["extrapolation_sentences"]
-
 RANGE_MARGIN = 0.1  # excess beyond the training range that counts, as a share of that range
 # Percent of the standard deviation: least error of the derivative, row by row and averaged over
 # windows. The second leaves out rows at rest, where the sign of a speed is random.

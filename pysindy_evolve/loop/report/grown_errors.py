@@ -10,8 +10,6 @@ from ..facts.start_noise import run_std_from_start_noise
 from ..fitting.runs import LOST_NRMSE
 from .number_text import percent
 
-__all__ = ["has_grown_in_all", "worse_than_before", "worse_than_declared"]
-
 # An error grew if it exceeds both. The first is more than refitted coefficients can cause.
 GREW_TIMES = 1.1  # times the error of the declared model
 GREW_BY = 0.1  # added to it, percent of the standard deviation

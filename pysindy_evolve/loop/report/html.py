@@ -32,8 +32,6 @@ from .remains import remains
 from .text import free_parameters, note_on_shared_terms, p_of_effects, table_cells
 from .verdict import verdict_of
 
-__all__ = ["as_html"]
-
 
 def as_html(outcome: Outcome, units: Mapping[str, str] | None = None) -> str:
     """Return a report as a page.

@@ -10,8 +10,6 @@ import numpy as np
 from ...equations import Equations
 from ..given.kinematics import positions
 
-__all__ = ["Motion", "Motions"]
-
 AMPLITUDES = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0)  # and their inverses
 FREQUENCIES = (1.0, 1.5, 2.0, 3.0, 5.0)
 

@@ -8,18 +8,6 @@ import numpy as np
 
 from ...export import format_number
 
-__all__ = [
-    "check_units",
-    "ends",
-    "interval",
-    "label",
-    "percent",
-    "percent_cell",
-    "rate_label",
-    "value_within",
-    "with_unit",
-]
-
 ROUND = 99.5  # percent; from here on the format .2g would print 1e+02
 TENFOLD = 999.5  # percent; from here on a factor is printed
 MANY = 1e3  # larger factors are printed as "over 1000 times"

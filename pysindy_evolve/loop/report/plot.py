@@ -14,8 +14,6 @@ from ..given.rows import variables_of
 from .number_text import check_units, label, rate_label, with_unit
 from .panels import draw_frequency, draw_plane, draw_time, draw_twins, draw_variable, tidy
 
-__all__ = ["draw_residuals", "draw_scores", "plot_residuals"]
-
 BEFORE, AFTER = "#c44e52", "#1f5f99"
 MAX_VARIABLES = 3  # panels over one variable, side by side
 STYLE = {"font.size": 9.0, "axes.titlesize": 9.5, "axes.titleweight": "bold"}

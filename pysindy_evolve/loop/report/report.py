@@ -23,8 +23,6 @@ from .experiment import Plan, plan
 from .sindy import as_sindy
 from .text import as_markdown, as_text
 
-__all__ = ["LoopReport", "report_of"]
-
 
 @dataclass(frozen=True, eq=False)
 class LoopReport(Outcome):

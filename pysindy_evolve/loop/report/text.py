@@ -18,15 +18,6 @@ from .number_text import ends, percent_cell, value_within
 from .remains import remains
 from .verdict import verdict_of
 
-__all__ = [
-    "as_markdown",
-    "as_text",
-    "free_parameters",
-    "note_on_shared_terms",
-    "p_of_effects",
-    "table_cells",
-]
-
 
 def as_text(outcome: Outcome) -> str:
     """Return the report as plain text."""

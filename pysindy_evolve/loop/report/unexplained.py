@@ -10,8 +10,6 @@ from ..facts.outcome import Outcome
 from ..facts.residuals import in_percent, percent_left
 from .number_text import percent
 
-__all__ = ["unexplained"]
-
 # Errors in percent of the standard deviation.
 LEAST_ERROR = 5.0  # of a derivative; smaller ones are not reported
 RUN_FOLLOWS = 2.0  # of a free run; below it nothing that matters can be missing

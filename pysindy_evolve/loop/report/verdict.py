@@ -11,8 +11,6 @@ from .grown_errors import has_grown_in_all
 from .missed import NOTABLE_NRMSE
 from .unexplained import unexplained
 
-__all__ = ["verdict_of"]
-
 
 def verdict_of(outcome: Outcome) -> str:
     """Return the verdict in a sentence."""

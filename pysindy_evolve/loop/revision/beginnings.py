@@ -23,8 +23,6 @@ from ..given.design import Design
 from ..given.segments import Segments
 from ..memories.find import resettled
 
-__all__ = ["Beginning", "settled_beginning"]
-
 N_ROUNDS = 6  # of estimating past inputs and tuning memories in turn
 
 

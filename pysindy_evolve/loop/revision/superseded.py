@@ -19,8 +19,6 @@ from ..free_runs.judging import model_of
 from ..free_runs.variants import Model
 from ..given.design import Design
 
-__all__ = ["without_superseded"]
-
 
 def without_superseded(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record], wide: Sequence[Record]

@@ -37,8 +37,6 @@ from ..growth.naming import small_candidates
 from ..growth.term_grower import Grown, TermGrower
 from ..revision.revise import prune
 
-__all__ = ["Found", "Holding"]
-
 Holding = Callable[[Record, Mapping[int, float]], Record]
 NOT_HELD: Mapping[int, float] = {}
 

@@ -21,8 +21,6 @@ from ..memories.hold_or_memory import (
 )
 from .found import Found
 
-__all__ = ["through_functions", "with_holds", "without_holds"]
-
 
 def with_holds(found: Found) -> Found | None:
     """Return the records with inputs taken as held, where they are; all findings are forgotten.

@@ -19,8 +19,6 @@ from ..revision.sharing import with_shared_numbers
 from .found import Found
 from .holding import without_holds
 
-__all__ = ["find_named", "tune_memories"]
-
 
 def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Add what has a name, or remembers, one after the other until none passes.

@@ -13,8 +13,6 @@ from .look_at_grown_terms import grow_terms
 from .look_at_names import find_named, tune_memories
 from .look_at_runs import find_in_runs
 
-__all__ = ["look_for_effects"]
-
 Look = Callable[[Found, np.random.Generator], Iterator[Found]]
 
 

@@ -24,8 +24,6 @@ from .described import described, total
 from .quantities import with_intervals, with_limit, with_memory, with_sensor, with_share_of_runs
 from .stages import Stage, fitted_stages
 
-__all__ = ["assembled"]
-
 FLAT_CUTOFF_SHARE = 0.5  # of the cutoff, up to which a low-pass leaves what there is
 
 

@@ -25,8 +25,6 @@ from ..fitting.runs import stretch_misses
 from ..given.design import Design
 from ..twins.twins import TwinMaker
 
-__all__ = ["unbiased"]
-
 N_TWINS = 16
 MIN_STANDARD_ERRORS = 2.0  # standard errors of the mean over the twins, from which on a bias is one
 NORMAL = 1.96  # standard deviations to each side that hold 95 %

@@ -23,8 +23,6 @@ from ..free_runs.shape_tuning import Contender, tuned_by_runs
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["with_plainest_effect", "with_rivals", "without_refuted_rivals"]
-
 # Share of the significance at which a rival is refuted. One that stays costs another measurement,
 # a cause that is lost a wrong machine: at 5 % for what is named, the cause is kept with 99 %.
 REFUTED = 0.2

@@ -23,8 +23,6 @@ from ..fitting.fit import derivative_fit_errors
 from ..given.design import Design
 from .stages import Stage
 
-__all__ = ["described", "total"]
-
 
 def described(
     finding: Finding, stage: Stage, train: Sequence[Record], test: Sequence[Record]

@@ -19,8 +19,6 @@ from ..given.design import Design
 from ..given.rules import Rules
 from .bias import unbiased
 
-__all__ = ["judge"]
-
 # Times both errors of another fit: more than the choice among good fits makes.
 MIN_ERROR_RATIO = 1.2
 

@@ -38,8 +38,6 @@ from ..evidence.scoring import quick_fit
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["as_coupling", "as_dead_zone", "on_steep_side", "renamed"]
-
 MOST_LEFT = 0.5  # of the slope, inside of a dead zone
 # Of the largest magnitude of the position: how far from its end a stop is looked at.
 DISTANCE_FROM_END = 1e-3

@@ -22,8 +22,6 @@ from ..given.limits import Limit
 from ..given.sensor import limits_of_states, shown
 from ..memories.polish import row_interval
 
-__all__ = ["with_intervals", "with_limit", "with_memory", "with_sensor", "with_share_of_runs"]
-
 
 def with_share_of_runs(effect: Effect, finding: Finding, before: Errors, after: Errors) -> Effect:
     """Return an effect whose share is that of the error of the free runs.

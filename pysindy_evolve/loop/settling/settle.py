@@ -27,8 +27,6 @@ from .transfer import last_untransferred
 from .wandering import last_wandering
 from .worsened import last_worsened
 
-__all__ = ["settled"]
-
 
 def settled(
     found: Found, test: Sequence[Record], rng: np.random.Generator, *, finished: bool

@@ -29,8 +29,6 @@ from ..given.design import Column, Design
 from ..given.rows import variables_of
 from ..given.rules import Rules
 
-__all__ = ["with_numbers_known"]
-
 # Of how far a logarithm may be tuned, to see what it changes: mostly 2 % of a number.
 STEP_PER_REACH = 1 / 60
 MIN_RELATIVE_CHANGE = 1e-9  # of the rates: a change that moves them by less is rounding

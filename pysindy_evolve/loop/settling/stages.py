@@ -18,8 +18,6 @@ from ..given.design import Design
 from ..given.rules import Rules
 from .judge import judge
 
-__all__ = ["Stage", "fitted_stages"]
-
 
 @dataclass(frozen=True, eq=False)
 class Stage:

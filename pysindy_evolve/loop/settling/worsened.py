@@ -25,8 +25,6 @@ from ..fitting.runs import LOST_NRMSE, simulation_errors
 from ..given.rows import scale_of
 from ..given.segments import segments
 
-__all__ = ["is_further", "last_worsened", "runs_away"]
-
 CLOSE_NRMSE = 20.0  # percent NRMSE: a run that misses no more follows its record all along
 FOLLOWING_NRMSE = 50.0  # percent NRMSE: a run that misses no more follows its record
 FAR_AWAY_NRMSE = 1e5  # percent NRMSE: a run that only drifts does not miss by so much

@@ -21,8 +21,6 @@ from .colored import ColoredTwins
 from .drifting import DriftingTwins
 from .twins import TwinMaker
 
-__all__ = ["draws_for", "p_value_of", "twin_values"]
-
 BATCH = 4  # twins, after which it is decided whether more are needed
 # A statistic so many times the best of all twins passes without more of them.
 MIN_RATIO_TO_TWINS = 2.0
