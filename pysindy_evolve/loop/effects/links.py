@@ -27,8 +27,6 @@ from .candidate import Candidate, CandidateMaker
 from .entries import Entry
 from .names import COUPLING, GRAVITY
 
-__all__ = ["link_couplings", "link_weights"]
-
 
 def link_weights(
     effect: CandidateMaker,

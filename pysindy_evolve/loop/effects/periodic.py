@@ -14,21 +14,6 @@ from .candidate import Candidate, CandidateMaker, Shape
 from .lines import find_lines
 from .names import FORCING, RIPPLE
 
-__all__ = [
-    "N_LINES",
-    "PERIODS_IN_SPACE",
-    "SAMPLES_PER_BIN",
-    "WAVE_NUMBER",
-    "frequency_of",
-    "is_same_ripple",
-    "lines_of",
-    "of_line",
-    "periodic_candidates",
-    "ripple_candidates",
-    "waves_of",
-    "waves_times",
-]
-
 FREQUENCY = "angular frequency"
 WAVE_NUMBER = "wave number"
 N_LINES = 2  # to try in each equation

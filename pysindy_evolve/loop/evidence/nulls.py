@@ -30,8 +30,6 @@ from ..twins.chance import Statistic, p_value_of, twin_values
 from ..twins.drifting import DriftingTwins
 from ..twins.twins import TwinMaker
 
-__all__ = ["chance_of", "without_noise_shift"]
-
 N_TWINS = 8  # twins that show by how much noise shifts the coefficients
 N_STEPS = 3  # corrections of the fit to free runs, each of which halves its error
 SHIFTED = 0.01  # share of a fit's residual square that a notable shift of coefficients changes

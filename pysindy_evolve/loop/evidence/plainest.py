@@ -9,8 +9,6 @@ from ..effects.names import order_of
 from .ranking import Score
 from .shares import Shares
 
-__all__ = ["plainest", "without_number"]
-
 EQUAL = 0.99  # share of the best score: enough to do as well
 NEARLY_ALL = 0.98  # share of what a term with a number removes: enough to prefer one without
 

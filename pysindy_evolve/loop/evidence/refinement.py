@@ -21,8 +21,6 @@ from ..twins.chance import p_value_of, twin_values
 from ..twins.twins import TwinMaker
 from .scoring import MIN_GAIN_LOG, columns_of, quick_fit, score
 
-__all__ = ["justified"]
-
 
 def justified(
     candidate: Candidate,

@@ -29,21 +29,6 @@ from .ranking import Ranking, Score
 from .spectral import spectral_grams
 from .trace import rank, ranked
 
-__all__ = [
-    "EXTRA_LEAD_LOG",
-    "MIN_GAIN_LOG",
-    "PRICE_PER_NODE_LOG",
-    "Proposer",
-    "columns_of",
-    "net",
-    "propose",
-    "quick_fit",
-    "score",
-    "sharpened",
-    "takes_energy",
-    "tuned",
-]
-
 EVALUATIONS_PER_NUMBER = 16  # evaluations for each number of a shape
 Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
 

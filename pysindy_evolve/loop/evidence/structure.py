@@ -34,8 +34,6 @@ from .shares import is_exact
 from .spectral import spectral_grams
 from .trace import are_new, fold_errors
 
-__all__ = ["may_have_structure", "structure_chance"]
-
 MAX_COLUMNS = 60  # of a generic model, in each equation
 LAGS = (1, 2, 4, 8)  # of the inputs, in eighths of the width of the windows
 N_WAVES = 7  # most periods of a slow wave in a record: faster ones are no drift

@@ -35,8 +35,6 @@ from .contenders import Pool, steady_drift, trial_with
 from .shape_tuning import Contender
 from .variants import Model
 
-__all__ = ["exchanged_by_runs", "is_closer"]
-
 
 def exchanged_by_runs(
     model: Model, findings: Sequence[Finding], pool: Pool, records: Sequence[Record], rules: Rules

@@ -26,8 +26,6 @@ from .quotients import as_quotients
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
-__all__ = ["Pool", "plainest", "steady_drift", "trial_with"]
-
 N_RIVALS = 5  # effects that score best in the spectral view
 STRETCHES = (16, 32, 64, 128)  # to try in this order; the first steady number is taken
 # Factor by which a deviation may grow; in chaos, long runs only compare luck, as those did in which

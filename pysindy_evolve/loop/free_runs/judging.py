@@ -34,19 +34,6 @@ from .drift import N_LONG_STRETCHES, Drift, chance_of_models, drift_of, gains_of
 from .memory_tuning import tuned_memories
 from .variants import Model, Variant
 
-__all__ = [
-    "MAX_SQUARES_OVER_NOISE",
-    "best_of",
-    "matters",
-    "model_of",
-    "named_terms",
-    "over_noise",
-    "rejection_of",
-    "share_of_miss",
-    "signs_for",
-    "variants_of",
-]
-
 N_SIGNS = 999  # draws of signs, which cost next to nothing
 
 SQUARES_HALVED = float(np.log(2.0))  # gain in log error that halves the squared misses

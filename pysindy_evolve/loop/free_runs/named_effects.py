@@ -25,8 +25,6 @@ from .judging import best_of, model_of, named_terms, rejection_of, signs_for
 from .state_limits import drift_from, needed, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
 
-__all__ = ["find_by_runs"]
-
 
 def find_by_runs(
     declared: Design,

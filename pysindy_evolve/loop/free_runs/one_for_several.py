@@ -23,8 +23,6 @@ from .contenders import Pool, plainest, steady_drift, trial_with
 from .shape_tuning import Contender
 from .variants import Model
 
-__all__ = ["one_for_several"]
-
 MANY = 3  # named effects in one equation that a single effect may replace
 
 

@@ -24,8 +24,6 @@ from ..effects.names import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["as_quotients"]
-
 POWERS = (1, 2)  # of the distance to a pole: Coulomb's law in a plane and in space
 EXPONENTS = (1, 2, 3, 4, 5)  # of powers that may replace a curved function
 EVEN_EXPONENTS = ((0, 2), (1, 2), (0, 4))  # (m, n) of x^m / (x^n + length^n)

@@ -21,8 +21,6 @@ from .contenders import steady_drift, trial_with
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
 
-__all__ = ["numbers_by_runs", "shared_by_runs"]
-
 
 def shared_by_runs(
     model: Model, findings: Sequence[Finding], records: Sequence[Record]

@@ -29,8 +29,6 @@ from .comparison import is_closer
 from .contenders import steady_drift, trial_with
 from .variants import Model
 
-__all__ = ["two_for_one"]
-
 N_PAIRS = 3
 
 

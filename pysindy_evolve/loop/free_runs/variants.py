@@ -24,8 +24,6 @@ from ..given.limits import Limit, limited
 from ..given.segments import Segments
 from ..memories.probes import grid_of, users_of
 
-__all__ = ["Model", "Pasts", "Variant", "memories_beside"]
-
 Pasts = tuple[tuple[float, ...], ...]  # for each record, its inputs before it began
 
 BRIMS = (0.55, 0.7, 0.85)  # heights, relative to the highest level of a vessel without a brim
