@@ -118,7 +118,8 @@ def table_cells(outcome: Outcome) -> tuple[list[str], list[tuple[str, list[str]]
     for _, group in groupby(outcome.steps, key=lambda step: id(step.errors)):
         added = list(group)
         stages.append(("+ " + ", ".join(_label(step, outcome) for step in added), added[0].errors))
-    rated = [i for i in range(len(states)) if _is_rated(outcome, i)]
+    # An equation such as q' = v has no error by definition.
+    rated = np.flatnonzero(outcome.before.derivative_error > 0.0).tolist()
     if outcome.before.model.n_algebraic:  # nothing is differentiated, and nothing runs
         head = [f"{states[i]}, averaged" for i in rated] + list(states)
     else:
@@ -134,11 +135,6 @@ def _label(step: Step, outcome: Outcome) -> str:
     """Return the name of an effect; with its state, if another step added one of the same name."""
     is_alone = sum(other.name == step.name for other in outcome.steps) == 1
     return step.name if is_alone else f"{step.name} ({step.state})"
-
-
-def _is_rated(outcome: Outcome, index: int) -> bool:
-    """Tell whether an equation has an error; one such as q' = v has none by definition."""
-    return bool(outcome.before.derivative_error[index] > 0.0)
 
 
 def p_of_effects(outcome: Outcome) -> list[str]:

@@ -8,7 +8,6 @@ before the record the time constant changes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,26 +25,9 @@ from ..memories.find import resettled
 N_ROUNDS = 6  # of estimating past inputs and tuning memories in turn
 
 
-@dataclass(frozen=True, eq=False)
-class Beginning:
-    """Findings with memories tuned on records whose past inputs fit their first rows.
-
-    Attributes
-    ----------
-    findings : tuple of Finding
-        What was found.
-    plain, wide : tuple of Record
-        The same records in two filters, with these past inputs.
-    """
-
-    findings: tuple[Finding, ...]
-    plain: tuple[Record, ...]
-    wide: tuple[Record, ...]
-
-
 def settled_beginning(
     declared: Design, findings: Sequence[Finding], plain: Sequence[Record], part: Segments
-) -> Beginning:
+) -> tuple[list[Finding], tuple[Record, ...], tuple[Record, ...]]:
     """Return findings with memories tuned again, given the inputs before the records began.
 
     Parameters
@@ -61,7 +43,10 @@ def settled_beginning(
 
     Returns
     -------
-    Beginning
+    findings : list of Finding
+        The same with their memories tuned.
+    plain, wide : tuple of Record
+        The records in both filters, with past inputs that fit their first rows.
     """
     design, found = with_findings(declared, findings), list(findings)
     plain, wide = tuple(plain), part.records
@@ -76,7 +61,7 @@ def settled_beginning(
             break
         plain = _with_estimated_pasts(model, plain, elsewhere)
         found = resettled(found, design, part.with_pasts_of(wide))
-    return Beginning(tuple(found), plain, wide)
+    return found, plain, wide
 
 
 def _with_estimated_pasts(

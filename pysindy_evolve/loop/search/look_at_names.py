@@ -102,8 +102,8 @@ def _with_new(found: Found, new: Sequence[Finding]) -> Found:
         return found.with_findings(findings)
     findings = with_trades_done(findings)
     part = after_settling(found.with_findings(findings).design, found.pieces)
-    start = settled_beginning(found.declared, findings, found.records, part)
-    return found.with_pasts_of(start.plain, start.wide).with_findings(start.findings)
+    findings, plain, wide = settled_beginning(found.declared, findings, found.records, part)
+    return found.with_pasts_of(plain, wide).with_findings(findings)
 
 
 def _or_grown(

@@ -54,6 +54,7 @@ def described(
         )[state]
         for d, m in ((poorer, others), (design, stage.memories))
     )
+    other_names = [r.name for r in finding.rivals if r.name != finding.candidate.name]
     unknown = np.full(len(terms), np.nan)
     return Effect(
         name=finding.candidate.name,
@@ -63,7 +64,7 @@ def described(
         confidence_intervals=np.column_stack([unknown, unknown]),
         explained=float(1.0 - (with_it / max(without, TINY)) ** 2),
         p_value=finding.p_value,
-        alternatives=(*_other_names(finding), *finding.together),
+        alternatives=(*other_names, *finding.together),
         together=finding.together,
         contested=finding.contested,
         rivals=tuple(_alternative(rival, design) for rival in finding.rivals),
@@ -128,10 +129,6 @@ def total(
     factors = coef if len(coef) else [1] * len(terms)
     pairs = zip(factors, terms, strict=True)
     return sum(factor * as_written(term, symbols) for factor, term in pairs)
-
-
-def _other_names(finding: Finding) -> tuple[str, ...]:
-    return tuple(r.name for r in finding.rivals if r.name != finding.candidate.name)
 
 
 def _alternative(rival: Rival, design: Design) -> Alternative:
