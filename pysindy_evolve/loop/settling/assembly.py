@@ -43,10 +43,7 @@ def assembled(
     train, judged = found.records, [held_like(record, found.records) for record in test]
     if not declared.algebraic and _is_near_cutoff(findings, found.records):
         train, judged = found.wide_records, widened(judged)
-    is_complete = verdict == "complete"
-    stages = fitted_stages(
-        declared, findings, train, judged, found.rules, rng, is_complete=is_complete
-    )
+    stages = fitted_stages(found, findings, train, judged, rng)
     first, last = stages[0], stages[-1]
     effects = _described(stages, train, judged)
     steps = [
@@ -104,36 +101,21 @@ def _numbered(
     rng: np.random.Generator,
 ) -> list[Effect]:
     """Return effects, whose columns begin at a place, with the numbers of the corrected model."""
-    numbered = []
+    coef, intervals, numbered = last.fitted.coef, last.fitted.intervals, []
     for effect, finding in zip(effects, last.findings, strict=True):
         own = slice(place, place + len(finding.columns))
-        numbered.append(_with_numbers(effect, finding, own, last, train, test, rng))
         place = own.stop
-    if last.has_memories_of_runs:
-        coef = last.fitted.coef
-        return with_intervals(numbered, last.findings, last.design, coef, train, rng)
-    return numbered
-
-
-def _with_numbers(
-    effect: Effect,
-    finding: Finding,
-    own: slice,
-    last: Stage,
-    train: Sequence[Record],
-    test: Sequence[Record],
-    rng: np.random.Generator,
-) -> Effect:
-    """Return an effect with its numbers and intervals in the corrected model."""
-    coef, intervals = last.fitted.coef, last.fitted.intervals
-    effect = replace(effect, coefficients=coef[own], confidence_intervals=intervals[own])
-    if isinstance(finding, MemoryFinding):
-        return with_memory(effect, finding, last.design, coef, train, rng)
-    if isinstance(finding, LimitFinding):
-        return with_limit(effect, finding, train)
-    if isinstance(finding, SensorFinding):
-        return with_sensor(effect, finding, last.errors.model, test)
-    return _with_rivals(effect, finding, last, train)
+        effect = replace(effect, coefficients=coef[own], confidence_intervals=intervals[own])
+        if isinstance(finding, MemoryFinding):
+            effect = with_memory(effect, finding, last, train, rng)
+        elif isinstance(finding, LimitFinding):
+            effect = with_limit(effect, finding, train)
+        elif isinstance(finding, SensorFinding):
+            effect = with_sensor(effect, finding, last.errors.model, test)
+        else:
+            effect = _with_rivals(effect, finding, last, train)
+        numbered.append(effect)
+    return with_intervals(numbered, last, train, rng) if last.has_memories_of_runs else numbered
 
 
 def _with_rivals(effect: Effect, finding: Finding, last: Stage, train: Sequence[Record]) -> Effect:
