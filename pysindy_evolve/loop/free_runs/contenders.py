@@ -13,7 +13,8 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.names import EVOLVED
 from ..effects.pumps import other_pumps
-from ..evidence.scoring import MIN_GAIN_LOG, columns_of, score, sharpened
+from ..evidence.plainest import is_as_good
+from ..evidence.scoring import columns_of, score, sharpened
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, converged
 from ..given.design import Design
@@ -120,7 +121,7 @@ class Pool:
 def plainest(contenders: Sequence[Contender]) -> Contender:
     """Return the plainest of the contenders that come as close to the record as the best."""
     least = min(one.error for one in contenders)
-    as_good = [one for one in contenders if one.error <= np.exp(MIN_GAIN_LOG) * least] or contenders
+    as_good = [one for one in contenders if is_as_good(one.error, least)] or contenders
     return min(as_good, key=lambda one: (*one.candidate.plainness, one.error))
 
 
