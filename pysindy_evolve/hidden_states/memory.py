@@ -21,7 +21,7 @@ function of a record works on the result.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -122,6 +122,11 @@ def with_memories_applied(record: Record, memories: Sequence[Memory]) -> Record:
     for memory in memories:
         record = memory.apply(record)
     return record
+
+
+def all_with_memories(records: Iterable[Record], memories: Sequence[Memory]) -> list[Record]:
+    """Return records with memories applied to the inputs of each."""
+    return [with_memories_applied(record, memories) for record in records]
 
 
 def with_past_inputs(record: Record, past: Sequence[float]) -> Record:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
@@ -52,7 +52,7 @@ def settled_beginning(
     plain, wide = tuple(plain), part.records
     for _ in range(N_ROUNDS):
         memories = memories_in(found)
-        acted = part.of([with_memories_applied(record, memories) for record in wide])
+        acted = part.of(all_with_memories(wide, memories))
         equations = quick_fit(design, acted)
         model = with_memories(equations, memories)
         elsewhere = [not _begins_alike(*both) for both in zip(part.records, wide, strict=True)]

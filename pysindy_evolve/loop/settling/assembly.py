@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
 from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding
@@ -120,7 +120,7 @@ def _numbered(
 
 def _with_rivals(effect: Effect, finding: Finding, last: Stage, train: Sequence[Record]) -> Effect:
     """Return an effect whose alternatives have the coefficients that they would have."""
-    acted = [with_memories_applied(record, last.memories) for record in train]
+    acted = all_with_memories(train, last.memories)
     rivals = []
     for shown, rival in zip(effect.rivals, finding.rivals, strict=True):
         coef = _in_its_place(finding, rival, last, acted)

@@ -10,7 +10,7 @@ import numpy as np
 from ...checks import TINY
 from ...export import format_expression
 from ...export.compact import as_written, compact
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
 from ...terms import Sum, mul
 from ..effects.candidate import OFFSET
@@ -49,9 +49,7 @@ def described(
     written = tuple(column.inertia.wave for column in finding.columns if column.inertia)
     poorer = design.dropping(finding.columns)
     without, with_it = (
-        derivative_fit_errors(
-            d, *([with_memories_applied(r, m) for r in rs] for rs in (train, test))
-        )[state]
+        derivative_fit_errors(d, all_with_memories(train, m), all_with_memories(test, m))[state]
         for d, m in ((poorer, others), (design, stage.memories))
     )
     other_names = [r.name for r in finding.rivals if r.name != finding.candidate.name]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, limits_in, memories_in, with_findings
 from ..evidence.offers import after_settling
@@ -91,9 +91,7 @@ def _differs_by_record(outcome: Outcome) -> bool:
 def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:
     """Return what was found, in the same order, each with what could stand in its place."""
     findings, design, rules = found.findings, found.declared, found.rules
-    acted = found.pieces.of(
-        [with_memories_applied(record, memories_in(findings)) for record in found.wide_records]
-    )
+    acted = found.pieces.of(all_with_memories(found.wide_records, memories_in(findings)))
     acted = after_settling(found.design, off_limits(acted, limits_in(findings)))
     child = rng.spawn(1)[0]
     rivals = with_rivals(design, findings, acted, rules.significance, child, found.grown.terms)

@@ -15,7 +15,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
 from ..effects.candidate import Shape
 from ..effects.partners import joined, shares_number
@@ -66,7 +66,7 @@ def with_numbers_known(
     groups = _sharing(findings, shapes)
     if not groups:
         return outcome
-    acted = [with_memories_applied(record, memories_in(findings)) for record in outcome.train]
+    acted = all_with_memories(outcome.train, memories_in(findings))
     changes = [_changes(group, findings, shapes, outcome.effects, design) for group in groups]
     flat = [change for those in changes for change in those]
     half = _half_widths(design, flat, acted, rules, rng)
