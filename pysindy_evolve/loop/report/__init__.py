@@ -22,6 +22,7 @@ slow_states         a drift or the residual may be a state too slow for the loop
 extrapolation       held-out data is outside the range of the training data
 dilution            noise makes a parameter too small, as its terms hardly vary
 exchangeable_poles  a lag and a first-order equation may have exchanged their poles
+one_force           effects in several equations are the same force
 experiments
 experiment          the next measurement, chosen to tell similar effects apart
 motions             imagined motions: the recorded one, larger, smaller, faster or slower

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
 
 from ...export import format_expression, format_number
 from ...terms import ONE
-from ..facts.effect import Effect
 from ..facts.held_delays import held_delays, short_delays
 from ..facts.outcome import Outcome
 from ..facts.record_differences import numbers_by_record, offsets_by_record
@@ -20,6 +18,7 @@ from .extrapolation import extrapolation_sentences
 from .grown_errors import worse_than_before, worse_than_declared
 from .missed import misfit_sentences
 from .number_text import percent
+from .one_force import one_force
 from .slow_states import slow_drifts
 
 # Share of its former size below which little is left of a parameter. That its sign is reversed is
@@ -87,36 +86,6 @@ def _contradicted_known(outcome: Outcome) -> list[str]:
             f"record asks for {format_number(after)}. Check what was given as known."
         )
     return said
-
-
-def one_force(outcome: Outcome) -> list[str]:
-    """Name the effects that act like the same input in two equations, with the same coefficient.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        What the loop found.
-
-    Returns
-    -------
-    list of str
-        Sentences.
-    """
-    return [
-        f"{first.name[0].upper()}{first.name[1:]} in the equations of {first.state} and "
-        f"{second.state} acts {first.entry}, with coefficients that the record cannot tell apart: "
-        "it is one force that acts in both equations."
-        for first, second in combinations(outcome.effects, 2)
-        if _is_same_force(first, second)
-    ]
-
-
-def _is_same_force(first: Effect, second: Effect) -> bool:
-    """Tell whether two effects share name and entry, and their intervals overlap."""
-    if not first.entry or (first.entry, first.name) != (second.entry, second.name):
-        return False
-    (low, high), (lower, higher) = (effect.confidence_intervals[0] for effect in (first, second))
-    return bool(first.state != second.state and low <= higher and lower <= high)
 
 
 def _held(outcome: Outcome) -> list[str]:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pysindy_evolve.loop.report.cautions import one_force
+from pysindy_evolve.loop.report.one_force import one_force
 
 ENTRY = "as if u2 were larger by this number times sgn(w2)"
 
