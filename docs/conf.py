@@ -34,6 +34,9 @@ myst_heading_anchors = 3
 
 html_theme = "furo"
 html_title = f"pysindy_evolve {version}"
+html_static_path = ["_static"]
+html_css_files = ["width.css"]
+html_show_copyright = False  # the license says it
 
 warnings.filterwarnings("ignore", message="FigureCanvasAgg is non-interactive")
 

@@ -39,7 +39,7 @@ runs = {
     "declared model": pse.simulate(report.before.model, record.x[0], record.t, record.u)[:, 0],
     "corrected model": report.simulate(record)[:, 0],
 }
-colors = dict(zip(runs, ("#c44e52", "#4c72b0"), strict=True))
+colors = dict(zip(runs, ("tab:orange", "tab:blue"), strict=True))
 
 figure, (free, left) = plt.subplots(
     1, 2, figsize=(11, 4), width_ratios=(3, 2), layout="constrained"
@@ -60,8 +60,8 @@ residuals = (report.residual_before[0], report.residual_after[0])
 for (name, color), residual in zip(colors.items(), residuals, strict=True):
     left.plot(record.x[:, 1], residual[:, 1], ".", ms=1.5, color=color, label=name)
 left.set(xlabel="velocity (m/s)", ylabel="residual (m/s²)", title="Acceleration left unexplained")
-left.set_ylim(-0.6, 0.5)
-left.legend(markerscale=8, loc="lower left", frameon=False)
+left.set_ylim(-0.9, 0.5)
+left.legend(markerscale=8, loc="lower left", frameon=True, framealpha=1.0, edgecolor="white")
 for axes in (free, left):
     axes.spines[["top", "right"]].set_visible(False)
 plt.show()

@@ -74,7 +74,7 @@ for axis, name in zip(axes.flat, SYSTEMS, strict=True):
     noisy = clean + 10 ** (-30 / 20) * rms(clean) * rng.standard_normal(clean.shape)
     axis.plot(t, x[:, 0], "k", lw=5, alpha=0.2, label="truth")
     axis.margins(x=0, y=0.3)
-    axis.set(title=name, ylabel=names[0], ylim=axis.get_ylim())
+    axis.set(title=name, xlabel="time", ylabel=names[0], ylim=axis.get_ylim())
     for method, style in ((fixed, "C1"), (evolved, "C0--")):
         model = method(x_fit, noisy, operators, t=t_fit, u=u_fit, feature_names=names.split())
         wrong = (np.asarray(model.predict(x, u=u)) - x_dot)[x[:, 1] != 0.0]

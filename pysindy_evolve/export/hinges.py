@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import reduce
 from itertools import permutations, product
+from typing import TypeGuard
 
 import numpy as np
 import sympy
@@ -129,17 +130,21 @@ def _kinks(side: Sum) -> list[_Kink]:
 
 
 def _kink_of(term: Product) -> Sum | None:
-    """Return the argument of a magnitude among the factors: variables, and maybe a number."""
-    calls = [(atom, n) for atom, n in term.factors if isinstance(atom, Call)]
-    if [(atom.operator.name, n) for atom, n in calls] != [("abs", 1)]:
+    """Return the argument of the only magnitude among the factors: variables, maybe a number."""
+    magnitudes = [(atom, n) for atom, n in term.factors if _is_magnitude(atom)]
+    if [n for _, n in magnitudes] != [1]:
         return None
-    (argument,) = calls[0][0].args
+    (argument,) = magnitudes[0][0].args
     return argument if all(inner.size == 1 for _, inner in argument.parts) else None
 
 
+def _is_magnitude(atom: Atom) -> TypeGuard[Call]:
+    return isinstance(atom, Call) and atom.operator.name == "abs"
+
+
 def _besides(term: Product) -> Product:
-    """Return a term without its function."""
-    return Product(tuple(factor for factor in term.factors if not isinstance(factor[0], Call)))
+    """Return a term without its magnitude."""
+    return Product(tuple(factor for factor in term.factors if not _is_magnitude(factor[0])))
 
 
 def _folded(side: Sum, kinks: Sequence[_Kink], ways: Sequence[int]) -> Sum:

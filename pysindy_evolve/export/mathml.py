@@ -13,7 +13,9 @@ from ..terms import signed
 from .printing import format_number
 from .symbolic import as_shown, system_of
 
-CHARACTERS = {"&ExponentialE;": "e", "&InvisibleTimes;": "\u2062", "<mo>-</mo>": "<mo>−</mo>"}
+# Room that does not depend on the font: many browsers have none for mathematics.
+TIMES = '<mo lspace="0.08em" rspace="0.08em">\u2062</mo>'
+CHARACTERS = {"&ExponentialE;": "e", "<mo>&InvisibleTimes;</mo>": TIMES, "<mo>-</mo>": "<mo>−</mo>"}
 
 
 def equations_mathml(model: Any, digits: int = 4) -> list[list[str]]:
@@ -138,7 +140,12 @@ class _Printer(MathMLPresentationPrinter):
         if not any(isinstance(factor, sympy.exp) for factor in expression.args):
             return super()._print_Mul(expression)
         row = self.dom.createElement("mrow")
-        for factor in sorted(expression.args, key=lambda factor: isinstance(factor, sympy.exp)):
+        factors = sorted(expression.args, key=lambda factor: isinstance(factor, sympy.exp))
+        for place, factor in enumerate(factors):
+            if place:
+                times = self.dom.createElement("mo")
+                times.appendChild(self.dom.createTextNode("&InvisibleTimes;"))
+                row.appendChild(times)
             row.appendChild(self._print(factor))
         return row
 

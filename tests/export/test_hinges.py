@@ -24,6 +24,7 @@ ROWS = np.random.default_rng(0).normal(size=(100, 3))
             "-200 max(q - 0.3, 0) - 3 v max(q - 0.3, 0)",
         ),
         ("3*min(max(u, -2), 2) - v", "-v + 3 min(max(u, -2), 2)"),
+        ("3*sqrt(abs(q))*min(max(u, -2), 2) - v", "-v + 3 sqrt(|q|) min(max(u, -2), 2)"),
         ("v*abs(q) - 2*abs(v)", "-2 |v| + v |q|"),
         ("-2*abs(q - 0.3)", "-2 |q - 0.3|"),
         ("3*min(max(u, -2), 1) - v", "-v + 3 min(max(u, -2), 1)"),

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...export import format_expression
 from ..facts.effect import Alternative, Effect
-from .motions import Motion
+from .motions import LARGEST_FACTOR, Motion
 from .number_text import with_unit
 
 MAX_RECORDS = 20  # a motion that needs more records is not proposed
@@ -145,8 +145,13 @@ def _title(alike: Sequence[Experiment]) -> str:
 
 
 def _form(cause: Effect | Alternative) -> str:
-    """Return the term of an effect; nothing for a constant, which its name says."""
-    return "" if cause.term == 1 else format_expression(cause.term)
+    """Return the terms of an effect; nothing for a constant, which its name says."""
+    if cause.term == 1:
+        return ""
+    if len(cause.expressions) == 1 or not cause.term.is_Add:
+        return format_expression(cause.term)
+    terms = [format_expression(term) for term in cause.term.args if term != 1]
+    return " and ".join(terms) + (" beside a constant" if 1 in cause.term.args else "")
 
 
 def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = None) -> list[str]:
@@ -163,8 +168,8 @@ def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = No
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
     if _is_hopeless(first):
-        most = "No motion of up to 10 times the amplitude and 5 times the frequency"
-        return [*said, f"{most} would be enough."]
+        times = f"{LARGEST_FACTOR:g} times the amplitude, speed and acceleration of this one"
+        return [*said, f"No motion of up to {times} would be enough."]
     said.append(f"{_what_to_do(first)}{_reached(first, units)}.")
     if first.n_records == 1:
         said.append(f"One more record as long as this one then makes it {_standard_errors(first)}.")

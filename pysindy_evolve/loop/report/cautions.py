@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from ...export import format_expression, format_number
 from ...terms import ONE
 from ..facts.held_delays import held_delays, short_delays
@@ -15,8 +17,8 @@ from ..given.kinematics import disagreement
 from .dilution import dilution_sentences
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import extrapolation_sentences
-from .grown_errors import worse_than_before, worse_than_declared
-from .missed import misfit_sentences
+from .grown_errors import has_grown_in_all, worse_than_before, worse_than_declared
+from .missed import NOTABLE_NRMSE, misfit_sentences
 from .number_text import percent
 from .one_force import one_force
 from .slow_states import slow_drifts
@@ -197,6 +199,14 @@ def _leaves_structure(outcome: Outcome) -> list[str]:
     ]
 
 
+def _misfit(outcome: Outcome) -> list[str]:
+    """Say what the model misses; not what the free run does where the effects made all worse."""
+    run_error = float(np.max(outcome.after.simulation_error))
+    if has_grown_in_all(outcome) and run_error >= NOTABLE_NRMSE:
+        return []
+    return misfit_sentences(outcome)
+
+
 CAUTIONS = (
     _doubted,
     _contradicted_known,
@@ -214,6 +224,6 @@ CAUTIONS = (
     _offsets,
     _numbers,
     extrapolation_sentences,
-    misfit_sentences,
+    _misfit,
     _leaves_structure,
 )  # in the order of the report

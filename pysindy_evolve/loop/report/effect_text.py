@@ -35,10 +35,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     lines = _quantities(effect) if effect.quantities else _coefficients(effect, symbols)
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
-    paths = path_sentences(
-        effect.expressions, [str(symbol) for symbol in symbols], _intervals_of_numbers(effect)
-    )
-    lines += _wrapped(paths, wide) or numbers_inside(effect)
+    lines += _wrapped(numbers_inside(effect, symbols), wide)
     lines += pumped(effect)
     of_what = whose_share(effect)
     chance = f"p = {effect.p_value:.2g} ({len(effect.twin_scores)} twins)"
@@ -69,7 +66,7 @@ def _quantities(effect: Effect) -> list[str]:
     term, lines = format_expression(effect.term), []
     for quantity, value, ends in parts:
         interval_text = "" if effect.of_sensor else f"   {interval(*ends)}"
-        lines.append(f"{term}: {quantity} {value:.4g}{interval_text}")
+        lines.append(f"{term}: {quantity} {value_within(value, *ends)}{interval_text}")
     return lines
 
 
@@ -120,10 +117,14 @@ def _wrapped(sentences: Sequence[str], wide: bool) -> list[str]:
     return [line for text in sentences for line in wrap(text, 92, **options)]
 
 
-def numbers_inside(effect: Effect) -> list[str]:
+def numbers_inside(effect: Effect, symbols: Sequence[Any]) -> list[str]:
     """Return the tuned numbers inside the terms of an effect, each with its interval."""
-    shown = zip(effect.numbers.items(), _intervals_of_numbers(effect), strict=True)
-    return [f"{meaning} {value:.4g}{interval_text}" for (meaning, value), interval_text in shown]
+    names = [str(symbol) for symbol in symbols]
+    if said := path_sentences(effect.expressions, names, _intervals_of_numbers(effect)):
+        return said
+    texts = _intervals_of_numbers(effect)
+    shown = zip(effect.numbers.items(), effect.number_intervals, texts, strict=True)
+    return [f"{what} {value_within(value, *ends)}{text}" for (what, value), ends, text in shown]
 
 
 def pumped(effect: Effect) -> list[str]:

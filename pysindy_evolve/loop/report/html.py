@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from ...export import format_number
 from ...export.mathml import equations_mathml, expression_mathml
 from ..facts.effect import Alternative, Effect
 from ..facts.outcome import Outcome
@@ -27,7 +26,7 @@ from .effect_text import (
     without_rivals,
 )
 from .experiment import plan
-from .number_text import check_units, with_unit
+from .number_text import check_units, ends, value_within, with_unit
 from .remains import remains
 from .text import free_parameters, note_on_shared_terms, p_of_effects, table_cells
 from .verdict import verdict_of
@@ -70,25 +69,24 @@ def as_html(outcome: Outcome, units: Mapping[str, str] | None = None) -> str:
         verdict=verdict_of(outcome).partition(": "),
         before=equations_mathml(outcome.before.model),
         after=equations_mathml(outcome.after.model),
-        parameters=[
-            [_unbroken(free_parameters(outcome.before))],
-            [_unbroken(free_parameters(outcome.after)), *note_on_shared_terms(outcome)],
-        ],
+        parameters=[_listed(free_parameters(each)) for each in (outcome.before, outcome.after)],
+        notes=note_on_shared_terms(outcome),
         head=head,
         rows=rows,
         effects=[_effect(effect, outcome.equations.inner_symbols) for effect in outcome.effects],
         p_explained=p_of_effects(outcome),
         experiments=paragraphs(plan(outcome, units), units),
-        remains=remains(outcome),
+        remains=[line.replace(" %", "\u00a0%") for line in remains(outcome)],
         last_look=_rejected_picture(outcome),
         pictures=_pictures(outcome, units),
         facts=_facts(outcome, units),
     )
 
 
-def _unbroken(text: str) -> str:
-    """Return text whose lines do not break between a name and its value."""
-    return text.replace(" = ", "\u00a0=\u00a0")
+def _listed(text: str) -> tuple[str, list[str]]:
+    """Return the title of a list and its items, so that lines break between these only."""
+    title, _, items = text.partition(": ")
+    return title, items.split(", ")
 
 
 def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
@@ -97,16 +95,24 @@ def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
         "place": effect.place,
         "entry": effect.entry,
         "coefficients": _coefficients(effect, symbols),
-        "numbers": [*numbers_inside(effect), *pumped(effect)],
+        "numbers": _as_sentences([*numbers_inside(effect, symbols), *pumped(effect)]),
         "share": f"{100 * effect.explained:.0f}",
         "of_what": whose_share(effect),
         "p": f"{effect.p_value:.2g}",
         "n_twins": len(effect.twin_scores),
         "twins": _twins(effect.name, effect.twin_scores, effect.score, effect.is_limit),
-        "alone": "; ".join([without_rivals(effect), *named_together(effect)]),
-        "vague": hardly_named(effect),
+        "alone": _as_sentences(["; ".join([without_rivals(effect), *named_together(effect)])]),
+        "vague": _as_sentences(hardly_named(effect)),
         "rivals": [_rival(rival, effect) for rival in effect.rivals],
     }  # what the template report.html.j2 reads of an effect
+
+
+def _as_sentences(lines: Sequence[str]) -> list[str]:
+    """Return lines with a capital and a full stop; a line about a variable begins with its name."""
+    begins = [
+        line if line.split()[0].endswith(":") else line[0].upper() + line[1:] for line in lines
+    ]
+    return [f"{line}." for line in begins]
 
 
 def _rival(rival: Alternative, effect: Effect) -> tuple[str, str, str, str]:
@@ -121,17 +127,19 @@ def _rival(rival: Alternative, effect: Effect) -> tuple[str, str, str, str]:
 
 
 def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[tuple[str, ...]]:
-    """Return for each coefficient its term or meaning, its value, and the ends of its interval."""
+    """Return for each coefficient its term or meaning, its value, and its interval."""
     if effect.quantities:
         term = expression_mathml(effect.term)
         numbers = zip(effect.coefficients, *effect.confidence_intervals.T, strict=True)
         shown = [f"{term}, {quantity}" for quantity in effect.quantities]
-        return [
-            (what, *map(format_number, figures))
-            for what, figures in zip(shown, numbers, strict=True)
-        ]
+        return [(what, *_figures(*n)) for what, n in zip(shown, numbers, strict=True)]
     signed = (with_sign(effect, k, symbols) for k in range(len(effect.expressions)))
-    return [(expression_mathml(term), *map(format_number, figures)) for term, *figures in signed]
+    return [(expression_mathml(term), *_figures(*numbers)) for term, *numbers in signed]
+
+
+def _figures(value: float, low: float, high: float) -> tuple[str, str]:
+    """Return a value and its interval as the printed report has them."""
+    return value_within(value, low, high), ends(low, high)
 
 
 def _shown(outcome: Outcome) -> list[int]:
@@ -189,7 +197,7 @@ def _svg(size_: tuple[float, float], name: str, draw: Callable[[Any], None]) -> 
         FigureCanvasSVG(figure)
         draw(figure)
         out = StringIO()
-        figure.savefig(out, format="svg", metadata={"Date": None}, dpi=110, transparent=True)
+        figure.savefig(out, format="svg", metadata={"Date": None}, dpi=110, facecolor="none")
     page = out.getvalue()
     return page[page.index("<svg") :]
 

@@ -10,8 +10,9 @@ import numpy as np
 from ...equations import Equations
 from ..given.kinematics import positions
 
-AMPLITUDES = (1.0, 1.5, 2.0, 3.0, 5.0, 10.0)  # and their inverses
-FREQUENCIES = (1.0, 1.5, 2.0, 3.0, 5.0)
+FACTORS = (1.0, 1.5, 2.0, 3.0, 5.0)  # of amplitudes and frequencies; and their inverses
+# Few machines do more than this times the amplitude, speed or acceleration of a good record.
+LARGEST_FACTOR = 5.0
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,12 @@ class Motion:
 
     amplitude: float
     frequency: float
+
+    @property
+    def is_within_reach(self) -> bool:
+        """Whether amplitude, speed and acceleration grow by no more than `LARGEST_FACTOR`."""
+        grown = max(self.amplitude * self.frequency**order for order in range(3))
+        return grown <= LARGEST_FACTOR * (1.0 + 1e-9)
 
     @property
     def effort(self) -> float:
@@ -49,10 +56,10 @@ class Motions:
         self.z = z
 
     def __iter__(self) -> Iterator[Motion]:
-        """Yield motions, the closest to the recorded one first."""
-        amplitudes = {*AMPLITUDES, *(1.0 / a for a in AMPLITUDES)}
-        frequencies = {*FREQUENCIES, *(1.0 / f for f in FREQUENCIES)} if self.speeds else {1.0}
-        motions = [Motion(a, f) for a in amplitudes for f in frequencies]
+        """Yield motions within reach of a machine, the closest to the recorded one first."""
+        factors = {*FACTORS, *(1.0 / factor for factor in FACTORS)}
+        imagined = [Motion(a, f) for a in factors for f in (factors if self.speeds else {1.0})]
+        motions = [motion for motion in imagined if motion.is_within_reach]
         return iter(sorted(motions, key=lambda motion: (motion.effort, -motion.amplitude)))
 
     def of(self, motion: Motion) -> np.ndarray | None:

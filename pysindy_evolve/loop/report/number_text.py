@@ -10,13 +10,16 @@ from ...export import format_number
 
 ROUND = 99.5  # percent; from here on the format .2g would print 1e+02
 TENFOLD = 999.5  # percent; from here on a factor is printed
+LARGE = 1e6  # from here on a number is printed with a power of ten
 MANY = 1e3  # larger factors are printed as "over 1000 times"
 
 
 def with_unit(value: float, name: str, units: Mapping[str, str] | None) -> str:
     """Return a number with the unit of a variable."""
-    unit = (units or {}).get(name, "")
-    return f"{value:.3g} {unit}".rstrip()
+    unit, text = (units or {}).get(name, ""), f"{value:.3g}"
+    if abs(value) < LARGE:
+        text = f"{float(text):.0f}" if "e+" in text else text  # 2440 and not 2.44e+03
+    return f"{text} {unit}".rstrip()
 
 
 def percent(value: float) -> str:
@@ -85,7 +88,7 @@ def ends(low: float, high: float) -> str:
     digits = _digits(low, high)
     texts = [f"{end:#.{digits}g}" if end else "0" for end in (low, high)]
     if any("e" in end for end in texts):
-        return f"{low:.{digits}g} to {high:.{digits}g}"
+        return " to ".join(format_number(end, digits) for end in (low, high))
     while all("." in end and end[-1] in "0." for end in texts):
         texts = [end[:-1] for end in texts]
     return " to ".join(end.removesuffix(".") for end in texts)

@@ -1,15 +1,16 @@
-"""Effects in several equations that are one force: friction in a joint moves both arms."""
+"""Effects in several equations that are one: friction in a joint moves both arms."""
 
 from __future__ import annotations
 
 from itertools import combinations
 
+from ...export import format_expression
 from ..facts.effect import Effect
 from ..facts.outcome import Outcome
 
 
 def one_force(outcome: Outcome) -> list[str]:
-    """Name the effects that act like the same input in two equations, with the same coefficient.
+    """Name effects that act like one input in two equations, and terms that have two names.
 
     Parameters
     ----------
@@ -21,13 +22,28 @@ def one_force(outcome: Outcome) -> list[str]:
     list of str
         Sentences.
     """
-    return [
+    pairs = list(combinations(outcome.effects, 2))
+    told = [
         f"{first.name[0].upper()}{first.name[1:]} in the equations of {first.state} and "
         f"{second.state} acts {first.entry}, with coefficients that the record cannot tell apart: "
         "it is one force that acts in both equations."
-        for first, second in combinations(outcome.effects, 2)
+        for first, second in pairs
         if _is_same_force(first, second)
     ]
+    return told + [
+        f"{first.name[0].upper()}{first.name[1:]} in the equation of {first.state} and "
+        f"{second.name} in that of {second.state} are the same term, "
+        f"{format_expression(first.term)}. Its name depends on the equation that it enters."
+        for first, second in pairs
+        if _is_same_term(first, second)
+    ]
+
+
+def _is_same_term(first: Effect, second: Effect) -> bool:
+    """Tell whether two effects have one term and two names, each in an equation of its own."""
+    has_two_names = first.name != second.name and first.state != second.state
+    is_term = not (first.quantities or second.quantities)
+    return has_two_names and is_term and first.expressions == second.expressions
 
 
 def _is_same_force(first: Effect, second: Effect) -> bool:

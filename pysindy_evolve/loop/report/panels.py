@@ -17,6 +17,7 @@ LEAST_IN_BIN = 30  # samples; fewer bins are drawn if these are not reached
 N_FREQUENCIES = 60  # bins over frequency
 N_CELLS = (6, 28)  # fewest and most cells along each side of a plane
 LEAST_IN_CELL = 3  # samples; cells with fewer stay blank
+FEW_DECADES = 2.1  # with no more, a logarithmic axis has a tick at 1, 2 and 5 of each
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,21 @@ def tidy(axes: Any, x: str, y: str, title: str) -> None:
     axes.set_ylabel(y)
     axes.set_title(title, loc="left")
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def label_decades(axes: Any) -> None:
+    """Put numbers on both logarithmic axes, more than one a decade where there are few."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    if not any(np.any(line.get_ydata() > 0.0) for line in axes.lines):
+        return
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        is_short = np.log10(high / low) <= FEW_DECADES
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if is_short else (1.0,)))
+        axis.set_minor_formatter(NullFormatter())
+        if is_short:
+            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
 
 
 def draw_time(axes: Any, t: np.ndarray, residual: np.ndarray, color: str, label: str) -> None:

@@ -12,9 +12,19 @@ from ..facts.outcome import Outcome
 from ..given.kinematics import positions
 from ..given.rows import variables_of
 from .number_text import check_units, label, rate_label, with_unit
-from .panels import draw_frequency, draw_plane, draw_time, draw_twins, draw_variable, tidy
+from .panels import (
+    draw_frequency,
+    draw_plane,
+    draw_time,
+    draw_twins,
+    draw_variable,
+    label_decades,
+    tidy,
+)
 
-BEFORE, AFTER = "#c44e52", "#1f5f99"
+# Orange and blue, one light and one dark: also told apart by the color-blind and in gray print.
+BEFORE, AFTER = "#dd7a2a", "#1b5690"
+UNVISITED = "0.86"  # behind the cells of a plane, of which zero is nearly white
 MAX_VARIABLES = 3  # panels over one variable, side by side
 STYLE = {"font.size": 9.0, "axes.titlesize": 9.5, "axes.titleweight": "bold"}
 
@@ -76,13 +86,12 @@ def draw_residuals(
     """
     names, rate = outcome.before.model.names, rate_label(outcome.before.model.states[index], units)
     shown = _variables(outcome, index)
-    over_variables = "".join(letter * (6 // len(shown)) for letter in "abc"[: len(shown)])
-    rows_of_panels = f"tttttt\n{over_variables}\nffxxyy"
-    panels = figure.subplot_mosaic(rows_of_panels, height_ratios=(1.0, 1.1, 1.1))
-    record, windows = outcome.test[0], choose_windows(list(outcome.train))
     stages = [("declared model", BEFORE, [r[:, index] for r in outcome.residual_before])]
     if outcome.effects:
         stages.append(("corrected model", AFTER, [r[:, index] for r in outcome.residual_after]))
+    lines = ["t" * 6, _row("abc"[: len(shown)]), _row("fxy"[: 1 + len(stages)])]
+    panels = figure.subplot_mosaic("\n".join(lines), height_ratios=(1.0, 1.1, 1.1))
+    record, windows = outcome.test[0], choose_windows(list(outcome.train))
     for name, color, raw in stages:
         draw_frequency(panels["f"], raw[0], record.dt, _highest(record), color, name)
     rows = [averaged(raw, windows)[1] for raw in stages[0][2]]
@@ -123,6 +132,7 @@ def _label(
     title = "Over time: median and 80 % band" if has_band else "Over time"
     tidy(panels["t"], label("t", units), f"residual of {rate}", title)
     for letter, variable in zip("abc", shown, strict=False):
+        panels[letter].xaxis.get_major_locator().set_params(nbins=18 // len(shown))
         where = f"Over {names[variable]}: median and middle half"
         tidy(panels[letter], label(names[variable], units), "", where)
     panels["a"].set_ylabel(f"residual of {rate}")
@@ -133,9 +143,11 @@ def _label(
     )
     time = (units or {}).get("t", "")
     per = {"": "cycles per unit of t", "s": "Hz"}.get(time, f"1/{time}")
-    tidy(panels["f"], f"frequency [{per}]", "amplitude density", "Over frequency")
+    root = "√Hz" if per == "Hz" else f"√({per})"
+    density = f"density of {rate.replace(']', f' per {root}]')}"
+    tidy(panels["f"], f"frequency [{per}]", density, "Over frequency: amplitude density")
     panels["f"].grid(which="major", color="0.9", lw=0.6)
-    panels["f"].xaxis.set_minor_formatter("")
+    label_decades(panels["f"])
 
 
 def _draw_planes(
@@ -153,19 +165,26 @@ def _draw_planes(
     mesh = None
     for letter, (name, _, residuals) in zip("xy", stages, strict=False):
         pooled = np.concatenate(residuals)
+        panels[letter].set_facecolor(UNVISITED)
+        panels[letter].xaxis.get_major_locator().set_params(nbins=6)
         mesh = draw_plane(panels[letter], variables[:, x], variables[:, y], pooled, limit)
         vertical = label(names[y], units)
         tidy(panels[letter], label(names[x], units), vertical, f"Mean residual, {name}")
-    if len(stages) == 1:
-        panels["y"].set_visible(False)
     used = [panels[letter] for letter in "xy"[: len(stages)]]
-    figure.colorbar(mesh, ax=used, shrink=0.9, pad=0.01).outline.set_visible(False)
+    bar = figure.colorbar(mesh, ax=used, shrink=0.9, pad=0.01)
+    bar.outline.set_visible(False)
+    bar.set_label(f"residual of {rate_label(names[index], units)}\n(gray: never visited)")
 
 
 def draw_scores(axes: Any, scores: np.ndarray, observed: float, what: str) -> None:
     """Draw the histogram of the twins' scores, and the score in the record, with labels."""
     draw_twins(axes, scores, observed, AFTER)
     tidy(axes, what, "twins", "")
+
+
+def _row(letters: str) -> str:
+    """Return a mosaic row of six columns shared equally by some letters."""
+    return "".join(letter * (6 // len(letters)) for letter in letters)
 
 
 def _highest(record: Record) -> float:

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from itertools import groupby
 from textwrap import fill, indent
+from typing import Any
 
 import numpy as np
+import sympy
 
 from ...export import format_equations, format_expression, format_number
+from ...export.compact import as_written
 from ...export.hinges import as_hinges
+from ...hidden_states.memory_equations import MemoryEquations
+from ...hidden_states.path_states import paths_within
 from ..facts.effect import Effect, Errors, Step
 from ..facts.outcome import Outcome
 from .advice import paragraphs
@@ -31,8 +36,13 @@ def as_text(outcome: Outcome) -> str:
     symbols = outcome.equations.inner_symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(outcome.effects, 1)]
     said = (*p_of_effects(outcome), *p_of_rivals(outcome), *remains(outcome))
-    parts += [fill(line, 96) for line in said]
+    parts += [_filled(line) for line in said]
     return "\n\n".join(parts)
+
+
+def _filled(line: str) -> str:
+    """Return a paragraph in lines that do not break before a percent sign."""
+    return fill(line.replace(" %", "\u00a0%"), 96).replace("\u00a0", " ")
 
 
 def _model(errors: Errors) -> str:
@@ -64,17 +74,35 @@ def note_on_shared_terms(outcome: Outcome) -> list[str]:
     if any(effect.written for effect in outcome.effects):
         return []
     before, after = outcome.before.model, outcome.after.model
+    if isinstance(after, MemoryEquations):  # hidden states shift the numbers of the variables
+        after = after.inner
     declared = {(before.states[k], before.terms[j]) for k, j in np.argwhere(before.coef != 0.0)}
     sides = dict(zip(after.states, map(as_hinges, after.sums), strict=True))
-    added = {
-        (effect.state, product)
+    told = [
+        (effect.state, expression)
         for effect in outcome.effects
         for expression in (() if effect.quantities else effect.expressions)
-        for _, product in as_hinges(expression).parts
-    }
+    ]
+    added = {(state, product) for state, one in told for _, product in as_hinges(one).parts}
     shown = {(state, product) for state, side in sides.items() for _, product in side.parts}
-    said = "Where an effect below has a term in common with the rest, the equations show the sum."
-    return [said] if outcome.after.parameters and (declared & added or added - shown) else []
+    written = [as_written(one, outcome.equations.inner_symbols) for _, one in told]
+    is_split = any(
+        form.is_Add and paths_within([one]) for form, (_, one) in zip(written, told, strict=True)
+    )
+    said = []
+    if outcome.after.parameters and (declared & added or added - shown or is_split):
+        said.append(
+            "Where an effect below has a term in common with the rest, the equations show the sum."
+        )
+    if any(map(_is_power_of_sum, written)):
+        said.append("The equations show the power of a difference below multiplied out.")
+    return said
+
+
+def _is_power_of_sum(form: Any) -> bool:
+    """Tell whether a term is printed as a power of a sum, which the equations multiply out."""
+    powers = (factor for factor in sympy.Mul.make_args(form) if factor.is_Pow)
+    return any(p.base.is_Add and p.exp.is_Integer and p.exp > 1 for p in powers)
 
 
 def free_parameters(errors: Errors) -> str:

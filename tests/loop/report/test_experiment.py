@@ -104,6 +104,15 @@ def test_motions_begin_with_the_recorded_one_and_grow_from_there():
     assert efforts == sorted(efforts)
 
 
+def test_no_motion_is_beyond_the_reach_of_a_machine():
+    model = equations_of({"q": "v", "v": "-2*q + F"}, ("F",))
+    motions = list(Motions(model, np.random.default_rng(0).normal(size=(5, 20, 4))))
+    assert Motion(5.0, 1.0) in motions
+    assert Motion(5.0, 0.2) in motions
+    assert Motion(0.2, 5.0) in motions
+    assert max(m.amplitude * m.frequency**2 for m in motions) <= 5.0 + 1e-6
+
+
 def test_a_population_swings_about_its_mean_and_never_below_nothing():
     model = equations_of({"p": "0.5*p"})
     p = 2.0 + 1.5 * np.sin(np.linspace(0.0, 6.0, 50))
@@ -129,7 +138,7 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
     said = " ".join(str(Plan((known[0], hopeless[0], cubic, *hopeless[1:], known[1]))).split())
     assert "by 7.1 to 28.4 standard errors" in said
     assert said.count("record more of the same motion") == 1
-    assert said.count("No motion of up to 10 times") == 1
+    assert said.count("No motion of up to 5 times") == 1
     assert said.count("Repeat the motion") == 1
     assert "3. quadratic drag" in said
     assert "4. " not in said

@@ -46,7 +46,7 @@ def drifting():
         (9.0, 136.2, "9.000 to 136.2"),
         (-6.141, 0.0, "-6.141 to 0"),
         (20.0, 30.0, "20 to 30"),
-        (1.5e-7, 3e-7, "1.5e-07 to 3e-07"),
+        (1.5e-7, 3e-7, "1.5e-7 to 3e-7"),
     ],
 )
 def test_the_ends_of_an_interval_can_be_told_apart(low, high, shown):
