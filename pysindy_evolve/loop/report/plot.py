@@ -76,9 +76,8 @@ def draw_residuals(
     """
     names, rate = outcome.before.model.names, rate_label(outcome.before.model.states[index], units)
     shown = _variables(outcome, index)
-    over_variables = "".join(letter * (6 // len(shown)) for letter in "abc"[: len(shown)])
-    rows_of_panels = f"tttttt\n{over_variables}\nffxxyy"
-    panels = figure.subplot_mosaic(rows_of_panels, height_ratios=(1.0, 1.1, 1.1))
+    lines = ["t" * 6, _row("abc"[: len(shown)]), "ffxxyy"]
+    panels = figure.subplot_mosaic("\n".join(lines), height_ratios=(1.0, 1.1, 1.1))
     record, windows = outcome.test[0], choose_windows(list(outcome.train))
     stages = [("declared model", BEFORE, [r[:, index] for r in outcome.residual_before])]
     if outcome.effects:
@@ -166,6 +165,11 @@ def draw_scores(axes: Any, scores: np.ndarray, observed: float, what: str) -> No
     """Draw the histogram of the twins' scores, and the score in the record, with labels."""
     draw_twins(axes, scores, observed, AFTER)
     tidy(axes, what, "twins", "")
+
+
+def _row(letters: str) -> str:
+    """Return a mosaic row of six columns shared equally by some letters."""
+    return "".join(letter * (6 // len(letters)) for letter in letters)
 
 
 def _highest(record: Record) -> float:
