@@ -13,28 +13,6 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "SIZES",
-    "TINY",
-    "choice",
-    "columns",
-    "count",
-    "cutoff",
-    "feature_names",
-    "finite",
-    "floats",
-    "increasing",
-    "integer",
-    "number",
-    "numbers",
-    "real",
-    "refuse",
-    "refuse_type",
-    "same_length",
-    "step",
-    "times",
-]
-
 Array = NDArray[np.float64]
 
 TINY = 1e-300  # least value of a denominator
@@ -193,12 +171,7 @@ def integer(call: str, parameter: str, value: Any, least: int, advice: str) -> i
 
 
 def real(
-    call: str,
-    parameter: str,
-    value: Any,
-    constraint: str,
-    ok: Callable[[float], bool],
-    advice: str,
+    call: str, parameter: str, value: Any, constraint: str, ok: Callable[[float], bool], advice: str
 ) -> float:
     """Return an option that is a number for which `ok` holds."""
     if isinstance(value, bool) or not isinstance(value, Real):

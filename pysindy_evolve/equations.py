@@ -22,8 +22,6 @@ import sympy
 
 from .terms import Cache, Product, Sum
 
-__all__ = ["AlgebraicEquations", "Equations"]
-
 
 @dataclass(frozen=True, eq=False)
 class Equations:

@@ -36,8 +36,6 @@ from .sparse.parsimony import PERFECT
 from .terms import ONE, Product, Variable, lowest
 from .threads import one_thread
 
-__all__ = ["ROWS_PER_GENERATION", "evolve"]
-
 ROWS_PER_GENERATION = 3000  # rows that a generation is scored on; the final refit sees all of them
 FINALISTS = 24  # terms that are weighed against each other on all rows
 

@@ -23,8 +23,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["forget", "input_repeated_by_sindy", "note_pair", "note_shape", "target"]
-
 
 @dataclass
 class _Notes:

@@ -24,8 +24,6 @@ from .terms import ONE, Product
 from .threads import one_thread
 from .training import finite, same_samples, training_data
 
-__all__ = ["EvolvingLibrary"]
-
 OPERATORS = ("add", "sub", "mul", "div", "sin", "cos", "abs", "sgn")
 
 

@@ -17,8 +17,6 @@ import sympy
 
 from . import checks
 
-__all__ = ["BUILTIN", "CURVED", "SCALED", "Operator", "resolve"]
-
 
 @dataclass(frozen=True)
 class Operator:

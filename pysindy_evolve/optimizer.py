@@ -22,8 +22,6 @@ from .sparse.selection import select
 from .threads import one_thread
 from .warn import warn
 
-__all__ = ["ElasticNet"]
-
 TOLERANCE = 1e-9  # of coordinate descent: duality gap, as a share of the target's power
 
 
@@ -174,7 +172,7 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
             warn(
                 f"ElasticNet kept no term for target {', '.join(map(str, empty))}: none predicts "
                 "the rows that it was not fitted on well enough. Offer other terms, record more, "
-                "filter x_dot, or set lambda1, such as 1e-3, to keep terms all the same.",
+                "filter x_dot, or set lambda1, such as 1e-3, to keep terms all the same."
             )
 
     def _fit_targets(self, theta: np.ndarray, targets: np.ndarray) -> np.ndarray:

@@ -25,8 +25,6 @@ from .terms import (
     variable,
 )
 
-__all__ = ["substituted", "without_unused_inputs"]
-
 Replacements = Mapping[int, Sum] | Mapping[int | Call, Sum]
 
 

@@ -15,8 +15,6 @@ from .sparse.gram import chunks
 from .terms import Cache, Product
 from .training import numbers
 
-__all__ = ["TermColumns", "TermLibrary"]
-
 
 class TermColumns(BaseFeatureLibrary):
     """Base of fixed and evolving libraries: columns of a base library, then terms."""

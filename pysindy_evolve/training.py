@@ -10,8 +10,6 @@ from scipy.sparse import issparse
 
 from .checks import SIZES, refuse
 
-__all__ = ["finite", "numbers", "same_samples", "training_data"]
-
 MIN_SAMPLES = 10  # fewer rows cannot distinguish two terms from one
 
 

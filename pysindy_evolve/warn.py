@@ -5,8 +5,6 @@ from __future__ import annotations
 import sys
 import warnings
 
-__all__ = ["warn"]
-
 # Packages whose lines no user wrote, and the module of context managers used as decorators.
 LIBRARIES = ("pysindy_evolve", "pysindy", "sklearn", "joblib", "contextlib")
 

@@ -14,8 +14,6 @@ import numpy as np
 from ..terms import Cache, Product
 from .dictionary import Problem
 
-__all__ = ["least_explained_power"]
-
 # Of the movement's power; false terms on simulated rigs explained less than 0.2.
 MIN_EXPLAINED_SHARE = 0.3
 N_ROWS = 10_000  # about how many rows the mean is taken over

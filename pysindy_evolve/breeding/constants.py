@@ -15,8 +15,6 @@ from ..sparse.elimination import gains
 from ..terms import Atom, Call, Product, Sum
 from .dictionary import Dictionary
 
-__all__ = ["tune", "tune_beside", "tune_constants"]
-
 MAX_SMALL_TERMS = 3  # terms; equations up to this size are tuned first
 N_FORMS = 24  # terms, each of another form, tuned beside plain terms in the first generation
 N_TUNED = 6  # terms tuned in each generation, best first

@@ -18,8 +18,6 @@ import numpy as np
 from ..operators import Operator
 from ..signals.smoothing import Smoothed, smooth_states
 
-__all__ = ["Rows", "denoise"]
-
 UNSURE = 6.0  # standard deviations of the remaining noise; closer to zero, the sign is not known
 # Least share of the rows to keep; a column that would leave fewer removes none.
 MIN_KEPT_SHARE = 0.2

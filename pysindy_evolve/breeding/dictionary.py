@@ -23,8 +23,6 @@ from ..sparse.gram import Gram, block_grams, gram
 from ..sparse.parsimony import PERFECT
 from ..terms import Atom, Cache, Call, Product, Sum, Variable
 
-__all__ = ["Dictionary", "Problem", "build_dictionary", "price"]
-
 Project = Callable[[np.ndarray], np.ndarray]
 
 TWIN = 1.0 - 1e-9  # correlation above which two columns are one signal up to scale

@@ -17,8 +17,6 @@ from ..sparse.selection import Selection, select
 from ..terms import Product
 from .dictionary import Dictionary, price
 
-__all__ = ["solve_elastic_net"]
-
 
 def solve_elastic_net(
     dictionary: Dictionary,

@@ -9,8 +9,6 @@ import numpy as np
 from ..sparse.elimination import gains
 from .dictionary import Dictionary, price
 
-__all__ = ["rate_terms"]
-
 
 def rate_terms(
     dictionary: Dictionary, front: Sequence[np.ndarray], n_effective: float

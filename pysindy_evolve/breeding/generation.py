@@ -11,8 +11,6 @@ from ..sparse.gram import least_squares, rss
 from ..terms import Product
 from .dictionary import Dictionary
 
-__all__ = ["Evolution", "Generation", "Settings"]
-
 
 @dataclass(frozen=True)
 class Settings:

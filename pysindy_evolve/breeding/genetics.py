@@ -20,8 +20,6 @@ from ..operators import BUILTIN, CURVED, Operator
 from ..terms import Atom, Call, Product, Sum, Variable, constant, simplified, variable
 from .prefix import Memo, from_prefix, to_prefix
 
-__all__ = ["Genetics", "is_even_power_of_sgn"]
-
 MAX_SPLIT = 6  # terms; a tree that splits into more is dropped
 NODES_PER_LEVEL = 4  # nodes that a term may have for each level of `max_depth`
 TOURNAMENT = 3  # terms in a tournament, as usual in genetic programming: mild selection pressure

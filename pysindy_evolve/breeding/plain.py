@@ -14,8 +14,6 @@ import numpy as np
 from ..operators import Operator
 from ..terms import ONE, Product, Sum, add, call, constant, div, mul, variable
 
-__all__ = ["plain_terms", "sizes"]
-
 GRID = (0.5, 1.0, 2.0, 4.0)  # argument of the function where the variable is at its RMS
 MAX_TERMS = 400  # terms; more would make the first generation as slow as ten others
 # Terms where each generation uses all rows, so that every column is as long as the record.

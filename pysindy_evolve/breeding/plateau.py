@@ -22,8 +22,6 @@ from ..sparse.parsimony import PERFECT
 from ..terms import Product
 from .dictionary import Problem
 
-__all__ = ["Plateau", "share_common_to_neighbors"]
-
 PATIENCE_IF_DONE = 2  # generations to wait for a shorter form once only noise or rounding is left
 MAX_ROWS = 10_000  # with ten neighbors each, 1 % of the residual's power is two standard errors
 SHARP = 0.005  # largest standard error of the test; too few rows give a larger one

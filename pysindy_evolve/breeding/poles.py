@@ -8,8 +8,6 @@ import numpy as np
 
 from ..terms import Atom, Call, Sum
 
-__all__ = ["MIN_MAGNITUDE_SHARE", "has_pole", "is_away", "keeps_sign"]
-
 MIN_MAGNITUDE_SHARE = 0.1  # least magnitude of a denominator, as a share of its largest magnitude
 
 

@@ -12,8 +12,6 @@ from typing import Any
 from ..operators import BUILTIN, Operator
 from ..terms import Atom, Call, Product, Sum, Variable, call, constant, variable
 
-__all__ = ["Memo", "from_prefix", "to_prefix"]
-
 Node = Operator | Sum  # of a tree
 Memo = dict[tuple[Any, ...], Sum]
 

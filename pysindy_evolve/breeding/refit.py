@@ -21,8 +21,6 @@ from .constants import tune
 from .dictionary import Problem, price
 from .poles import has_pole, keeps_sign
 
-__all__ = ["refit"]
-
 TUNING_ROWS = 10_000  # for all inner constants together
 
 

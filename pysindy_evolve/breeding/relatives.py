@@ -14,8 +14,6 @@ from ..operators import Operator
 from ..terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul
 from .genetics import is_even_power_of_sgn
 
-__all__ = ["product_alternatives"]
-
 DEGREE = 3  # atoms in a product, as in q^2 sgn(v) or in a cubic spring
 MOST_ATOMS = 6  # they make 83 products; an equation with more atoms has not settled yet
 

@@ -11,8 +11,6 @@ from ..warn import warn
 from .generation import Generation
 from .plateau import Plateau
 
-__all__ = ["watch"]
-
 
 def watch(
     search: Iterable[tuple[Generation, tuple[Product, ...]]],
@@ -62,7 +60,7 @@ def watch(
         interrupted = True
         warn(
             f"EvolvingLibrary.fit was interrupted after {len(history)} generations; the best "
-            "equation so far is kept. Fit again to let the search end by itself.",
+            "equation so far is kept. Fit again to let the search end by itself."
         )
     finally:
         shown.close()

@@ -15,7 +15,6 @@ readers           convert the text after a flag into a value, or refuse it
 help_texts        the text that --help prints, with examples to copy
 input and output
 records           records from named columns of CSV files
-angles            unwraps angles that jump back after a full turn
 output            what the commands print and save
 ================  ========================================================
 """

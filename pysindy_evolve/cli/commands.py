@@ -19,16 +19,7 @@ from ..reading.library_terms import from_model
 from ..signals import is_decided, prepare
 from .options import PROGRAM
 from .output import print_code, print_errors, progress, save, say
-from .records import (
-    check_derived,
-    check_names,
-    derived_names,
-    order_of,
-    read_all,
-    read_split,
-)
-
-__all__ = ["demo", "fit", "loop"]
+from .records import check_derived, check_names, derived_names, order_of, read_all, read_split
 
 
 def demo(given: Namespace) -> bool:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["ABOUT", "EXAMPLES", "FIT", "FIT_EXAMPLES", "LOOP", "LOOP_EXAMPLES"]
-
 ABOUT = """\
 Give it your model and your measurements; it grows the PySINDy terms your model is missing,
 proves them on data it has not seen, and hands back the corrected equation."""

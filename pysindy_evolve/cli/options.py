@@ -17,8 +17,6 @@ from .help_texts import ABOUT, EXAMPLES, FIT, FIT_EXAMPLES, LOOP, LOOP_EXAMPLES
 from .readers import columns as columns_of
 from .readers import constants, count, cutoff, folder, names, pair, pairs, turn
 
-__all__ = ["PROGRAM", "make_parser"]
-
 PROGRAM = "pysindy-evolve"
 LANGUAGES = ("python", "c", "matlab", "julia", "modelica")
 

@@ -14,10 +14,8 @@ from ..equations import Equations
 from ..export import to_code, to_latex
 from ..loop import LoopReport
 from ..loop.fitting.runs import nrmse, simulation_errors
-from ..loop.report.units import percent_cell
+from ..loop.report.number_text import percent_cell
 from ..signals import Record
-
-__all__ = ["complain", "print_code", "print_errors", "progress", "save", "say"]
 
 POOR = 50.0  # % NRMSE; both errors must exceed it, as one may be noise, the other chaos
 

@@ -7,19 +7,6 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-__all__ = [
-    "choices",
-    "columns",
-    "constants",
-    "count",
-    "cutoff",
-    "folder",
-    "names",
-    "pair",
-    "pairs",
-    "turn",
-]
-
 
 def names(text: str) -> tuple[str, ...]:
     """Read different names, separated by commas."""

@@ -1,4 +1,4 @@
-"""Records from named columns of CSV files."""
+"""Records from named columns of CSV files, angles among them unwrapped."""
 
 from __future__ import annotations
 
@@ -13,11 +13,8 @@ from ..loop import DeclaredModel
 from ..loop.given.records import split_records
 from ..signals import Record, prepare, read_csv
 from ..signals.files import column_names
-from .angles import check_angles, unwrapped
-
-__all__ = [
-    "check_derived", "check_names", "derived_names", "order_of", "read_all", "read_split",
-]  # fmt: skip
+from ..signals.spectral import Array
+from ..signals.wrapping import BEYOND
 
 
 def derived_names(positions: Sequence[str], order: int) -> tuple[str, ...]:
@@ -123,3 +120,31 @@ def check_apart(states: Sequence[str], inputs: Sequence[str]) -> None:
                 f"--position, --states and --inputs must name each variable once, and t for time "
                 f"only; got {name!r} again. Write another name before its column, as in F={name}."
             )
+
+
+def check_angles(turns: Sequence[tuple[str, float]], known: Sequence[str]) -> None:
+    """Raise if an angle to unwrap is not among the columns, or is given twice."""
+    angles = [angle for angle, _ in turns]
+    for angle in angles:
+        if angle not in known:
+            raise ValueError(
+                f"--unwrap must name a measured state or an input; got {angle!r}. "
+                f"Choose from {', '.join(known)}."
+            )
+        if angles.count(angle) > 1:
+            raise ValueError(
+                f"--unwrap must be given once for each angle; got {angle!r} "
+                f"{angles.count(angle)} times. Keep the one whose turn is right."
+            )
+
+
+def unwrapped(column: Array, angle: str, turn: float) -> Array:
+    """Return a column without its jumps after each turn; raise if its range exceeds a turn."""
+    low, high = float(column.min()), float(column.max())
+    if high - low > (1.0 + BEYOND) * turn:
+        raise ValueError(
+            f"--unwrap must name an angle that stays within its turn; got {angle!r} from {low:g} "
+            f"to {high:g} with a turn of {turn:g}. Correct the turn, 360 for degrees and 6.283185 "
+            "for radians, or leave out --unwrap if the angle goes on already."
+        )
+    return np.asarray(np.unwrap(column, period=turn))

@@ -9,8 +9,6 @@ from ..paper import PARTS, forget, plan, reproduce
 from .output import progress, say
 from .readers import choices, count
 
-__all__ = ["ABOUT", "EXAMPLES", "add_options", "paper"]
-
 ABOUT = """\
 Make the tables and figures of the ESparse paper again (Goharoodi et al. 2020,
 doi 10.1155/2020/7286575), the paper's row beside ours. Each finished run is kept in the results

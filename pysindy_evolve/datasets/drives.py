@@ -19,8 +19,6 @@ from ..simulation import simulate
 from ..terms import as_product, call, sub, variable
 from .measured import MeasuredRecord
 
-__all__ = ["Drive", "friction_drive", "nothing_missing"]
-
 MASS = 2.0  # kg
 VISCOUS = 6.0  # N s/m
 FRICTION = 3.0  # N

@@ -33,8 +33,6 @@ from ..signals import Record, integrate
 from ..simulation import simulate
 from ..terms import as_product, call, mul, power, variable
 
-__all__ = ["DuffingRig", "duffing", "noisy"]
-
 TIME_STEP = 0.488e-3  # s
 # v, q, q^3, zdd: -c/m, -k/m, -k3/m, -1. c in N s/m, k in N/m, k3 in N/m^3, m in kg.
 FRICTIONLESS = (-1.8 / 0.49, -487.0 / 0.49, -1.07e6 / 0.49, -1.0)

@@ -33,9 +33,7 @@ DIGESTS = {
 
 
 def read_columns(
-    file: str,
-    folder: str | os.PathLike[str] | None,
-    public: Callable[[], Columns] | None = None,
+    file: str, folder: str | os.PathLike[str] | None, public: Callable[[], Columns] | None = None
 ) -> Columns:
     """Columns of one measured file, from a folder or else from its public source.
 

@@ -17,8 +17,7 @@ the tree of an equation
 tree                     sums, products and calls as nodes
 drawing                  layout of the nodes on a page; the only file that imports matplotlib
 readable forms
-compact                  rewrites sums as people write them; uses the two files below
-fractions                terms with the same denominator as one fraction
+compact                  rewrites sums as people write them; uses the file below
 hinges                   stops and saturations as max(q - c, 0) and min(max(u, -c), c)
 =======================  ====================================================================
 """

@@ -10,8 +10,6 @@ import numpy as np
 from ..equations import Equations
 from .symbolic import system_of
 
-__all__ = ["RightHandSideFunction", "to_callable"]
-
 
 def to_callable(model: Any) -> RightHandSideFunction:
     """Return the right-hand sides as a function ``f(t, x, u=None)``.

@@ -18,8 +18,6 @@ from ..hidden_states.memory_equations import MemoryEquations
 from .code_printers import CPrinter, JuliaPrinter, MatlabPrinter, ModelicaPrinter, PythonPrinter
 from .symbolic import System, system_of
 
-__all__ = ["to_code"]
-
 
 def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
     """Return a function in another language that computes the right-hand sides.

@@ -12,8 +12,6 @@ from sympy.printing.numpy import SciPyPrinter
 from sympy.printing.octave import OctaveCodePrinter
 from sympy.printing.str import StrPrinter
 
-__all__ = ["CPrinter", "JuliaPrinter", "MatlabPrinter", "ModelicaPrinter", "PythonPrinter"]
-
 
 class _Exact:
     """Prints floats with all their digits; sympy stops at fifteen."""

@@ -17,8 +17,6 @@ from matplotlib.textpath import TextPath
 
 from .tree import Node
 
-__all__ = ["draw"]
-
 FONT_SIZE = 11.0  # points
 HEIGHT = 0.32  # of a box
 PADDING = 0.11  # between a label and the end of its box
@@ -58,7 +56,7 @@ class _Placed:
 def draw(root: Node, ax: Any = None) -> Any:
     """Draw a tree, upright if it fits the page, else on its side; return the axes."""
     upright = True
-    placed, _ = _place(root, _extent_upright, _steps(root, True), 0, 0.0)
+    placed, _ = _place(root, _width, _steps(root, True), 0, 0.0)
     if _span(placed, upright)[0] > MAX_WIDTH:
         upright = False
         placed, _ = _place(root, _extent_sideways, _steps(root, False), 0, 0.0)
@@ -96,10 +94,6 @@ def _place(
     half = extent(node) / 2
     contour = [-half] + [b - middle for b in low], [half] + [b - middle for b in high]
     return _Placed(node, along, 0.0, tuple(c.moved(-middle) for c in children)), contour
-
-
-def _extent_upright(node: Node) -> float:
-    return _width(node)
 
 
 def _extent_sideways(node: Node) -> float:

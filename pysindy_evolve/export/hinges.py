@@ -30,8 +30,6 @@ from ..terms import (
     sub,
 )
 
-__all__ = ["as_hinges"]
-
 MIN = Operator("min", np.minimum, 2, sympy.Min)
 MAX = Operator("max", np.maximum, 2, sympy.Max)
 MOST = 4  # magnitudes of a sum; all 3^4 forms are tried, a hinge to either side or none for each

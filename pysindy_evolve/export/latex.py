@@ -12,8 +12,6 @@ from ..terms import join_terms
 from .printing import format_number
 from .symbolic import as_shown, system_of
 
-__all__ = ["to_latex"]
-
 
 def to_latex(model: Any, digits: int | None = 4) -> str:
     r"""Return the equations as LaTeX for math mode.

@@ -13,8 +13,6 @@ from ..terms import signed
 from .printing import format_number
 from .symbolic import as_shown, system_of
 
-__all__ = ["equations_mathml", "expression_mathml"]
-
 # Room that does not depend on the font: many browsers have none for mathematics.
 TIMES = '<mo lspace="0.08em" rspace="0.08em">\u2062</mo>'
 CHARACTERS = {"&ExponentialE;": "e", "<mo>&InvisibleTimes;</mo>": TIMES, "<mo>-</mo>": "<mo>−</mo>"}

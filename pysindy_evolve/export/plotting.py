@@ -7,8 +7,6 @@ from typing import Any
 from .symbolic import system_of
 from .tree import Node, expression_tree
 
-__all__ = ["plot_tree"]
-
 
 def plot_tree(model: Any, state: str | None = None, ax: Any = None, digits: int | None = 4) -> Any:
     """Draw the equation of one state as a tree.

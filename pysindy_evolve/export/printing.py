@@ -11,8 +11,6 @@ from sympy.printing.str import StrPrinter
 from ..terms import Sum, join_terms
 from .symbolic import System, as_shown, system_of
 
-__all__ = ["TextPrinter", "format_equations", "format_expression", "format_number"]
-
 
 def format_equations(model: Any, digits: int | None = 4) -> str:
     """Return the equations as text, one line for each state.

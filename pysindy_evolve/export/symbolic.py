@@ -12,11 +12,8 @@ from ..equations import Equations
 from ..hidden_states.memory_equations import MemoryEquations
 from ..reading.library_terms import from_model
 from ..terms import ONE, Product, Sum, of_term
-from .fractions import as_fractions
+from .compact import as_fractions
 from .hinges import as_hinges
-
-__all__ = ["System", "as_shown", "constant_last", "round_to", "system_of", "to_sympy"]
-__all__ += ["without_sign"]
 
 
 def to_sympy(model: Any, digits: int | None = None) -> list[Any]:

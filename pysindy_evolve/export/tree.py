@@ -9,8 +9,6 @@ from ..terms import ONE, Atom, Call, Product, Sum, Variable
 from .printing import format_number
 from .symbolic import System, constant_last
 
-__all__ = ["Node", "expression_tree"]
-
 
 @dataclass(frozen=True)
 class Node:

@@ -31,8 +31,6 @@ from ..operators import BUILTIN, Operator
 from ..terms import Call, Sum, add, call, constant, mul, sub
 from .turning import turning_along
 
-__all__ = ["BOUC_WEN", "Hysteresis", "yielding", "yielding_along"]
-
 SUFFIX = "yield"  # the hidden state of q is named q_yield
 RATES = (0.05, 20.0)  # range of k when it is fitted; values beyond an end cannot be told apart
 

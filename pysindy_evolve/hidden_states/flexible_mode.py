@@ -29,8 +29,6 @@ from ..operators import Operator
 from ..terms import Call, Sum, add, call, constant, mul, sub
 from .relaxing import relaxing_along, span_of
 
-__all__ = ["FLEXIBLE_MODE", "FlexibleMode", "flexible_mode", "stretch_along"]
-
 SUFFIX = "mode"  # the hidden states of q and v are named q_mode and v_mode
 DAMPINGS = (1e-4, 0.9)  # range of D when it is fitted; an overdamped mode is two relaxations
 FADED = 4.0  # time in units of 1 / (D w0) after which 2 % of the initial state are left

@@ -21,7 +21,7 @@ function of a record works on the result.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -34,9 +34,6 @@ from ..terms import Sum, add, call, constant, mul, power, sub
 
 if TYPE_CHECKING:
     from ..signals import Record
-
-__all__ = ["DELAY", "LAG", "VESSEL", "Memory", "balance", "output_of", "rate", "with_past_inputs"]
-__all__ += ["with_memories_applied"]
 
 DELAY, LAG, VESSEL = "input delay", "actuator lag", "hidden state"
 REFINEMENT = 4  # steps per sample for a lag; the input is straight within each
@@ -125,6 +122,11 @@ def with_memories_applied(record: Record, memories: Sequence[Memory]) -> Record:
     for memory in memories:
         record = memory.apply(record)
     return record
+
+
+def all_with_memories(records: Iterable[Record], memories: Sequence[Memory]) -> list[Record]:
+    """Return records with memories applied to the inputs of each."""
+    return [with_memories_applied(record, memories) for record in records]
 
 
 def with_past_inputs(record: Record, past: Sequence[float]) -> Record:

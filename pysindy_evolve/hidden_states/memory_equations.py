@@ -23,8 +23,6 @@ from .path_states import (
     with_replaced_arguments,
 )
 
-__all__ = ["MemoryEquations", "as_acting", "with_memories"]
-
 
 @dataclass(frozen=True, eq=False)
 class MemoryEquations(Equations):

@@ -31,16 +31,6 @@ from .flexible_mode import FLEXIBLE_MODE, FlexibleMode
 from .relaxing import RELAXING, Relaxation
 from .wen_spring import WEN_SPRING, SpringHysteresis
 
-__all__ = [
-    "PathKind",
-    "hidden_along",
-    "kind_of",
-    "n_hidden_of",
-    "own_states",
-    "with_replaced_arguments",
-]
-__all__ += ["path_rates", "path_sentences", "paths_in", "paths_within", "source_of"]
-
 
 class PathKind(Protocol):
     """Methods that a model needs for the paths of one operator.

@@ -29,8 +29,6 @@ from scipy.signal import lfilter
 from ..operators import Operator
 from ..terms import Call, Sum, call, constant, sub
 
-__all__ = ["RELAXING", "Relaxation", "relaxing", "relaxing_along", "span_of"]
-
 SUFFIX = "relax"  # the hidden state of q is named q_relax
 FADED = 4.0  # relaxation times after which 2 % of the initial state are left
 STEP_TOLERANCE = 0.01  # deviation from the median time step, relative to it, that counts as uniform

@@ -16,8 +16,6 @@ import math
 import numpy as np
 from scipy.special import exprel
 
-__all__ = ["turning_along"]
-
 
 def turning_along(x: np.ndarray, leading: float, turned: float, start: float = 0.0) -> np.ndarray:
     """Return w along a path; exact if the path is straight between samples.

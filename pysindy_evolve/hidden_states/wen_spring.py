@@ -29,8 +29,6 @@ from ..terms import Call, Sum, add, call, constant, mul, sub
 from .boucwen import Hysteresis
 from .turning import turning_along
 
-__all__ = ["WEN_SPRING", "SpringHysteresis", "springing", "springing_along"]
-
 SUFFIX = "hyst"  # the hidden state of q is named q_hyst
 LOSSES = (0.02, 1.0)  # range of beta when it is fitted: below, no loss to speak of; above, friction
 WIDER = 2.0  # largest |w| on the first row, over the largest in the record

@@ -24,8 +24,6 @@ from .search.found import Found
 from .search.look_for_effects import look_for_effects
 from .settling.settle import settled
 
-__all__ = ["close_loop"]
-
 
 @one_thread()
 def close_loop(
@@ -143,7 +141,7 @@ def _search(found: Found, rng: np.random.Generator) -> tuple[Found, bool]:
             raise
         warn(
             "close_loop was interrupted. The report is being made from what was found so far; "
-            "press Ctrl-C again to stop without a report.",
+            "press Ctrl-C again to stop without a report."
         )
         return found, True
     return found, False

@@ -17,7 +17,6 @@ facts       the numbers that the paper states
 tables      tables of the paper beside our results, as Markdown and CSV
 peers       results of other packages on the same data
 pictures
-identified  a record and the equations found in it, for the figures
 figures     the content of each figure
 plots       draws the figures; the only file that imports matplotlib
 ==========  ====================================================================

@@ -9,8 +9,6 @@ from typing import Literal
 from ..datasets import DuffingRig, duffing
 from .facts import NUMERICAL, RIG, TABLE_2, TABLE_4, Setting
 
-__all__ = ["Case", "Plan", "plan"]
-
 System = Literal["numerical", "friction", "rig"]
 
 SNR_RIG = 30.0  # dB on each accelerometer in table 4

@@ -8,11 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = [
-    "CLEAN_DOWN_TO", "NUMERICAL", "PARTS", "RIG", "TABLE_2", "TABLE_4", "TABLE_5", "THEORY",
-    "Row", "Setting",
-]  # fmt: skip
-
 PARTS = (
     "table2", "figure10", "table4", "table5",
     "figure4", "figure5", "figure8", "figure9", "figure11", "figure12", "figure13",

@@ -13,10 +13,8 @@ from typing import Any
 from ..export import plot_tree
 from .cases import SNR_RIG, Case, Plan
 from .facts import PARTS, TABLE_4
-from .identified import Identified
 from .store import Store
-
-__all__ = ["draw"]
+from .trials import Identified
 
 
 def draw(parts: Sequence[str], plan: Plan, store: Store, folder: Path) -> Iterator[Path]:

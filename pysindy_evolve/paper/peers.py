@@ -10,8 +10,6 @@ from typing import Any
 
 from .tables import NONE, Table
 
-__all__ = ["read"]
-
 TITLES = {
     "frictionless": "equation (3), 20 dB on the acceleration",
     "friction": "equation (7), 30 dB on the acceleration",

@@ -17,13 +17,7 @@ from .tables import accuracy
 
 if TYPE_CHECKING:
     from ..datasets import DuffingRig
-    from .identified import Identified
-    from .trials import Trial
-
-__all__ = [
-    "accuracy_over_noise", "comparison", "input_and_output", "phase_plane", "record", "save",
-    "style",
-]  # fmt: skip
+    from .trials import Identified, Trial
 
 DARK, LIGHT, RED = "#24476b", "#9db4cc", "#c0392b"
 WIDTH = 6.3  # inches: the text of a page

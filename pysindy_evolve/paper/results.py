@@ -17,8 +17,6 @@ from .store import Store
 from .tables import Table, make_tables
 from .trials import Trial, run
 
-__all__ = ["Results", "forget", "reproduce"]
-
 TRIALS = "trials.jsonl"
 
 

@@ -9,8 +9,6 @@ from pathlib import Path
 from .cases import Case
 from .trials import Trial
 
-__all__ = ["Store"]
-
 
 class Store:
     """Finished trials in a file, each written as soon as it is added.

@@ -15,8 +15,6 @@ from .facts import CLEAN_DOWN_TO, TABLE_2, TABLE_4, TABLE_5, THEORY
 from .store import Store
 from .trials import Trial
 
-__all__ = ["NONE", "Table", "accuracy", "make_tables"]
-
 NONE = "–"
 
 

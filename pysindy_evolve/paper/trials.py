@@ -1,10 +1,10 @@
-"""One trial: a simulated record, a fit to it, and the error of the equation."""
+"""One trial: a simulated record, a fit to it, and the error of the equation it finds."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,6 @@ from ..reading.library_terms import from_model
 from ..signals import fuse
 from ..terms import Product
 from .cases import Case
-
-__all__ = ["Trial", "identify", "run"]
 
 
 @dataclass(frozen=True)
@@ -136,3 +134,26 @@ def _error(
     rows = rows[rig.v[rows] != 0.0]
     predicted = found.evaluate(x[rows], u[rows])[:, -1]
     return 100.0 * float(np.std(predicted - target[rows]) / np.std(target[rows]))
+
+
+class Identified:
+    """A record and the equations found in it, each computed when it is first used."""
+
+    def __init__(self, case: Case) -> None:
+        self.case = case
+
+    @cached_property
+    def rig(self) -> DuffingRig:
+        """The record."""
+        return self.case.simulate()
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The identified equations."""
+        return identify(self.case)[0]
+
+    @cached_property
+    def predicted(self) -> np.ndarray:
+        """Identified acceleration on the validation part, (n,)."""
+        at = self.rig.validation
+        return self.equations.evaluate(self.rig.x[at], self.rig.u[at])[:, -1]

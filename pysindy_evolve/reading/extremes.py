@@ -12,8 +12,6 @@ from functools import partial, reduce
 from ..operators import BUILTIN
 from ..terms import ONE, Call, Sum, add, call, constant, mul, neg, sub
 
-__all__ = ["EXTREMES", "positive_part_of"]
-
 
 def positive_part_of(expression: Sum) -> Sum | None:
     """Return x of an expression that is max(x, 0); None if it is anything else."""

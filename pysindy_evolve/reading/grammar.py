@@ -16,8 +16,6 @@ from typing import Any, NamedTuple, NoReturn
 import sympy
 from sympy.printing.str import StrPrinter
 
-__all__ = ["MAX_DEPTH", "MAX_EXPONENT", "MAX_SIZE", "Source", "as_text", "chain"]
-
 MAX_TOKENS = 5000
 MAX_DEPTH = 30  # levels of nesting, far below Python's limit of recursion
 MAX_SIZE = 2000  # nodes of the result, as powers of sums of powers grow without bound

@@ -25,8 +25,6 @@ from ..substitution import substituted
 from ..terms import Sum, of_term
 from .tracing import trace
 
-__all__ = ["check_ordinary", "columns_of", "from_model"]
-
 
 def from_model(model: Any, owner: str = "from_model(model=...)") -> Equations:
     """Read a fitted model.

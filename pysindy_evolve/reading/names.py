@@ -9,8 +9,6 @@ from difflib import get_close_matches
 from numbers import Real
 from typing import Any
 
-__all__ = ["advise_function", "advise_parameter", "check_known"]
-
 NUMERALS = re.compile(r"\d+")
 ALIKE = 0.66  # least similarity of two names: one letter of three differs, or two have one more
 SPEEDS = ("v", "w", "omega", "vel", "velocity", "speed", "dq", "qd", "q_dot", "dx", "xd", "x_dot")

@@ -21,8 +21,6 @@ from .extremes import EXTREMES, positive_part_of
 from .grammar import MAX_EXPONENT, MAX_SIZE, Source, as_text, chain
 from .names import advise_function, advise_parameter, check_known
 
-__all__ = ["FUNCTIONS", "RightHandSide", "parse", "real_power"]
-
 # Arithmetic is written with its signs; Abs and sign are what sympy prints, arctan what numpy says.
 FUNCTIONS: dict[str, Operator] = {
     name: operator

@@ -19,8 +19,6 @@ from ..operators import BUILTIN
 from ..terms import Sum
 from .text import real_power
 
-__all__ = ["trace"]
-
 _UFUNCS: dict[np.ufunc, Callable[..., Sum]] = {
     np.add: terms.add,
     np.subtract: terms.sub,

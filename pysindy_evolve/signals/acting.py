@@ -15,8 +15,6 @@ import numpy as np
 
 from .spectral import Array
 
-__all__ = ["InputFunction"]
-
 # Shares of an input's range by which a low-pass may exceed it; the second if the first fails.
 OVERSHOOTS = (0.5, 0.1)
 N_POINTS = 2049  # points of a table, linear in between

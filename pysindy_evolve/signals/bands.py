@@ -18,8 +18,6 @@ from .spectral import Array
 
 Bins = NDArray[np.intp]
 
-__all__ = ["AGREE", "Bins", "averaged", "geometric_edges", "lowest_quarter", "widening_edges"]
-
 # Two measurements of one signal: largest power of their difference, over that of their noise.
 AGREE = 10.0
 LEAST_BINS, LEAST_WIDTH = 20, 0.07  # of a band: number of bins, and width over frequency

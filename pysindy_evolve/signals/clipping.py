@@ -24,8 +24,6 @@ from .. import checks
 from .noise import DWELL
 from .spectral import Array
 
-__all__ = ["as_limits", "beyond", "bridged", "longest", "sensor_limits", "widened"]
-
 LEAST_STAY = 3  # consecutive readings that count as a stay: at a limit, or where a machine rests
 # A crest of a rounded signal holds at most CREST_RATIO times as many readings as a level next to
 # it; a limit needs LEAST_EXTRA more. NEXT_LEVELS levels below the limit are compared.
@@ -203,9 +201,7 @@ def bridged(y: Array, limits: Array, dt: float, cutoff: float | None, order: int
         frequency = np.clip(SHARPNESS * (cutoff or np.inf) * dt, *FREQUENCY_RANGE)
         curve = _smooth(readings, ~gap, float(frequency))
         curve = np.where(
-            readings >= high,
-            np.clip(curve, high, high + span),
-            np.clip(curve, low - span, low),
+            readings >= high, np.clip(curve, high, high + span), np.clip(curve, low - span, low)
         )
         bridge = gap.copy()
         bridge[: seen[0]] = bridge[seen[-1] + 1 :] = False

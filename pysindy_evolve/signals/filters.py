@@ -75,11 +75,7 @@ def lowpass(x: ArrayLike, dt: float, cutoff: float) -> Array:
 
 
 def differentiate(
-    x: ArrayLike,
-    dt: float,
-    order: int = 1,
-    method: str = "fft",
-    cutoff: float | None = None,
+    x: ArrayLike, dt: float, order: int = 1, method: str = "fft", cutoff: float | None = None
 ) -> Array:
     """Differentiate columns with respect to time.
 

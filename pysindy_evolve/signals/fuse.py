@@ -25,8 +25,6 @@ from .noise import floor, spectrum
 from .sampling import uniform
 from .spectral import Array
 
-__all__ = ["fuse"]
-
 FADE = 0.02  # share of the record, half at each end, over which the slope fades out
 MIN_SAMPLES = 256  # samples; fewer do not give a usable spectrum
 

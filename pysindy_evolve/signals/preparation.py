@@ -15,8 +15,6 @@ from .filters import derivatives
 from .record import Record
 from .spectral import Array, SpectralFilter
 
-__all__ = ["Preparation"]
-
 
 @dataclass(frozen=True, eq=False)
 class Preparation:

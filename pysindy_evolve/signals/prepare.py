@@ -121,7 +121,7 @@ def prepare(
     if even_y is None or constant is not None:
         got = f"{raw_y[0, constant or 0]:g} in all samples of column {constant}"
         checks.refuse("prepare", "y", "changing", got, "Drop this column of y.")
-    refuse_wrapped("prepare", raw_y)
+    refuse_wrapped(raw_y)
     dt = float((grid[-1] - grid[0]) / (grid.size - 1))
     ends = as_limits(limits, even_y)
     resolved_cutoff, filled = _resolve_cutoff(cutoff, even_y, dt, order, ends)

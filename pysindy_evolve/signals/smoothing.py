@@ -21,8 +21,6 @@ from .bands import lowest_quarter
 from .spectral import Array
 from .wiener import MAX_QUIET_NOISE, estimate
 
-__all__ = ["Smoothed", "is_noisy", "smooth_states", "time_step"]
-
 N_PROBES, PROBE_ROWS = 8, 512  # number and rows of the stretches that are checked for noise
 LEAST_ROWS = 256  # fewer rows do not give a usable spectrum
 COHERENT = 0.9  # least coherence of x_dot with the slope of x in a uniform time series

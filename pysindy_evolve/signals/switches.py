@@ -9,8 +9,6 @@ from scipy.ndimage import maximum_filter1d
 from .. import checks
 from .record import Record
 
-__all__ = ["is_decided"]
-
 # Share of the rows; if fewer are decided, as for a body that keeps turning, all count.
 MIN_DECIDED_SHARE = 0.5
 

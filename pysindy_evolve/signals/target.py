@@ -7,8 +7,6 @@ import numpy as np
 from .. import checks
 from .record import Record
 
-__all__ = ["as_target"]
-
 
 def as_target(record: Record) -> Record:
     """Exchange inputs and motion: the force becomes the target, and the motion its inputs.

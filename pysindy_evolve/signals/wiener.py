@@ -27,8 +27,6 @@ from ..checks import TINY
 from .bands import AGREE, Bins, averaged, lowest_quarter, widening_edges
 from .spectral import Array
 
-__all__ = ["MAX_QUIET_NOISE", "estimate"]
-
 MAX_QUIET_NOISE = 1e-4  # share of a column's RMS: less noise than this (80 dB) does no harm
 NEAR_FLOOR = 4.0  # times the floor; a band with less power is mostly noise
 # Two levels were computed from each other if, in a share QUANTILE of the bands, the power of their

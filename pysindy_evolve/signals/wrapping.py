@@ -25,13 +25,11 @@ STRIDE = 0.05  # turns
 STRIDE_BESIDE = 1.0 / 3.0  # least step beside a stride of a running angle, share of the stride
 
 
-def refuse_wrapped(call: str, y: Array) -> None:
+def refuse_wrapped(y: Array) -> None:
     """Raise an error if a column is an angle that starts again after a whole turn.
 
     Parameters
     ----------
-    call : str
-        Function that was called.
     y : ndarray of shape (n_samples, n_columns)
         Readings, uniformly sampled.
 
@@ -53,7 +51,7 @@ def refuse_wrapped(call: str, y: Array) -> None:
                 f"Unwrap the angle first: np.unwrap(column, period={written}), on the command "
                 f"line --unwrap NAME={turn:.10g}."
             )
-            checks.refuse(call, "y", "continuous", got, advice)
+            checks.refuse("prepare", "y", "continuous", got, advice)
 
 
 def first_wrap(column: Array, turn: float) -> int | None:

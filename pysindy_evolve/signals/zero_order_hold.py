@@ -28,16 +28,6 @@ from .acting import InputFunction
 from .record import Record
 from .spectral import Array
 
-__all__ = [
-    "HALF_SAMPLE",
-    "acting_through",
-    "acts_as",
-    "apply_to_effective_input",
-    "averaged",
-    "hold",
-    "rates_of",
-]
-
 HALF_SAMPLE = 0.5  # sampling times by which a held input is late
 N_MARGIN_SAMPLES = 8  # samples added before and after a record, with the input constant there
 DEGREE = 5  # of the splines

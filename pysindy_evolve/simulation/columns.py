@@ -26,11 +26,6 @@ from ..equations import Equations
 from .structure import Switch, find_switches, is_affine
 from .tape import Tape
 
-__all__ = [
-    "SIGN_TOLERANCE", "SWEEPS", "Columns", "Field",
-    "balance", "both_slopes", "choose_substeps", "field_of", "moved", "step", "switching",
-]  # fmt: skip
-
 SWEEPS = 8  # of the fixed-point iteration over several switches at zero
 SIGN_TOLERANCE = 1e-9  # change of a sign between two sweeps at which the iteration ends
 PROBE = 1e-3  # share of a step over which the slope of a switching function is taken

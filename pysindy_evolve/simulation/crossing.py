@@ -20,8 +20,6 @@ from .columns import (
     switching,
 )
 
-__all__ = ["advance", "start_signs"]
-
 MAX_EVENTS = 8  # switches crossed in one step
 REFINEMENTS = 2  # steps of regula falsi after the first interpolation
 

@@ -19,8 +19,6 @@ import sympy
 from .rows import Rows
 from .scalars import RATIO, Lines, symbol
 
-__all__ = ["Stage", "stage_of"]
-
 
 @dataclass(frozen=True)
 class Stage:

@@ -19,8 +19,6 @@ import numpy as np
 from .program import Program
 from .structure import Switch
 
-__all__ = ["FreeRun", "Limits"]
-
 Vector = Sequence[float]
 
 _FAILURES = (ArithmeticError, ValueError)  # what math raises where numpy gives inf or nan

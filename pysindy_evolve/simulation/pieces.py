@@ -8,18 +8,12 @@ from ..equations import Equations
 from .columns import Columns, choose_substeps, field_of
 from .crossing import advance, start_signs
 
-__all__ = ["simulate_pieces"]
-
 TOLERANCE = 1e-5  # error of a sample interval, relative to the state: enough beside a sensor
 MAX_SUBSTEPS = 20
 
 
 def simulate_pieces(
-    equations: Equations,
-    coef: np.ndarray,
-    x0: np.ndarray,
-    t: np.ndarray,
-    u: np.ndarray,
+    equations: Equations, coef: np.ndarray, x0: np.ndarray, t: np.ndarray, u: np.ndarray
 ) -> np.ndarray:
     """Integrate models that share their terms, each over the same number of pieces.
 

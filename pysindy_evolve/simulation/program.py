@@ -23,8 +23,6 @@ from .rows import Rows
 from .scalars import LEAST, Lines, symbol
 from .structure import Structure
 
-__all__ = ["Program", "program_of"]
-
 NODES = (0.0, 1 / 5, 3 / 10, 3 / 5, 1.0, 7 / 8)
 STAGES: tuple[tuple[float, ...], ...] = (
     (),

@@ -25,8 +25,6 @@ from ..terms import Atom, Product, Sum, Variable
 from .scalars import LOG, ROOT, Namespace, symbol, symbols
 from .structure import FIRST_MARK, FREE, Structure
 
-__all__ = ["Rows"]
-
 
 class Rows:
     """The right-hand sides of a structure over the symbols h, t, x, u, du, s, w and p.

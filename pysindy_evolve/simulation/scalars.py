@@ -11,8 +11,6 @@ import sympy
 
 from ..operators import Operator
 
-__all__ = ["LEAST", "LOG", "RATIO", "ROOT", "Lines", "Namespace", "symbol", "symbols"]
-
 Lines = list[tuple[Any, Any]]  # assignments (symbol, expression), in order
 
 RATIO = sympy.Function("ratio", real=True)

@@ -17,8 +17,6 @@ from ..equations import Equations
 from ..operators import BUILTIN
 from ..terms import Call, Product, Sum, Variable
 
-__all__ = ["Structure", "Switch", "find_switches", "is_affine", "structure_of"]
-
 FIRST_MARK = 2.0  # stands for the first inner constant; 1 and -1 would not count as constants
 FREE = 2  # kind of a coefficient that is a parameter; 1 and -1 stand for themselves
 

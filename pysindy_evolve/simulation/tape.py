@@ -17,8 +17,6 @@ from ..terms import ONE as CONSTANT_TERM
 from ..terms import Atom, Call, Product, Sum, Variable
 from .structure import Switch
 
-__all__ = ["Tape"]
-
 
 class Instruction(NamedTuple):
     """One array operation: function(*values of the arguments) goes to a register."""
@@ -44,7 +42,6 @@ class Tape:
     def __init__(
         self, terms: Sequence[Product], switches: Sequence[Switch], n_variables: int
     ) -> None:
-        self._first_sign = n_variables
         self._signs = {switch.g: n_variables + i for i, switch in enumerate(switches)}
         self._n_given = n_variables + len(switches)
         self._nested = 0  # number of functions around the atom that is being recorded

@@ -9,6 +9,5 @@ beam          best small subsets of nearly collinear columns
 elimination   backward elimination by an information criterion
 parsimony     drops terms that are significant, but not needed
 selection     chooses one equation among all proposals
-independence  how many independent samples a residual holds
 ============  =====================================================================
 """

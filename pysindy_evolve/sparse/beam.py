@@ -14,8 +14,6 @@ import numpy as np
 from .elimination import gains
 from .gram import Gram
 
-__all__ = ["best_subsets", "with_exchanges"]
-
 WIDTH = 8  # supports of each size that are kept
 MAX_SIZE = 6  # terms; larger equations are left to the elastic net
 

@@ -11,8 +11,6 @@ import numpy as np
 
 from .gram import MIN_SQUARE_SHARE, Gram, inverse, least_squares, rss
 
-__all__ = ["default_penalty", "eliminate", "front", "gains", "information"]
-
 HEALTHY = 0.1  # of 1 / n, the least diagonal element of the inverse for columns of unit RMS
 
 
@@ -79,10 +77,7 @@ def information(gram: Gram, support: np.ndarray, penalty: np.ndarray, n_effectiv
 
 
 def eliminate(
-    gram: Gram,
-    support: Sequence[int] | np.ndarray,
-    penalty: np.ndarray,
-    n_effective: float,
+    gram: Gram, support: Sequence[int] | np.ndarray, penalty: np.ndarray, n_effective: float
 ) -> list[tuple[np.ndarray, float]]:
     """Eliminate terms backward, the least useful first, until none is left.
 

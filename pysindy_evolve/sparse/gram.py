@@ -22,11 +22,6 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri
 
-__all__ = [
-    "MIN_SQUARE_SHARE", "Gram", "block_grams", "chunks", "gram", "inverse", "least_squares",
-    "refined", "residual", "rss", "target_grams", "total",
-]  # fmt: skip
-
 # Rows a chunk: a chunk of 20 columns takes 1.3 MB, about a processor's cache.
 ROWS_PER_CHUNK = 1 << 13
 # Share of y @ y below which a Gram matrix in double precision sees only rounding.

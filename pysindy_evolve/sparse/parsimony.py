@@ -13,16 +13,6 @@ import numpy as np
 from .elimination import gains
 from .gram import Gram, inverse, least_squares, rss
 
-__all__ = [
-    "MIN_ROWS",
-    "N_BLOCKS",
-    "PERFECT",
-    "drop_immaterial",
-    "drop_unstable",
-    "exchange_for_simpler",
-    "prefer_smaller",
-]
-
 N_BLOCKS = 12  # parts of the record that a coefficient must agree on
 MIN_ROWS = 20  # least rows of such a part
 PERFECT = 1e-11  # share of the target's power at which there is nothing left to explain
@@ -148,10 +138,7 @@ def _total_price(gram: Gram, support: Sequence[int], cost: np.ndarray) -> float:
 
 
 def drop_unstable(
-    whole: Gram,
-    folds: Sequence[Gram],
-    support: Sequence[int] | np.ndarray,
-    min_ratio: float = 3.0,
+    whole: Gram, folds: Sequence[Gram], support: Sequence[int] | np.ndarray, min_ratio: float = 3.0
 ) -> np.ndarray:
     """Drop terms whose coefficient scatters too much between parts of the record.
 

@@ -16,8 +16,6 @@ from sklearn.linear_model import lars_path_gram
 from .elimination import gains
 from .gram import MIN_SQUARE_SHARE, Gram
 
-__all__ = ["LAMBDA2", "path", "supports"]
-
 FORWARD = 6  # steps of forward selection beside the elastic net
 LAMBDA2 = (1e-3, 1e-1)  # for columns of unit RMS; orders of magnitude are enough
 

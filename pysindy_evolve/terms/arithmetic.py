@@ -11,8 +11,6 @@ from .canonical import multiply, simplified
 from .products import ONE, Product
 from .sums import Sum, as_sum, collect
 
-__all__ = ["add", "as_atom", "constant", "div", "mul", "neg", "power", "sub", "variable"]
-
 MAX_PARTS = 64  # a result with more parts is not multiplied out
 MAX_DEGREE = 8  # nor is a higher power: (q + v)^40 near q = -v would lose all its digits
 

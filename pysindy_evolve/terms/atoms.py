@@ -15,8 +15,6 @@ from .node import Cache, Node, take
 if TYPE_CHECKING:
     from .sums import Sum
 
-__all__ = ["Call", "Variable"]
-
 
 @dataclass(frozen=True)
 class Variable(Node):

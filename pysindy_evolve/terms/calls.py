@@ -13,8 +13,6 @@ from .atoms import Call
 from .products import ONE
 from .sums import Atom, Sum, as_sum, of_term
 
-__all__ = ["call"]
-
 _ODD = ("sin", "tan", "tanh", "sinh", "asin", "atan", "softsign")
 _EVEN = ("cos", "cosh")
 _ARITHMETIC: dict[str, Callable[..., Sum]] = {

@@ -10,8 +10,6 @@ from .atoms import Call
 from .products import Product
 from .sums import Atom, Sum, collect
 
-__all__ = ["multiply", "simplified"]
-
 EXP = BUILTIN["exp"]
 
 

@@ -10,8 +10,6 @@ from .arithmetic import as_atom, constant, mul, power
 from .products import Product
 from .sums import Atom, Sum, as_sum, only_term
 
-__all__ = ["lowest"]
-
 
 def lowest(term: Product) -> Product:
     """Return a term in lowest terms, up to a factor.

@@ -11,8 +11,6 @@ import numpy as np
 
 from ..lazily import lazily
 
-__all__ = ["Cache", "Node", "take"]
-
 Cache = dict[Any, np.ndarray]  # values of subtrees on the same x
 
 

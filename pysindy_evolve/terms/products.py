@@ -15,8 +15,6 @@ from .node import Cache, Node, take
 if TYPE_CHECKING:
     from .sums import Atom
 
-__all__ = ["ONE", "Product"]
-
 
 @dataclass(frozen=True)
 class Product(Node):

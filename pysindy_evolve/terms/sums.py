@@ -13,8 +13,6 @@ from .atoms import Call, Variable
 from .node import Cache, Node, take
 from .products import ONE, Product
 
-__all__ = ["Atom", "Sum", "as_sum", "collect", "join_terms", "of_term", "only_term", "signed"]
-
 Term = TypeVar("Term")  # of this package, or of sympy
 
 
@@ -25,9 +23,7 @@ def signed(parts: Iterable[tuple[float, Term]]) -> Iterator[tuple[str, float, Te
 
 
 def join_terms(
-    parts: Iterable[tuple[float, Term]],
-    number: Callable[[float], str],
-    term: Callable[[Term], str],
+    parts: Iterable[tuple[float, Term]], number: Callable[[float], str], term: Callable[[Term], str]
 ) -> str:
     """Write coefficients times terms with the signs between them.
 

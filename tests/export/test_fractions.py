@@ -4,7 +4,7 @@ import numpy as np
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_equations
-from pysindy_evolve.export.fractions import as_fractions
+from pysindy_evolve.export.compact import as_fractions
 from pysindy_evolve.export.mathml import equations_mathml
 
 CART = pse.DeclaredModel({"v": "(F - 2*v - sin(q)*v**2)/(4 + sin(q)**2) + 3*v"}, inputs=["F", "q"])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from pysindy_evolve.sparse import independence
-from pysindy_evolve.sparse.independence import effective_size
+from pysindy_evolve.sparse import selection
+from pysindy_evolve.sparse.selection import effective_size
 
 
 def colored(n, memory, seed=0):
@@ -22,7 +22,7 @@ def test_it_counts_as_the_theory_of_a_first_order_filter_says(memory):
 def test_blocks_of_a_long_record_count_as_the_whole_does(monkeypatch):
     values = colored(60_000, 0.95)
     whole = effective_size(values)
-    monkeypatch.setattr(independence, "BLOCK", 10_000)
+    monkeypatch.setattr(selection, "BLOCK", 10_000)
     assert effective_size(values) == pytest.approx(whole, rel=0.05)
 
 

@@ -7,8 +7,8 @@ from pysindy_evolve.sparse import parsimony
 from pysindy_evolve.sparse.elimination import default_penalty, front
 from pysindy_evolve.sparse.gram import Gram, block_grams, total
 from pysindy_evolve.sparse.gram import gram as gram_of
-from pysindy_evolve.sparse.independence import effective_size
 from pysindy_evolve.sparse.proposals import supports
+from pysindy_evolve.sparse.selection import effective_size
 
 
 def pruned(rows, support):

@@ -7,8 +7,6 @@ import numpy as np
 from .. import sources
 from .record import Folder, MeasuredRecord, MeasuredSet
 
-__all__ = ["load_ball_drops"]
-
 
 def load_ball_drops(folder: Folder = None) -> MeasuredSet:
     """Eleven balls dropped twice from a bridge, filmed at 15 Hz.

@@ -7,8 +7,6 @@ import numpy as np
 from .. import sources
 from .record import Folder, MeasuredRecord, MeasuredSet
 
-__all__ = ["load_cart"]
-
 
 def load_cart(folder: Folder = None) -> MeasuredSet:
     """Cart under proportional position control at four gains, 1 kHz; no missing effect shows.

@@ -7,8 +7,6 @@ import numpy as np
 from .. import sources
 from .record import Folder, MeasuredRecord, MeasuredSet
 
-__all__ = ["load_cascaded_tanks"]
-
 
 def load_cascaded_tanks(folder: Folder = None) -> MeasuredSet:
     """Two cascaded tanks that can overflow: pump voltage to lower level, every 4 s.

@@ -7,8 +7,6 @@ import numpy as np
 from .. import sources
 from .record import Folder, MeasuredRecord, MeasuredSet
 
-__all__ = ["load_emps"]
-
 
 def load_emps(folder: Folder = None) -> MeasuredSet:
     """Electro-mechanical positioning system: motor force to position of a linear axis, 1 kHz.

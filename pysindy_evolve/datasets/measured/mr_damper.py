@@ -7,8 +7,6 @@ import numpy as np
 from .. import sources
 from .record import Folder, MeasuredRecord, MeasuredSet
 
-__all__ = ["load_mr_damper"]
-
 
 def load_mr_damper(folder: Folder = None) -> MeasuredSet:
     """Magnetorheological damper on a shaking table, sinusoidal displacement, 100 Hz.

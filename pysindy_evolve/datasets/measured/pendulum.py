@@ -7,8 +7,6 @@ import numpy as np
 from .. import sources
 from .record import Folder, MeasuredRecord, MeasuredSet
 
-__all__ = ["load_pendulum"]
-
 
 def load_pendulum(folder: Folder = None) -> MeasuredSet:
     """Single pendulum in free swing, its cart clamped, 1 kHz.

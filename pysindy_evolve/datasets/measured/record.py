@@ -9,8 +9,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-__all__ = ["Folder", "MeasuredRecord", "MeasuredSet"]
-
 Folder = str | os.PathLike[str] | None  # the folder of measured sets; None searches, then downloads
 
 

@@ -7,8 +7,6 @@ import numpy as np
 from .. import sources
 from .record import Folder, MeasuredRecord, MeasuredSet
 
-__all__ = ["load_silverbox"]
-
 
 def load_silverbox(folder: Folder = None) -> MeasuredSet:
     """Silverbox, an electronic Duffing circuit, 610.35 Hz.

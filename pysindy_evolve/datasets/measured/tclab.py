@@ -7,8 +7,6 @@ import numpy as np
 from .. import sources
 from .record import Folder, MeasuredRecord, MeasuredSet
 
-__all__ = ["load_tclab"]
-
 COMMITS = {
     "A": "196c74e5c50a00a6d873892e8d56b742d72dbd0b",
     "B": "f3d31fff371666f01b74813c4003385aa0d2b3be",

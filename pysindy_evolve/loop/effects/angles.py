@@ -27,20 +27,6 @@ from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker
 from .names import COUPLING, INPUT_GAIN
 
-__all__ = [
-    "UNITS",
-    "angles_of",
-    "bends",
-    "between_angles",
-    "centrifugal",
-    "centripetal",
-    "is_wave_of",
-    "swing_of",
-    "units_of",
-    "waves_angles",
-    "without_turns",
-]
-
 RADIAN, DEGREE = 1.0, math.pi / 180.0
 UNITS = (RADIAN, DEGREE)  # units of angles, in radians
 BENT = 30.0  # degrees of swing, from which on a sine is clearly no straight line

@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, replace
 from ...terms import ONE, Call, Product, Sum, of_term
 from .names import EVOLVED
 
-__all__ = ["OFFSET", "Candidate", "CandidateMaker", "Shape", "bare", "rewritten"]
-
 OFFSET = of_term(ONE)  # the parent of whatever has a mean
 NODES_PER_NUMBER = 3  # nodes that a number inside a grown term counts as
 REACH_IN_LOG = 1.2  # how far a number is tuned from the grid, in its logarithm: a factor of three

@@ -15,8 +15,6 @@ from .frictions import slips
 from .names import COUPLING
 from .springs import stretches
 
-__all__ = ["between", "couplings", "products_of_others", "relative"]
-
 
 def couplings(effect: CandidateMaker, state: int, other: int) -> Iterator[Candidate]:
     """Yield what one other state does, alone, times the own one, or squared."""

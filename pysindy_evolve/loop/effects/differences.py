@@ -26,8 +26,6 @@ from .hysteresis import rounded_sign
 from .names import COUPLING
 from .varying import parts_of
 
-__all__ = ["acting_differences", "differences", "gripping", "leveling", "losses", "radiated"]
-
 GRIPS = (0.03, 0.1, 0.3, 1.0)  # differences at which a grip saturates, as shares of the largest one
 
 

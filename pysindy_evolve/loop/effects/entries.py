@@ -14,8 +14,6 @@ from ...terms import Call, Product, Sum, Variable, div, mul, of_term, variable
 from ..given.design import Design
 from .candidate import bare
 
-__all__ = ["AS_INPUT", "Entry", "entered", "entries_of"]
-
 AS_INPUT = "as if"  # how the text for a coefficient that adds to an input begins
 
 

@@ -18,8 +18,6 @@ from .candidate import Candidate, CandidateMaker, Shape
 from .names import HIDDEN_STATE
 from .relaxation import PLAINER
 
-__all__ = ["flexible_ways", "within_band"]
-
 FEWEST_PERIODS = 16.0  # of the lowest frequency, in a record
 MAX_CUTOFF_SHARE = 0.5  # highest frequency, as a share of the cutoff of a filter ...
 MAX_SAMPLING_RATE_SHARE = 0.1  # ... and of the sampling rate: a filter may look like a higher one

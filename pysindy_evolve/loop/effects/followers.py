@@ -14,8 +14,6 @@ from .candidate import Candidate
 from .flexible import flexible_ways, within_band
 from .relaxation import relaxed_ways, within_reach
 
-__all__ = ["followers_for", "followers_of", "is_sound"]
-
 
 def followers_for(design: Design, records: Sequence[Record]) -> list[Candidate]:
     """Return the followers of states that a design may lack.

@@ -21,8 +21,6 @@ from .names import (
     VISCOUS_DAMPING,
 )
 
-__all__ = ["frictions", "frictions_by_position", "slips"]
-
 STRIBECK_SPEEDS = (0.03, 0.1, 0.3)  # as shares of the size of the velocity
 
 

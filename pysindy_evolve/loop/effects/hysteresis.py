@@ -34,8 +34,6 @@ from .names import (
     STRIBECK_FRICTION,
 )
 
-__all__ = ["SIMPLER", "remembered_ways", "remembering", "rounded", "rounded_sign", "yields"]
-
 PLAINER = (COULOMB_FRICTION,)  # may look like hysteresis where the velocity is noisy
 # In an equation of motion position and velocity are noisy states, and any friction or spring may
 # look like Bouc and Wen's hysteresis.

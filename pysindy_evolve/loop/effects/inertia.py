@@ -15,8 +15,6 @@ from .candidate import Candidate, Shape
 from .names import INERTIA
 from .periodic import WAVE_NUMBER
 
-__all__ = ["InertiaCandidate", "inertia_candidate", "inertias"]
-
 FUNCTIONS = ("cos", "sin")
 WAVE_NUMBER_REACH_IN_LOG = 0.2  # how far the logarithm of a wave number is tuned: about 20 %
 

@@ -14,8 +14,6 @@ from .names import INPUT_GAIN, INPUT_NONLINEARITY, SATURATION
 from .stops import asymmetric_limits
 from .varying import parts_of
 
-__all__ = ["clipped_input", "of_input", "within_terms"]
-
 SATURATIONS = (0.08, 0.2, 0.35, 0.5, 0.7, 0.9)  # limits, as shares of the reach
 
 

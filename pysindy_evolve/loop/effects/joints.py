@@ -17,8 +17,6 @@ from .frictions import frictions
 from .names import CONSTANT_OFFSET
 from .springs import springs
 
-__all__ = ["at_joints"]
-
 
 def at_joints(
     effect: CandidateMaker,

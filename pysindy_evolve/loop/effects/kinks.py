@@ -5,8 +5,6 @@ from __future__ import annotations
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub
 
-__all__ = ["beyond", "clipped", "magnitude", "sign"]
-
 
 def magnitude(a: Sum) -> Sum:
     """Return the magnitude of an expression."""

@@ -11,8 +11,6 @@ from scipy.ndimage import median_filter
 
 from ...checks import TINY
 
-__all__ = ["FEWEST_FREQUENCIES", "find_lines", "vertex"]
-
 FINENESS = 4  # grid points per frequency that the record resolves
 LINE = 5.0  # ratio to the noise floor that makes a peak a line; noise reaches three to four
 ROUGHLY = 0.8  # of it, that a coarse grid shows of any line; a Hann window has 0.85

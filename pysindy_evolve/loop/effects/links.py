@@ -27,8 +27,6 @@ from .candidate import Candidate, CandidateMaker
 from .entries import Entry
 from .names import COUPLING, GRAVITY
 
-__all__ = ["link_couplings", "link_weights"]
-
 
 def link_weights(
     effect: CandidateMaker,
@@ -93,10 +91,7 @@ def link_couplings(
 
 
 def _at_both(
-    effect: CandidateMaker,
-    design: Design,
-    joints: Sequence[Entry | None],
-    forces: tuple[Sum, Sum],
+    effect: CandidateMaker, design: Design, joints: Sequence[Entry | None], forces: tuple[Sum, Sum]
 ) -> Candidate:
     """Return the forces at two joints as one effect; nothing acts where a joint has no entry."""
     acting = [

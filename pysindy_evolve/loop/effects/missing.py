@@ -24,16 +24,6 @@ from .names import (
 )
 from .vocabulary import of_equation
 
-__all__ = [
-    "beside",
-    "candidates",
-    "fitted_terms",
-    "for_trajectories",
-    "offsets_setting_zeros",
-    "terms_in",
-    "with_parents",
-]
-
 
 def candidates(design: Design, ranges: Ranges) -> list[Candidate]:
     """Return the effects that may be missing from a design.

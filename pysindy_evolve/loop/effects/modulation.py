@@ -18,8 +18,6 @@ from scipy.stats import binned_statistic
 from ...checks import TINY
 from .lines import vertex
 
-__all__ = ["pumping", "rippling"]
-
 ROUGHNESS = 2  # grid points per frequency that a record resolves; tuned afterwards
 PUMPED = 0.1  # share of a residual's square that a wave times a term must explain
 SINGULAR = 0.01  # determinant below which cosine and sine are the same on a record

@@ -9,40 +9,6 @@ from __future__ import annotations
 from ...hidden_states.memory import DELAY, LAG, VESSEL
 from ..given.limits import LIMITED
 
-__all__ = [
-    "ASYMMETRIC_FRICTION",
-    "ASYMMETRIC_STIFFNESS",
-    "CONSTANT_OFFSET",
-    "COULOMB_FRICTION",
-    "COUPLING",
-    "CUBIC_STIFFNESS",
-    "DEAD_ZONE",
-    "DRIFT",
-    "EVOLVED",
-    "FORCING",
-    "GRAVITY",
-    "HARMONIC",
-    "HIDDEN_STATE",
-    "HYSTERESIS",
-    "INERTIA",
-    "INPUT_GAIN",
-    "INPUT_NONLINEARITY",
-    "LINEAR_STIFFNESS",
-    "NONLINEAR_DAMPING",
-    "POSITION_FRICTION",
-    "QUADRATIC_DRAG",
-    "QUADRATIC_STIFFNESS",
-    "QUINTIC_STIFFNESS",
-    "RIPPLE",
-    "SATURATING",
-    "SATURATION",
-    "STRIBECK_FRICTION",
-    "VALVE",
-    "VISCOUS_DAMPING",
-    "VOCABULARY",
-    "order_of",
-]
-
 COULOMB_FRICTION = "Coulomb friction"
 ASYMMETRIC_FRICTION = "asymmetric Coulomb friction"
 STRIBECK_FRICTION = "Stribeck friction"

@@ -13,8 +13,6 @@ from dataclasses import replace
 
 from .candidate import Candidate, bare
 
-__all__ = ["are_partners", "joined", "partnerships", "shares_number"]
-
 
 def are_partners(one: Candidate, other: Candidate) -> bool:
     """Tell whether effects of two equations are one expression, up to a factor and its numbers."""

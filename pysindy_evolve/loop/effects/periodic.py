@@ -16,22 +16,6 @@ from .candidate import Candidate, CandidateMaker, Shape
 from .lines import find_lines
 from .names import FORCING, RIPPLE
 
-__all__ = [
-    "N_LINES",
-    "PERIODS_IN_SPACE",
-    "SAMPLES_PER_BIN",
-    "WAVE_NUMBER",
-    "frequency_of",
-    "is_same_ripple",
-    "lines_of",
-    "of_line",
-    "other_ripples",
-    "periodic_candidates",
-    "ripple_candidates",
-    "waves_of",
-    "waves_times",
-]
-
 FREQUENCY = "angular frequency"
 WAVE_NUMBER = "wave number"
 N_LINES = 2  # to try in each equation
@@ -126,11 +110,7 @@ def lines_of(
 
 
 def ripple_candidates(
-    state: int,
-    position: int,
-    residual: np.ndarray,
-    q: np.ndarray,
-    noise: float = 0.0,
+    state: int, position: int, residual: np.ndarray, q: np.ndarray, noise: float = 0.0
 ) -> list[Candidate]:
     """Return sine and cosine of a position at the strongest wave number of a residual.
 

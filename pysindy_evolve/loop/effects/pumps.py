@@ -15,8 +15,6 @@ from .names import FORCING
 from .periodic import PERIODS_IN_TIME, lines_of, of_line, waves_of, waves_times
 from .varying import parts_of
 
-__all__ = ["is_partner_pump", "other_pumps", "partner_pumps", "pumped_candidates"]
-
 
 def pumped_candidates(
     state: int,

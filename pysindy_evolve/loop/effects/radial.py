@@ -14,8 +14,6 @@ from ..given.design import Design
 from .candidate import Candidate, CandidateMaker
 from .names import CUBIC_STIFFNESS, QUADRATIC_DRAG
 
-__all__ = ["radial"]
-
 
 def radial(effect: CandidateMaker, design: Design, turning: frozenset[int]) -> Iterator[Candidate]:
     """Yield forces on one velocity along a motion: in a plane with each other one, or in space.

@@ -18,8 +18,6 @@ from .candidate import Candidate, CandidateMaker, Shape
 from .hysteresis import SIMPLER
 from .names import HIDDEN_STATE, VISCOUS_DAMPING
 
-__all__ = ["longest_relaxation", "relaxed_ways", "within_reach"]
-
 # A shorter one looks like one more derivative of the state, which also explains noise of the target
 # and any late or lagging input.
 MIN_TIME_IN_PERIODS = 0.5  # relaxation time, in periods of the highest frequency that a filter left

@@ -14,8 +14,6 @@ from .modulation import rippling
 from .names import POSITION_FRICTION, RIPPLE
 from .periodic import PERIODS_IN_SPACE, SAMPLES_PER_BIN, WAVE_NUMBER, waves_times
 
-__all__ = ["rippled_candidates"]
-
 
 def rippled_candidates(
     state: int,

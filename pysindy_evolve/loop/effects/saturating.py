@@ -15,8 +15,6 @@ from .candidate import Candidate, CandidateMaker, Shape
 from .names import SATURATING
 from .varying import parts_of
 
-__all__ = ["saturating"]
-
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, over the largest level
 
 

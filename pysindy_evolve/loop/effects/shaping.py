@@ -13,8 +13,6 @@ from ...terms import Atom, Call, Product, Sum, constant, mul, of_term, simplifie
 from .angles import UNITS
 from .candidate import OFFSET, Candidate, Shape
 
-__all__ = ["HALF_SATURATION", "shape_of", "tuned_shape", "with_units"]
-
 HALF_SATURATION = "half-saturation constant"  # c of x/(c + |x|), which is built from 1/c
 INNER = "inner constant"
 

@@ -17,8 +17,6 @@ from .names import (
 )
 from .stops import stops
 
-__all__ = ["springs", "stretches"]
-
 DEAD_ZONES = (0.03, 0.08, 0.2, 0.5)  # half widths, as shares of the reach
 
 

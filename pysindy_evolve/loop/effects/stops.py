@@ -18,21 +18,6 @@ from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
 from .names import ASYMMETRIC_STIFFNESS, DEAD_ZONE, NONLINEAR_DAMPING, SATURATION
 from .varying import parts_of
 
-__all__ = [
-    "asymmetric_limits",
-    "begins_within",
-    "begun_at_same",
-    "damped_contacts",
-    "end_stops",
-    "ends_of",
-    "has_two_ends",
-    "is_stop",
-    "kinked_at_zero",
-    "one_end_each",
-    "pressed",
-    "stops",
-]
-
 PLACES = (-0.6, -0.2, 0.2, 0.6)  # of stops, as shares of half the range from its middle
 ENDS = (0.75, 0.9)  # the same near the ends, where most of the motion is free
 WIDTHS = (0.3, 0.7)  # between two stops, as shares of the range

@@ -14,8 +14,6 @@ from .candidate import Candidate, CandidateMaker, Shape
 from .names import VALVE
 from .varying import parts_of
 
-__all__ = ["throttled"]
-
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, over the largest pressure of the record
 
 

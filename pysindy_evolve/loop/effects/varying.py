@@ -19,8 +19,6 @@ from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .names import COUPLING, DRIFT, FORCING, INPUT_GAIN, NONLINEAR_DAMPING
 
-__all__ = ["drifts", "hyperbolas", "parabolas", "parts_of", "varying"]
-
 LENGTHS = (1.3, 2.0, 3.2, 5.0)  # of hyperbolas, over the largest magnitude of the variable
 POWERS = (1, 2)  # of hyperbolas: a belt or a string, a magnet
 LENGTH_REACH = 0.25  # in the log of a length: the smallest of them stays beyond the range, no pole

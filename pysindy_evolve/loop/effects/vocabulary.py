@@ -32,8 +32,6 @@ from .valves import throttled
 from .varying import drifts, varying
 from .weights import weights
 
-__all__ = ["of_equation"]
-
 
 def of_equation(
     design: Design, state: int, scales: np.ndarray, apart: np.ndarray, middle: np.ndarray

@@ -13,8 +13,6 @@ from .angles import bends, swing_of, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker
 from .names import GRAVITY, HARMONIC
 
-__all__ = ["weights"]
-
 
 def weights(
     effect: CandidateMaker, design: Design, position: int, scales: np.ndarray, middle: np.ndarray

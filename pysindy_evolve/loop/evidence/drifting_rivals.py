@@ -24,8 +24,6 @@ from ..twins.chance import draws_for, p_value_of
 from ..twins.drifting import DriftingTwins
 from .scoring import columns_of
 
-__all__ = ["leads_over", "twin_chance"]
-
 N_TWINS = 99
 MIN_TWINS = 19  # twins after which a rival is refuted if none comes near ...
 MIN_LEAD_RATIO = 2.0  # ... that is, within this factor of its lead

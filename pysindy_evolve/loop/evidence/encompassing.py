@@ -43,8 +43,6 @@ from ..fitting.linear import solve
 from ..twins.chance import draws_for, p_value_of
 from .trace import MIN_NEW_SHARE
 
-__all__ = ["Left", "chance", "explained"]
-
 N_SIGNS = 999
 
 

@@ -14,21 +14,6 @@ from ..given.limits import Limit, limited
 from .rivals import Rival
 from .scoring import columns_of
 
-__all__ = [
-    "Finding",
-    "LimitFinding",
-    "MemoryFinding",
-    "SensorFinding",
-    "at_numbers",
-    "excluding",
-    "is_needed",
-    "limits_in",
-    "memories_in",
-    "next_step",
-    "with_columns",
-    "with_findings",
-]
-
 
 @dataclass(frozen=True, eq=False)
 class Finding:

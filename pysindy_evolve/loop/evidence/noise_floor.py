@@ -17,8 +17,6 @@ from ..given.segments import Segments
 from ..given.sensor import as_observed
 from .spectral import spectral_rows
 
-__all__ = ["MIN_POWER_OVER_NOISE", "NoiseFloor", "noise_alone"]
-
 N_DRAWS = 4  # draws of the noise
 # Power of a residual in a band over that of noise alone; less may be chance.
 MIN_POWER_OVER_NOISE = 1.5
@@ -35,11 +33,7 @@ class NoiseFloor:
 
     @classmethod
     def of(
-        cls,
-        equations: Equations,
-        design: Design,
-        part: Segments,
-        rng: np.random.Generator,
+        cls, equations: Equations, design: Design, part: Segments, rng: np.random.Generator
     ) -> NoiseFloor | None:
         """Add the sensor noise of states and inputs to the records once more.
 

@@ -26,12 +26,9 @@ from ..fitting.unfolding import records_with_hidden_states, square_left, with_hi
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of
+from ..twins.chance import Statistic, p_value_of, twin_values
 from ..twins.drifting import DriftingTwins
 from ..twins.twins import TwinMaker
-from ..twins.values import Statistic, twin_values
-
-__all__ = ["chance_of", "without_noise_shift"]
 
 N_TWINS = 8  # twins that show by how much noise shifts the coefficients
 N_STEPS = 3  # corrections of the fit to free runs, each of which halves its error

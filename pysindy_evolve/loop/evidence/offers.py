@@ -24,8 +24,6 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .scoring import EXTRA_LEAD_LOG, propose, quick_fit, score, sharpened, takes_energy
 
-__all__ = ["Offer", "after_settling", "leading", "offer_for"]
-
 SETTLING = 0.125  # share of a record until the unknown start of a relaxation is forgotten
 
 

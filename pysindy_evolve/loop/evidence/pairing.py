@@ -11,8 +11,6 @@ from ...terms import Sum
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.names import EVOLVED
 
-__all__ = ["groups_to_try", "posing_as_offset"]
-
 Keys = set[tuple[int, Sum]]
 
 

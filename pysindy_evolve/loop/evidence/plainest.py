@@ -4,15 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.names import order_of
 from .ranking import Score
+from .scoring import MIN_GAIN_LOG
 from .shares import Shares
 
-__all__ = ["plainest", "without_number"]
-
 EQUAL = 0.99  # share of the best score: enough to do as well
+ONE_PERCENT = 0.01  # of the largest gain in log error: within it, gains are as good
 NEARLY_ALL = 0.98  # share of what a term with a number removes: enough to prefer one without
+
+
+def is_as_good(error: float, other: float) -> bool:
+    """Tell whether an error is no larger than another one, but for what changes no name."""
+    return bool(error <= np.exp(MIN_GAIN_LOG) * other)
+
+
+def as_good_as_best(gains: Sequence[float] | np.ndarray) -> list[int]:
+    """Return the places of the gains in log error that are as good as the largest."""
+    best = float(np.max(gains))
+    enough = best - max(MIN_GAIN_LOG, ONE_PERCENT * best)
+    return [place for place, gain in enumerate(gains) if gain >= enough]
 
 
 def plainest(scores: Sequence[Score]) -> Score:

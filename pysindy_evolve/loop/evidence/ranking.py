@@ -11,8 +11,6 @@ import numpy as np
 from ...checks import TINY
 from ..effects.candidate import Candidate
 
-__all__ = ["Ranking", "Score", "values_of"]
-
 
 @dataclass(frozen=True, eq=False)
 class Score:

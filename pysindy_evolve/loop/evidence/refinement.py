@@ -17,12 +17,9 @@ from ..effects.candidate import Candidate
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of
+from ..twins.chance import p_value_of, twin_values
 from ..twins.twins import TwinMaker
-from ..twins.values import twin_values
 from .scoring import MIN_GAIN_LOG, columns_of, quick_fit, score
-
-__all__ = ["justified"]
 
 
 def justified(
@@ -74,11 +71,7 @@ def justified(
 
 
 def _lead(
-    part: Segments,
-    *,
-    design: Design,
-    forms: Sequence[Candidate],
-    plain: Sequence[Candidate],
+    part: Segments, *, design: Design, forms: Sequence[Candidate], plain: Sequence[Candidate]
 ) -> float:
     """Return by how much the best form scores more than the best plain one."""
     scores = score(design, part, [*forms, *plain], pairs=False)

@@ -8,8 +8,6 @@ import numpy as np
 
 from .ranking import Score
 
-__all__ = ["Rejected"]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rejected:

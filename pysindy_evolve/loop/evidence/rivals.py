@@ -24,8 +24,6 @@ from .scoring import columns_of
 from .spectral import spectral_grams
 from .trace import fold_errors
 
-__all__ = ["Rival", "rivals_of"]
-
 ROUNDED = 0.1  # width of a rounded sign, in standard deviations of its argument
 # Share of what an effect explains that a rival must explain in its place. Where much else is
 # missing, the test alone refutes nothing, as a large residual could hide anything.

@@ -12,8 +12,6 @@ import numpy as np
 
 from ..given.design import Column
 
-__all__ = ["span"]
-
 RANK_TOLERANCE = 1e-9  # singular values of unit rows: smaller ones count as zero
 
 

@@ -13,12 +13,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, terms_in
-from ..effects.periodic import (
-    N_LINES,
-    is_same_ripple,
-    periodic_candidates,
-    ripple_candidates,
-)
+from ..effects.periodic import N_LINES, is_same_ripple, periodic_candidates, ripple_candidates
 from ..effects.pumps import partner_pumps, pumped_candidates
 from ..effects.rippled import rippled_candidates
 from ..effects.stops import begins_within, one_end_each
@@ -33,21 +28,6 @@ from ..given.segments import Segments
 from .ranking import Ranking, Score
 from .spectral import spectral_grams
 from .trace import rank, ranked
-
-__all__ = [
-    "EXTRA_LEAD_LOG",
-    "MIN_GAIN_LOG",
-    "PRICE_PER_NODE_LOG",
-    "Proposer",
-    "columns_of",
-    "net",
-    "propose",
-    "quick_fit",
-    "score",
-    "sharpened",
-    "takes_energy",
-    "tuned",
-]
 
 EVALUATIONS_PER_NUMBER = 16  # evaluations for each number of a shape
 Proposer = Callable[[Design, Equations, Segments], list[Candidate]]

@@ -17,8 +17,6 @@ from .ranking import Score
 from .scoring import columns_of, quick_fit
 from .trace import fold_errors
 
-__all__ = ["Shares", "is_exact", "view_gain"]
-
 EXACT = 3e-4  # derivative error, in standard deviations, below which no sensor sees a difference
 
 

@@ -22,8 +22,6 @@ from ..given.design import Column, Design
 from ..given.rows import MAX_TERM_VALUE
 from ..given.segments import Segments
 
-__all__ = ["n_frequencies", "spectral_grams", "spectral_rows", "spectral_weights"]
-
 TAPER = 0.5  # share of a segment over which the taper falls to zero
 N_WEIGHINGS = 3  # rounds, each with weights from the residual of the one before
 LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding

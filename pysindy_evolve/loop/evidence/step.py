@@ -24,8 +24,6 @@ from .rejected import Rejected
 from .scoring import Proposer, columns_of, quick_fit, score, sharpened, tuned
 from .shares import Shares, is_exact
 
-__all__ = ["Look", "find"]
-
 # Score of an effect that halves the RMS error: it matters, whatever its share.
 ERROR_HALVED = float(np.log(4.0))
 

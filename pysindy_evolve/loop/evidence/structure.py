@@ -24,18 +24,15 @@ from ..fitting.linear import log_ratio
 from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of
+from ..twins.chance import p_value_of, twin_values
 from ..twins.colored import ColoredTwins
 from ..twins.twins import TwinMaker
-from ..twins.values import twin_values
 from .noise_floor import MIN_POWER_OVER_NOISE, NoiseFloor
 from .nulls import chance_of, without_noise_shift
 from .scoring import quick_fit
 from .shares import is_exact
 from .spectral import spectral_grams
 from .trace import are_new, fold_errors
-
-__all__ = ["may_have_structure", "structure_chance"]
 
 MAX_COLUMNS = 60  # of a generic model, in each equation
 LAGS = (1, 2, 4, 8)  # of the inputs, in eighths of the width of the windows
@@ -66,10 +63,7 @@ class Monomial(Column):
 
 
 def structure_chance(
-    design: Design,
-    part: Segments,
-    rules: Rules,
-    rng: np.random.Generator,
+    design: Design, part: Segments, rules: Rules, rng: np.random.Generator
 ) -> float:
     """Return the chance that a generic model predicts twins as well as the record.
 

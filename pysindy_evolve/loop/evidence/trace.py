@@ -24,8 +24,6 @@ from .ranking import Ranking, values_of
 
 Judge = Callable[[np.ndarray], np.ndarray]  # columns of models to their errors in each fold
 
-__all__ = ["MIN_NEW_SHARE", "are_new", "fold_errors", "rank", "ranked"]
-
 MIN_RELATIVE_ERROR = 1e-16  # least error, relative to the square of the target
 MIN_NEW_SHARE = 1e-6  # share of a column's square that a model must leave for it to be new
 IDLE = 0.05  # of what an effect gains beside its offset: an offset that gains less is not needed

@@ -23,8 +23,6 @@ from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
 from .spectral import n_frequencies
 
-__all__ = ["pieces_to_score"]
-
 
 def pieces_to_score(design: Design, records: Sequence[Record]) -> Segments:
     """Cut records into pieces, and say whether candidates are scored by their trajectories.

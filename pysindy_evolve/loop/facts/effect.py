@@ -13,8 +13,6 @@ from ...export import format_expression, to_sympy
 from ...hidden_states.memory import Memory
 from ...terms import Sum
 
-__all__ = ["Alternative", "Effect", "Errors", "Step"]
-
 
 @dataclass(frozen=True, eq=False)
 class Errors:

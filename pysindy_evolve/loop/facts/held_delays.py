@@ -8,8 +8,6 @@ from ..given.held import held_inputs
 from .effect import Effect
 from .outcome import Outcome
 
-__all__ = ["held_delays", "is_hold_only", "short_delays"]
-
 HELD = 0.05  # sampling times by which the delay of a hold may differ from half a sampling time
 
 

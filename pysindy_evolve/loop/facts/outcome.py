@@ -14,8 +14,6 @@ from ..given.rules import Rules
 from .effect import Effect, Errors, Step
 from .residuals import residual_of
 
-__all__ = ["Outcome"]
-
 
 @dataclass(frozen=True, eq=False)
 class Outcome:

@@ -12,8 +12,6 @@ from ...signals import Record
 from ..fitting.past import rates_on
 from ..given.sensor import as_observed
 
-__all__ = ["in_percent", "percent_left", "residual_of"]
-
 # Standard deviation over RMS of a derivative; below it, its variation is rounding.
 MIN_RELATIVE_SPREAD = 1e-6
 

@@ -16,8 +16,6 @@ from ..effects.periodic import lines_of
 from .outcome import Outcome
 from .residuals import residual_of
 
-__all__ = ["Line", "shared_lines"]
-
 # Shares of the mean square of a residual.
 MAIN_SHARE = 0.5  # above it the model lacks something; a weaker line may be a rig that hums
 LEAST_SHARE = 0.01  # below it a line is not reported: harmonics of a motion leave weak lines too

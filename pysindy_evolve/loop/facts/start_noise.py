@@ -12,8 +12,6 @@ from ...signals import Record
 from ..fitting.runs import free_run, nrmse
 from ..given.sticking import noise_of
 
-__all__ = ["run_std_from_start_noise"]
-
 
 def run_std_from_start_noise(equations: Equations, records: Sequence[Record]) -> np.ndarray:
     """Return the standard deviation of free runs due to sensor noise in their first state.

@@ -12,8 +12,6 @@ from ...signals import Record
 from ..given.design import Design
 from ..given.rows import variables_of
 
-__all__ = ["unidentified"]
-
 COLLINEAR = 1e-7  # singular value of the normalized terms, relative to the largest, taken as zero
 PARTICIPATES = 1e-3  # entry of the projector on their null space from which terms are coupled
 

@@ -33,8 +33,6 @@ from ...signals.zero_order_hold import acts_as, apply_to_effective_input, averag
 from ..given.design import Design
 from .fit import derivative_fit_errors, refit
 
-__all__ = ["share_of_steps", "without_aliases"]
-
 MAX_LENGTH_IN_SAMPLES = 10.0  # longest delay or lag, in sampling times
 DELAYS = np.arange(0.4, MAX_LENGTH_IN_SAMPLES, 0.4)  # grid of delays, in sampling times
 LAGS = np.geomspace(0.1, MAX_LENGTH_IN_SAMPLES, 9)  # grid of lags, in sampling times

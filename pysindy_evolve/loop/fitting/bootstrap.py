@@ -19,8 +19,6 @@ from scipy import stats
 from ...checks import TINY
 from .linear import solve_gram, solve_many
 
-__all__ = ["block_intervals"]
-
 N_RESAMPLES = 400
 CHANCES = (0.025, 0.975)
 # Degrees of freedom: if one block tells a number, its interval is 200 times as wide.

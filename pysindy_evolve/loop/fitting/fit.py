@@ -26,16 +26,6 @@ from .past import rates_on, settled_rows
 from .residual import forces, jacobian, simulation_rows
 from .trajectory import Trajectories
 
-__all__ = [
-    "Fit",
-    "derivative_errors",
-    "derivative_fit_errors",
-    "derivative_intervals",
-    "derivative_square",
-    "fit",
-    "refit",
-]
-
 N_BLOCKS = 40  # of the derivative fit; each much longer than a residual is correlated
 N_STRETCHES = (32, 16, 8, 4, 2, 1)  # of the simulation fit, each with its own initial state
 JUDGED = 16  # stretches on which simulation fit and derivative fit are compared

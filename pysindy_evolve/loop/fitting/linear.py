@@ -6,8 +6,6 @@ import numpy as np
 
 from ...checks import TINY
 
-__all__ = ["errors_of", "log_ratio", "solve", "solve_gram", "solve_many", "square_of", "summed"]
-
 RIDGE = 1e-10  # relative; keeps the coefficients of dependent columns finite
 
 

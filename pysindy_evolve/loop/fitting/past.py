@@ -16,15 +16,6 @@ from ..given.design import Design
 from ..given.rows import scale_of
 from ..given.sticking import noise_of
 
-__all__ = [
-    "derivative_residual",
-    "first_state",
-    "hidden_on",
-    "rates_on",
-    "settled_rows",
-    "with_estimated_past",
-]
-
 HEADS_PER_RECORD = 8  # at most one eighth of a record is used to estimate how it began
 PAST_HALVES = 4.0  # factor by which another past must lower the mean square: it halves the error
 FADED = 0.05  # share of an initial hidden state below which it no longer matters

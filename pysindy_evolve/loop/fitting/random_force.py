@@ -27,8 +27,6 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.linalg import cholesky, toeplitz
 
-__all__ = ["NOISES", "Noise", "Whitening", "drift_size", "whitening"]
-
 
 class Noise(NamedTuple):
     """Strength of a random force relative to sensor noise, and its correlation time."""

@@ -35,9 +35,6 @@ from ..given.design import Column, Design
 from ..given.segments import Segments
 from ..given.sensor import as_observed
 
-__all__ = ["derivative_grams", "force_on", "forces", "jacobian", "residual_on", "respond"]
-__all__ += ["simulation_rows", "view_grams"]
-
 DIVERGED = 1e60  # deviations are clipped here, so that their squares do not overflow
 MAX_GROWTH = 1e3  # of a deviation; simulation windows are shortened until it grows by less
 ROWS_PER_WINDOW = 64  # rows to keep of the simulated deviation, which is smooth

@@ -16,9 +16,8 @@ from ..given.rows import scale_of
 from ..given.sensor import limits_of_states, miss_of_run, shown
 from .past import first_state, hidden_on, with_estimated_past
 
-__all__ = ["LOST_NRMSE", "free_run", "nrmse", "simulation_errors", "stretch_misses"]
-
 LOST_NRMSE = 100.0  # percent: a run that misses more tells less than the mean of the record
+N_STRETCHES = 16  # of each record, that `stretch_misses` runs over
 REFINEMENT = 4  # steps into which splines divide each sample of an input
 
 
@@ -82,7 +81,7 @@ def nrmse(errors: np.ndarray, values: np.ndarray) -> np.ndarray:
     return 100.0 * np.sqrt(np.mean(errors**2, axis=0)) / scale_of([values])
 
 
-def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches: int) -> float:
+def stretch_misses(equations: Equations, records: Sequence[Record]) -> float:
     """Return the sum of squared misses of runs over stretches of records.
 
     Each run starts on its record. Misses are in standard deviations of the states. Infinite if a
@@ -92,7 +91,7 @@ def stretch_misses(equations: Equations, records: Sequence[Record], n_stretches:
     equations, limits = with_memories(equations, ()), limits_of_states(records)
     squares = []
     for record in records:
-        for rows in np.array_split(np.arange(len(record)), n_stretches):
+        for rows in np.array_split(np.arange(len(record)), N_STRETCHES):
             piece = record[int(rows[0]) : int(rows[-1]) + 1]
             run = free_run(equations, piece, on_divergence="nan", tolerance=1e-7)
             miss = miss_of_run(piece.x, run[:, : piece.n_states], limits, piece.seen)

@@ -22,8 +22,6 @@ from ...equations import Equations
 from ...simulation.structure import find_switches
 from ...terms import Sum
 
-__all__ = ["saltation"]
-
 # Finite difference, relative to the size of a state or of g; far above rounding.
 RELATIVE_STEP = 1e-6
 MAX_ENTRY = 10.0  # entry of a matrix; beyond, a run only grazes g = 0, and is not linearized

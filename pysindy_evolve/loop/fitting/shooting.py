@@ -25,8 +25,6 @@ from .runs import free_run
 from .trial import Trial, after_gauss_newton
 from .unfolding import records_with_hidden_states, square_left, with_hidden_states
 
-__all__ = ["fit_by_shooting", "fit_to_runs", "gains_of_runs"]
-
 N_STRETCHES = (4, 8, 16, 32)  # to try in this order, until the model can follow
 MAX_FIT_MISS = 0.5  # RMS miss of runs that are fitted, in standard deviations of a state
 MAX_ROWS = 40_000  # a longer record costs too much, and its linear fit scatters little

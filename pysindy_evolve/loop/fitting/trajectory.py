@@ -47,8 +47,6 @@ from ..given.rows import MAX_TERM_VALUE, variables_of
 from .linear import errors_of, solve_gram
 from .random_force import NOISES, drift_size, whitening
 
-__all__ = ["Disturbance", "Trajectories", "followable", "made_of"]
-
 MAX_ROWS = 256  # of a record; more rows are averaged in groups, which loses little
 # Least squared residual, relative to the square of the target: below it is rounding.
 MIN_RELATIVE_SQUARE = 1e-14

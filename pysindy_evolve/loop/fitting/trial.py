@@ -28,8 +28,6 @@ from ..given.sensor import is_observed
 from .residual import MAX_GROWTH, forces, jacobian, respond
 from .saltation import saltation
 
-__all__ = ["Rows", "Trial", "after_gauss_newton", "converged", "runs_of"]
-
 ROWS_PER_STEP = 2000  # about how many rows of the runs a step uses
 N_STEPS = 6  # Gauss-Newton steps, shortened ones included
 SHORTER = 0.3  # factor for a step that made the error larger, when it is tried again

@@ -31,8 +31,6 @@ from ..given.design import Column, Design, in_state
 from .fit import derivative_square
 from .past import first_state
 
-__all__ = ["paths_of", "records_with_hidden_states", "retuned", "square_left", "with_hidden_states"]
-
 MAX_CHANGE_FACTOR = 4.0  # factor by which runs may change a number; a larger change is rejected
 
 

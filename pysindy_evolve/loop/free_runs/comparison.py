@@ -28,22 +28,17 @@ from ..effects.names import EVOLVED
 from ..effects.partners import shares_number
 from ..effects.shaping import shape_of, with_units
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
-from ..evidence.scoring import MIN_GAIN_LOG, PRICE_PER_NODE_LOG
+from ..evidence.plainest import is_as_good
+from ..evidence.scoring import PRICE_PER_NODE_LOG
 from ..fitting.trial import Trial, converged
 from ..given.rules import Rules
 from .contenders import Pool, steady_drift, trial_with
 from .shape_tuning import Contender
 from .variants import Model
 
-__all__ = ["exchanged_by_runs", "is_closer"]
-
 
 def exchanged_by_runs(
-    model: Model,
-    findings: Sequence[Finding],
-    pool: Pool,
-    records: Sequence[Record],
-    rules: Rules,
+    model: Model, findings: Sequence[Finding], pool: Pool, records: Sequence[Record], rules: Rules
 ) -> list[Finding]:
     """Return the findings, each effect replaced where another one comes closer to the record.
 
@@ -118,7 +113,7 @@ def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
         best_named = min(names, key=lambda one: one.error, default=best)
         if not is_closer(best.trial, best_named.trial, matter, level):
             best = best_named
-    as_good = [one for one in tuned if one.error <= np.exp(MIN_GAIN_LOG) * best.error]
+    as_good = [one for one in tuned if is_as_good(one.error, best.error)]
     if best.candidate.name == EVOLVED:
         best = min([best, *as_good], key=lambda one: one.candidate.plainness)
     named = [one for one in as_good if one.candidate.name != EVOLVED]

@@ -14,7 +14,8 @@ from ..effects.missing import candidates
 from ..effects.names import EVOLVED
 from ..effects.periodic import other_ripples
 from ..effects.pumps import other_pumps
-from ..evidence.scoring import MIN_GAIN_LOG, columns_of, score, sharpened
+from ..evidence.plainest import is_as_good
+from ..evidence.scoring import columns_of, score, sharpened
 from ..fitting.fit import refit
 from ..fitting.trial import Trial, converged
 from ..given.design import Design
@@ -26,8 +27,6 @@ from .other_forms import other_forms
 from .quotients import as_quotients
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
-
-__all__ = ["Pool", "plainest", "steady_drift", "trial_with"]
 
 N_RIVALS = 5  # effects that score best in the spectral view
 STRETCHES = (16, 32, 64, 128)  # to try in this order; the first steady number is taken
@@ -123,7 +122,7 @@ class Pool:
 def plainest(contenders: Sequence[Contender]) -> Contender:
     """Return the plainest of the contenders that come as close to the record as the best."""
     least = min(one.error for one in contenders)
-    as_good = [one for one in contenders if one.error <= np.exp(MIN_GAIN_LOG) * least] or contenders
+    as_good = [one for one in contenders if is_as_good(one.error, least)] or contenders
     return min(as_good, key=lambda one: (*one.candidate.plainness, one.error))
 
 

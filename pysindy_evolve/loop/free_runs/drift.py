@@ -28,16 +28,6 @@ from .heldout import HeldOut
 from .variants import Model
 from .whitening import Whitener
 
-__all__ = [
-    "N_LONG_STRETCHES",
-    "Drift",
-    "chance_of_models",
-    "chance_of_terms",
-    "drift_of",
-    "gains_of_models",
-    "gains_of_terms",
-]
-
 N_STRETCHES = (16, 32)  # to try in this order; 16 signs already allow many different draws
 N_LONG_STRETCHES = (4, 8, 16, 32)  # the same for tuning numbers: slow effects show in long runs
 MAX_ROWS = 9600  # of all stretches together; limits the cost of a run

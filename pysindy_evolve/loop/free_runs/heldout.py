@@ -24,8 +24,6 @@ from ..fitting.linear import solve_many
 from ..fitting.trial import Trial
 from .whitening import Whitener
 
-__all__ = ["HeldOut"]
-
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:

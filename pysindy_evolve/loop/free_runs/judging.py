@@ -16,6 +16,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates, with_parents
 from ..evidence.findings import Finding, MemoryFinding, limits_in, memories_in, with_columns
+from ..evidence.plainest import as_good_as_best
 from ..evidence.ranking import Score
 from ..evidence.rejected import Rejected
 from ..evidence.scoring import MIN_GAIN_LOG, columns_of, score
@@ -33,19 +34,6 @@ from ..twins.chance import draws_for, p_value_of
 from .drift import N_LONG_STRETCHES, Drift, chance_of_models, drift_of, gains_of_models
 from .memory_tuning import tuned_memories
 from .variants import Model, Variant
-
-__all__ = [
-    "MAX_SQUARES_OVER_NOISE",
-    "best_of",
-    "matters",
-    "model_of",
-    "named_terms",
-    "over_noise",
-    "rejection_of",
-    "share_of_miss",
-    "signs_for",
-    "variants_of",
-]
 
 N_SIGNS = 999  # draws of signs, which cost next to nothing
 
@@ -247,8 +235,7 @@ def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
     long = drift_of(drift.model, drift.trial.coef, drift.records, N_LONG_STRETCHES) or drift
     variants = [one[0].with_model(tuned_memories(long, one[0].model)) for one in passing]
     gains = gains_of_models(long, [variant.model for variant in variants])[0]
-    near = gains >= gains.max() - max(MIN_GAIN_LOG, 0.01 * gains.max())
-    k = min(np.flatnonzero(near).tolist(), key=lambda k: variants[k].plainness)
+    k = min(as_good_as_best(gains), key=lambda k: variants[k].plainness)
     return variants[k], passing[k][1], passing[k][2]
 
 

@@ -18,8 +18,6 @@ from ..effects.missing import with_parents
 from ..evidence.scoring import PRICE_PER_NODE_LOG, columns_of
 from .drift import Drift, gains_of_terms
 
-__all__ = ["leading_terms", "stand_ins"]
-
 N_FAMILIES = 12  # families (terms equal but for their numbers) whose numbers are refined
 FACTORS = (0.55, 0.67, 0.82, 1.22, 1.5, 1.8)  # tried on these numbers, which lie on a coarse grid
 NODE = 0.1  # share of a term's gain that each of its nodes costs

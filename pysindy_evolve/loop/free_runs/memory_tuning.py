@@ -16,8 +16,6 @@ from ..given.design import Design
 from .drift import N_LONG_STRETCHES, Drift, drift_of
 from .variants import Model, Pasts
 
-__all__ = ["fit_by_runs", "intervals_by_runs", "tuned_memories"]
-
 # Finite difference: of log(number), or of a past input relative to its range.
 DIFFERENCE_STEP = 0.02
 REACH_IN_LOG = 1.5  # how far a logarithm may move from its start: a factor of 4.5

@@ -25,8 +25,6 @@ from .judging import best_of, model_of, named_terms, rejection_of, signs_for
 from .state_limits import drift_from, needed, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
 
-__all__ = ["find_by_runs"]
-
 
 def find_by_runs(
     declared: Design,
@@ -115,14 +113,7 @@ def _memory_or_term(
     in_twins = chance_of_terms(drift, sought, signs)
     gains = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
     return best_of(
-        drift,
-        wide,
-        [*terms, *memories],
-        gains,
-        in_twins,
-        signs,
-        rules,
-        must_be_clear=must_be_clear,
+        drift, wide, [*terms, *memories], gains, in_twins, signs, rules, must_be_clear=must_be_clear
     )
 
 

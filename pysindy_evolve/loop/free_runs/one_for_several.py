@@ -17,22 +17,18 @@ from ...signals import Record
 from ..effects.missing import beside
 from ..effects.names import EVOLVED
 from ..evidence.findings import Finding, is_needed, with_columns
-from ..evidence.scoring import MIN_GAIN_LOG, PRICE_PER_NODE_LOG
+from ..evidence.plainest import is_as_good
+from ..evidence.scoring import PRICE_PER_NODE_LOG
 from ..fitting.trial import converged
 from .contenders import Pool, plainest, steady_drift, trial_with
 from .shape_tuning import Contender
 from .variants import Model
 
-__all__ = ["one_for_several"]
-
 MANY = 3  # named effects in one equation that a single effect may replace
 
 
 def one_for_several(
-    model: Model,
-    findings: Sequence[Finding],
-    pool: Pool,
-    records: Sequence[Record],
+    model: Model, findings: Sequence[Finding], pool: Pool, records: Sequence[Record]
 ) -> list[Finding]:
     """Return the findings, groups of them replaced by single effects that do as well.
 
@@ -92,11 +88,13 @@ def _single(
         return None
     (trial,) = converged([drift.trial])
     first_alone = Contender(first.candidate, trial_with(without, [first.candidate], drift))
-    bound, size = np.exp(MIN_GAIN_LOG) * trial.error, sum(effect.size for effect in effects)
+    size = sum(effect.size for effect in effects)
     as_good = [
         one
         for one in pool.contenders(without, first_alone, drift, effects)
-        if one.error * np.exp(PRICE_PER_NODE_LOG * max(one.candidate.size - size, 0)) <= bound
+        if is_as_good(
+            one.error * np.exp(PRICE_PER_NODE_LOG * max(one.candidate.size - size, 0)), trial.error
+        )
     ]
     if not as_good:
         return None

@@ -24,8 +24,6 @@ from ..given.design import Design
 from ..given.ranges import Ranges
 from ..given.segments import Segments
 
-__all__ = ["other_forms"]
-
 # Leading power of each function near zero: straight, and the square by which cos leaves one.
 NEAR_ZERO = {"sin": 1, "tanh": 1, "softsign": 1, "cos": 2}
 ALIKE = ("sin", "tanh", "softsign")  # straight near zero, and bent differently further away

@@ -14,8 +14,6 @@ from ..given.rules import Rules
 from ..twins.chance import draws_for, p_value_of
 from ..twins.paths import follow
 
-__all__ = ["limits_beyond_chance", "plateaus"]
-
 N_TWINS = 999  # cheap: all share one run, and differ in the noise
 
 

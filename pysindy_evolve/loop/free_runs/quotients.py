@@ -17,26 +17,12 @@ from scipy.optimize import minimize_scalar
 
 from ...checks import TINY
 from ...operators import SCALED
-from ...terms import (
-    Atom,
-    Call,
-    Product,
-    Sum,
-    add,
-    constant,
-    mul,
-    of_term,
-    power,
-    sub,
-    variable,
-)
+from ...terms import Atom, Call, Product, Sum, add, constant, mul, of_term, power, sub, variable
 from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.missing import terms_in
 from ..effects.names import EVOLVED
 from ..given.design import Design
 from ..given.segments import Segments
-
-__all__ = ["as_quotients"]
 
 POWERS = (1, 2)  # of the distance to a pole: Coulomb's law in a plane and in space
 EXPONENTS = (1, 2, 3, 4, 5)  # of powers that may replace a curved function

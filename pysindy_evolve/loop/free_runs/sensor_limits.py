@@ -15,8 +15,6 @@ from ..given.rules import Rules
 from .plateaus import limits_beyond_chance
 from .variants import Model
 
-__all__ = ["clipped_sensors"]
-
 
 def clipped_sensors(
     model: Model,

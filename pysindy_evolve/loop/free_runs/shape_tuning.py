@@ -22,8 +22,6 @@ from ..given.design import Column, Design
 from .drift import Drift
 from .variants import Model
 
-__all__ = ["Contender", "slopes_of", "tuned_by_runs"]
-
 N_STEPS = 2
 MAX_ERROR_RATIO = 100.0  # times the least error: contenders with more are not tuned
 MAX_STEP_IN_LOG = 0.7  # largest change of a logarithm in one step: a factor of two

@@ -9,19 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.partners import joined, partnerships
 from ..evidence.findings import Finding, at_numbers, with_columns
-from ..evidence.scoring import MIN_GAIN_LOG
+from ..evidence.plainest import is_as_good
 from ..fitting.trial import converged
 from .contenders import steady_drift, trial_with
 from .shape_tuning import Contender, tuned_by_runs
 from .variants import Model
-
-__all__ = ["numbers_by_runs", "shared_by_runs"]
 
 
 def shared_by_runs(
@@ -105,6 +101,6 @@ def _shared(
     separate, *fitted = converged([drift.trial, *trials])
     tuned = tuned_by_runs(list(map(Contender, together, fitted)), model, drift)
     best = min(tuned, key=lambda effect: effect.error)
-    if best.candidate.shape is None or not best.error <= np.exp(MIN_GAIN_LOG) * separate.error:
+    if best.candidate.shape is None or not is_as_good(best.error, separate.error):
         return None
     return best.candidate.shape.values

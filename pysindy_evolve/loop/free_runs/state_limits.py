@@ -26,8 +26,6 @@ from .drift import Drift, drift_of, gains_of_models
 from .plateaus import limits_beyond_chance
 from .variants import Model
 
-__all__ = ["drift_from", "may_stop_itself", "needed", "stops_of"]
-
 
 def stops_of(
     model: Model, records: Sequence[Record], rules: Rules, rng: np.random.Generator

@@ -13,13 +13,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
 
-import numpy as np
-
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.names import EVOLVED
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
+from ..evidence.plainest import is_as_good
 from ..evidence.scoring import MIN_GAIN_LOG, score
 from ..fitting.trial import converged
 from ..given.design import Design
@@ -28,8 +27,6 @@ from ..given.segments import Segments
 from .comparison import is_closer
 from .contenders import steady_drift, trial_with
 from .variants import Model
-
-__all__ = ["two_for_one"]
 
 N_PAIRS = 3
 
@@ -103,7 +100,7 @@ def _closest(
     best = min(range(len(pairs)), key=lambda k: of_pairs[k].error)
     effect, size = finding.candidate, sum(candidate.size for candidate in pairs[best])
     if effect.name == EVOLVED and size <= effect.size:
-        is_better = of_pairs[best].error <= np.exp(MIN_GAIN_LOG) * present.error
+        is_better = is_as_good(of_pairs[best].error, present.error)
     else:
         is_better = is_closer(of_pairs[best], present, rules.notable_gain, rules.significance)
     return pairs[best] if is_better else ()

@@ -23,8 +23,6 @@ from .judging import best_of, model_of, named_terms, rejection_of, signs_for, va
 from .leading_terms import leading_terms
 from .state_limits import drift_from
 
-__all__ = ["find_unnamed"]
-
 
 def find_unnamed(
     declared: Design,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...hidden_states.memory import VESSEL, Memory, with_memories_applied, with_past_inputs
+from ...hidden_states.memory import VESSEL, Memory, all_with_memories, with_past_inputs
 from ...signals import Record
 from ...terms import variable
 from ..effects.candidate import Candidate
@@ -23,8 +23,6 @@ from ..given.design import Column, Design
 from ..given.limits import Limit, limited
 from ..given.segments import Segments
 from ..memories.probes import grid_of, users_of
-
-__all__ = ["Model", "Pasts", "Variant", "memories_beside"]
 
 Pasts = tuple[tuple[float, ...], ...]  # for each record, its inputs before it began
 
@@ -67,7 +65,7 @@ class Model:
             records = [
                 with_past_inputs(r, past) for r, past in zip(records, self.pasts, strict=True)
             ]
-        return [with_memories_applied(record, self.memories) for record in records]
+        return all_with_memories(records, self.memories)
 
     def trial(self, coef: np.ndarray, scale: np.ndarray, part: Segments) -> Trial:
         """Return a trial with initial coefficients, on pieces of records before memories."""

@@ -13,8 +13,6 @@ import numpy as np
 
 from ...checks import TINY
 
-__all__ = ["Whitener"]
-
 ORDER = 2  # number of lags
 
 

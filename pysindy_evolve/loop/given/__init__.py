@@ -17,7 +17,6 @@ rules          the settings of the loop
 the records
 records        split of the records into training and held-out ones
 resampled      records prepared again at another sampling time or cutoff
-common_step    a sampling time that suits all records
 smoothing      records whose derivatives were smoothed more than their states
 segments       pieces of equal length of the training records, and their frequency band
 rows           all variables of records side by side, and expressions evaluated on them

@@ -13,8 +13,6 @@ import numpy as np
 
 from ...signals import Record
 
-__all__ = ["as_algebraic", "motions_of"]
-
 # Correlation from which on an input counts as the slope of another one.
 MIN_SLOPE_CORRELATION = 0.98
 

@@ -16,8 +16,6 @@ import numpy as np
 from ...signals import Record
 from ...signals.spectral import SpectralFilter
 
-__all__ = ["Band", "driven", "straightened"]
-
 MAX_CUTOFF_RATIO = 2.0  # cutoff of the inputs of runs, in cutoffs of the states ...
 MIN_NYQUIST_RATIO = 1.5  # ... and at most half the sampling rate over this
 MIN_SAMPLES = 4  # samples; no parabola continues the ends of a shorter piece

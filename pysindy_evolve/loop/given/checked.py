@@ -21,8 +21,6 @@ from .resampled import at_one_step, undecimated, widened
 from .smoothing import with_own_slopes
 from .through import with_functions
 
-__all__ = ["Given", "checked_model_and_records"]
-
 
 @dataclass(frozen=True)
 class Given:

@@ -16,11 +16,8 @@ from ...terms import ONE, Sum, of_term
 from .algebraic import motions_of
 from .design import Column, Design
 from .kinematics import disagreement
-from .sindy_models import design_of_sindy
+from .sindy_models import OWNER, design_of_sindy
 
-__all__ = ["DeclaredModel", "design_of", "with_contradicted"]
-
-OWNER = "close_loop(declared=...)"
 CONTRADICTED = 0.1  # disagreement over the rate's spread; gains of two sensors differ by less
 
 
@@ -117,7 +114,8 @@ class DeclaredModel:
         return tuple(dict.fromkeys(name for side in self.sides for name in side.parameters))
 
     def __repr__(self) -> str:
-        sides = ", ".join(f"{s}' = {self._text(side)}" for s, side in self._named_sides())
+        named = zip(self.states, self.sides, strict=True)
+        sides = ", ".join(f"{state}' = {self._text(side)}" for state, side in named)
         return f"DeclaredModel({sides})"
 
     def design(self) -> Design:
@@ -129,9 +127,6 @@ class DeclaredModel:
         )
         known = tuple(s.known for s in self.sides)
         return Design(self.states, self.inputs, known, columns, self.algebraic)
-
-    def _named_sides(self) -> Iterable[tuple[str, RightHandSide]]:
-        return zip(self.states, self.sides, strict=True)
 
     def _text(self, side: RightHandSide) -> str:
         names = (*self.states, *self.inputs, "t")
@@ -183,7 +178,7 @@ def design_of(declared: DeclaredModel | ps.SINDy, records: Sequence[Record]) -> 
             f"{OWNER} must be a DeclaredModel or a pysindy.SINDy model; "
             f'got {type(declared).__name__}. Write DeclaredModel({{"q": "v", "v": "-k*q"}}).'
         )
-    return design_of_sindy(declared, records, OWNER)
+    return design_of_sindy(declared, records)
 
 
 def with_contradicted(design: Design, records: Sequence[Record]) -> Design:

@@ -25,8 +25,6 @@ from ...terms import Cache, Call, Product, Sum
 from .inertia import InertiaWave, over_inertia
 from .kinematics import whole_state
 
-__all__ = ["Column", "Design", "in_state"]
-
 
 @dataclass(frozen=True)
 class Column:

@@ -8,8 +8,6 @@ from ...signals import Record
 from ...signals.zero_order_hold import acting_through, hold
 from .input_errors import may_be_held
 
-__all__ = ["held_inputs", "held_like", "held_where_it_may_be"]
-
 
 def held_inputs(records: Sequence[Record]) -> dict[int, float]:
     """Return the inputs that any of the records holds, and by how many samples each is late."""

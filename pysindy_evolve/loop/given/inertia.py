@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, div, mul, power, sub, variable
 
-__all__ = ["InertiaWave", "over_inertia"]
-
 
 @dataclass(frozen=True)
 class InertiaWave:

@@ -18,17 +18,6 @@ from scipy.ndimage import label
 from ...signals import Record
 from ...signals.noise import input_noise
 
-__all__ = [
-    "as_held",
-    "input_error",
-    "is_held",
-    "jump_time_error",
-    "jumps_at_once",
-    "known_up_to",
-    "may_be_held",
-    "may_be_steps",
-]
-
 # An input is held if this share of its steps from sample to sample is small ...
 STILL_STEP_SHARE = 0.2
 MAX_STILL_STEP = 0.1  # ... relative to their RMS; of a steady sine, a fifth is below 0.4

@@ -11,8 +11,6 @@ from ...equations import Equations
 from ...signals import Record, choose_windows, project
 from ...terms import Sum, Variable
 
-__all__ = ["disagreement", "positions", "whole_state"]
-
 
 def whole_state(side: Sum, state: int, n_states: int) -> int | None:
     """Return the other state that is the whole of a right-hand side, as v is in q' = v, or None.

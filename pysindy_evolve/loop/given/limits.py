@@ -15,8 +15,6 @@ from .design import Design
 from .segments import Segments
 from .sensor import ends_of
 
-__all__ = ["LIMITED", "Limit", "limited", "limits_of", "off_limits"]
-
 LIMITED = "saturation"  # name of the effect
 # Distance, in standard deviations, at which a state counts as being at a limit.
 MAX_DISTANCE_FROM_LIMIT = 0.01

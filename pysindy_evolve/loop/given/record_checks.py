@@ -10,13 +10,11 @@ import numpy as np
 from ...checks import SIZES
 from ...signals import Record
 from ...warn import warn
-from .common_step import TOLERANCE
 from .design import Design
 from .records import HELD_OUT
+from .resampled import TOLERANCE
 from .rows import MAX_TERM_VALUE, variables_of
 from .through import with_functions
-
-__all__ = ["check_records", "doubt_held_out"]
 
 MIN_SAMPLES = 32
 MAX_START_IN_LENGTHS = 100.0  # largest start time without a warning, in lengths of all records
@@ -74,7 +72,7 @@ def _doubt_clock(records: Sequence[Record]) -> None:
         warn(
             f"close_loop(train=..., test=...): times begin at {start:.10g}, long after zero. A "
             "drift from there is next to constant, and the phase of a forcing needs all digits of "
-            "its frequency. Subtract the first time of the first record from all of them.",
+            "its frequency. Subtract the first time of the first record from all of them."
         )
 
 
@@ -92,7 +90,7 @@ def doubt_held_out(train: Sequence[Record], test: Sequence[Record]) -> None:
             warn(
                 f"close_loop(train=..., test=...): {len(shared)} samples of a test record are in a "
                 "training record too, so errors on it are no held-out errors. Pass another record, "
-                "or leave `test` out: the end of the training record is held out then.",
+                "or leave `test` out: the end of the training record is held out then."
             )
             return
 

@@ -7,8 +7,6 @@ from typing import Any
 
 from ...signals import Record
 
-__all__ = ["HELD_OUT", "split_records"]
-
 HELD_OUT = 0.3  # share of a single record that is held out
 
 

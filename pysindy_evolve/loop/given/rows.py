@@ -10,8 +10,6 @@ from ...equations import stack
 from ...signals import Record
 from ...terms import Sum
 
-__all__ = ["MAX_TERM_VALUE", "have_values", "scale_of", "variables_of"]
-
 MAX_TERM_VALUE = 1e100  # value of a term: its square is finite, and so is the cube of a large state
 
 

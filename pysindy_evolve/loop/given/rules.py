@@ -10,8 +10,6 @@ import numpy as np
 
 from ... import checks
 
-__all__ = ["REFINE", "Rules", "generator"]
-
 REFINE = ("auto", "derivative", "simulation")
 N_LOOKS = 3  # that may name an effect: names, free runs, grown terms (Bonferroni)
 

@@ -17,8 +17,6 @@ from .rows import scale_of, variables_of
 from .sensor import limits_of_states, miss_of_run
 from .sticking import weights_in_motion
 
-__all__ = ["Segments", "places_of", "segments"]
-
 N_SEGMENTS = 16
 N_FOLDS = 8
 TO_TRANSFER = 3  # number of records from which on folds are made of whole records

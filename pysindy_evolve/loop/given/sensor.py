@@ -12,8 +12,6 @@ import numpy as np
 
 from ...signals import Record
 
-__all__ = ["as_observed", "ends_of", "is_observed", "limits_of_states", "miss_of_run", "shown"]
-
 
 def limits_of_states(records: Sequence[Record]) -> np.ndarray | None:
     """Return the limits of sensors beyond which states went on unseen, as `ends_of` does."""

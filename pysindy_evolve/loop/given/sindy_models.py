@@ -16,12 +16,11 @@ from ...terms import Sum, of_term, variable
 from .design import Column, Design
 from .rows import variables_of
 
-__all__ = ["design_of_sindy"]
-
+OWNER = "close_loop(declared=...)"  # named in errors
 ROUNDED = 1e-3  # relative error that a fit may make in q' = v
 
 
-def design_of_sindy(model: ps.SINDy, records: Sequence[Record], owner: str) -> Design:
+def design_of_sindy(model: ps.SINDy, records: Sequence[Record]) -> Design:
     """Return the design of a SINDy model; one that is not fitted is fitted first.
 
     Parameters
@@ -30,8 +29,6 @@ def design_of_sindy(model: ps.SINDy, records: Sequence[Record], owner: str) -> D
         Its terms with a coefficient stay, and their coefficients are free.
     records : sequence of Record
         Training records.
-    owner : str
-        The call and parameter to name in an error.
 
     Returns
     -------
@@ -43,15 +40,15 @@ def design_of_sindy(model: ps.SINDy, records: Sequence[Record], owner: str) -> D
         If the library of the model is not one of ordinary terms.
     """
     try:
-        equations = from_model(model, owner)
+        equations = from_model(model, OWNER)
     except NotFittedError:
-        equations = from_model(_fitted(model, records, owner), owner)
+        equations = from_model(_fitted(model, records), OWNER)
     return _design_of_equations(equations, records)
 
 
-def _fitted(model: ps.SINDy, records: Sequence[Record], owner: str) -> ps.SINDy:
+def _fitted(model: ps.SINDy, records: Sequence[Record]) -> ps.SINDy:
     """Fit a copy, so that the caller's model stays as it was."""
-    check_ordinary(model.feature_library, owner)
+    check_ordinary(model.feature_library, OWNER)
     copy = deepcopy(model)  # scikit-learn's clone refuses a CustomLibrary
     first = records[0]
     states = first.states or [f"x{i}" for i in range(first.n_states)]

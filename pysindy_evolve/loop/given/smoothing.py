@@ -22,8 +22,6 @@ from ...signals import Record, prepare
 from ...warn import warn
 from .design import Design
 
-__all__ = ["with_own_slopes"]
-
 MIN_MISSED_SHARE = 0.001  # share of a slope; a larger systematic miss shows in the loop
 MAX_SHARE_OFF_LAW = 0.5  # share of the miss that 1 - b f^2 may leave; more is not due to smoothing
 # Share of a slope missed at the new cutoff; there states are right to a few percent.
@@ -73,7 +71,7 @@ def with_own_slopes(
         f"of their states, by {MISSED_SHARE_AT_CUTOFF:.0%} at {cutoff:.3g} cycles per unit of t: "
         "they are smoothed too much. They are taken anew from the states, up to there. "
         + ("" if shown else "The motion is faster than that, so no effect is looked for. ")
-        + "Give the measurement as it is to prepare(t, y, u).",
+        + "Give the measurement as it is to prepare(t, y, u)."
     )
     train, test = ([_prepared_anew(r, order, cutoff) for r in records] for records in (train, test))
     return train, test, shown

@@ -18,8 +18,6 @@ from ...signals import Record
 from ...terms import Call, variable
 from .design import Design
 
-__all__ = ["may_rest", "noise_of", "weights_in_motion"]
-
 AT_REST = 4.0  # standard deviations of the velocity noise below which a row has no weight ...
 IN_MOTION = 8.0  # ... and above which it has all
 # Share of the RMS velocity that counts as rest, however little noise there is.

@@ -15,8 +15,6 @@ from .design import Design
 from .input_errors import is_held
 from .rows import variables_of
 
-__all__ = ["with_functions"]
-
 
 def with_functions(
     design: Design, train: Sequence[Record], others: Sequence[Record] = ()

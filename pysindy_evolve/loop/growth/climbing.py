@@ -23,8 +23,6 @@ from ..given.segments import Segments
 from .naming import nodes_saved
 from .seeds import functions
 
-__all__ = ["climbed", "with_best_numbers"]
-
 N_TUNED = 6  # most promising terms, whose numbers are tuned
 STEP_IN_LOG = 1e-3  # step in the logarithm of a number, to take its derivative
 MOST_FACTORS = 3  # distinct factors of a term: with more it fits something else

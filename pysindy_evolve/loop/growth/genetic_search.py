@@ -29,8 +29,6 @@ from .levels import terms_from_levels
 from .naming import has_arbitrary_zero, named, without_signs
 from .seeds import screened, small_terms, varied
 
-__all__ = ["OPERATORS", "grow"]
-
 # No sums inside a term: they would add newtons to meters, and a model is a sum of terms anyway.
 # Softsign stands for what saturates as x/(c + |x|), such as a reaction.
 OPERATORS = ("mul", "div", "abs", "sgn", "sqrt", "sin", "cos", "tanh", "exp", "log", "softsign")

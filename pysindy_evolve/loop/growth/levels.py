@@ -21,8 +21,6 @@ from ..evidence.scoring import sharpened
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["terms_from_levels"]
-
 READ = 9  # nodes that a flow counts as: max(h - c, 0)^(3/2) with its number
 
 

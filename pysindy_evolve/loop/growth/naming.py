@@ -17,8 +17,6 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .seeds import small_terms
 
-__all__ = ["has_arbitrary_zero", "named", "nodes_saved", "small_candidates", "without_signs"]
-
 MIN_MEAN_SHARE = 0.3  # share of its RMS that the mean of a term must exceed to pose as an offset
 
 

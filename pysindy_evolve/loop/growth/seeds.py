@@ -34,8 +34,6 @@ from ...terms import (
     variable,
 )
 
-__all__ = ["functions", "screened", "small_terms", "varied"]
-
 SCALES = (0.5, 1.0, 3.0)  # numbers in a function, scaled by the RMS of its variable (dimensionless)
 GAPS = (0.3, 1.0, 3.0)  # distances of a pole from the range of a variable, as shares of that range
 CHUNK = 200  # terms evaluated at a time, to bound the memory

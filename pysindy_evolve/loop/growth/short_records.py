@@ -33,8 +33,6 @@ from ..given.segments import Segments
 from .naming import has_arbitrary_zero, named
 from .seeds import small_terms
 
-__all__ = ["find_small", "is_better"]
-
 MAX_TERMS = 300  # terms to try in all equations together; the smallest are kept
 # Gain in log error that a term needs per node that it has more than the names.
 MIN_GAIN_PER_NODE_LOG = 0.1

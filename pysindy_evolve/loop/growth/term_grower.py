@@ -31,8 +31,6 @@ from ..given.rules import Rules
 from ..given.segments import Segments
 from .genetic_search import grow
 
-__all__ = ["Grown", "TermGrower"]
-
 # Factor by which a grown term must gain more than names, or two names more than a grown term: a
 # filtered copy of the same effect gains a little more by itself.
 MIN_GAIN_RATIO = 1.25

@@ -15,8 +15,6 @@ from scipy.interpolate import CubicSpline
 from ...hidden_states.memory import DELAY, LAG, Memory
 from ..evidence.findings import Finding, MemoryFinding
 
-__all__ = ["Chain", "Traded", "chains_in", "with_trade", "with_trades_done"]
-
 MAX_TRADED_SHARE = 0.95  # largest share of a memory that may be traded for another one
 
 

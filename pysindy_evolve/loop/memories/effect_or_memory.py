@@ -22,8 +22,6 @@ from ..given.segments import Segments
 from .probes import MemoryCandidate, Probes
 from .reach import best_of_kinds, exchanged, reach_of
 
-__all__ = ["beats_tuned_memories", "memory_instead"]
-
 WORTH_IT = 0.5  # share of the effect's gain that input and memory together must reach to be tuned
 
 

@@ -9,7 +9,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from ...hidden_states.memory import LAG, Memory, with_memories_applied
+from ...hidden_states.memory import LAG, Memory, all_with_memories
 from ...terms import variable
 from ..effects.candidate import Candidate, rewritten
 from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in, with_findings
@@ -25,8 +25,6 @@ from .chains import Chain, Traded, chains_in
 from .effect_or_memory import beats_tuned_memories, memory_instead
 from .probes import MemoryCandidate, Probes, grid_of, users_of
 from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
-
-__all__ = ["find_with_memories", "resettled", "with_kinds_rechosen"]
 
 
 def find_with_memories(
@@ -162,7 +160,7 @@ def resettled(findings: Sequence[Finding], design: Design, part: Segments) -> li
     kept = list(findings)
     for finding in (f for f in findings if isinstance(f, MemoryFinding)):
         others = memories_in(excluding(kept, finding))
-        pieces = part.of([with_memories_applied(record, others) for record in part.records])
+        pieces = part.of(all_with_memories(part.records, others))
         tuned = reach_of(finding.memory, design, pieces)
         (exchange,) = exchanged([tuned], design, pieces)
         place = kept.index(finding)
@@ -204,7 +202,7 @@ def with_kinds_rechosen(
             continue
         others = memories_in(excluding(kept, finding))
         if all(other.column != finding.memory.column for other in others):
-            pieces = part.of([with_memories_applied(record, others) for record in part.records])
+            pieces = part.of(all_with_memories(part.records, others))
             again = _settled(finding, design, pieces, level, rng, others)
             is_same = again.memory.kind == finding.memory.kind
             kept[place] = replace(finding, rivals=again.rivals) if is_same else again
@@ -218,7 +216,7 @@ def _with_tuned_chains(
     found = list(findings)
     for chain in chains_in(findings):
         others = memories_in([f for f in findings if f not in chain])
-        pieces = part.of([with_memories_applied(record, others) for record in part.records])
+        pieces = part.of(all_with_memories(part.records, others))
         values = tuple(finding.memory.values[0] for finding in chain)
         tuned_chain = chain_of(Chain(LAG, chain[0].memory.column, values), design, pieces)
         for finding, value in zip(chain, tuned_chain.values, strict=True):

@@ -19,20 +19,11 @@ import numpy as np
 from ...hidden_states.memory import DELAY, Memory
 from ...signals import Record
 from ...signals.zero_order_hold import HALF_SAMPLE
-from ..effects.candidate import Candidate
 from ..evidence.scoring import EXTRA_LEAD_LOG, MIN_GAIN_LOG, propose, quick_fit, score
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
 from ..given.segments import Segments, segments
 from .reach import exchanged, plainest, reach_of
-
-__all__ = [
-    "free_to_be_held",
-    "hold_beside_another",
-    "holds_alone",
-    "in_pieces",
-    "memory_beside_hold",
-]
 
 # Share of a sampling time by which records that are sampled alike may differ.
 MAX_TIME_STEP_SPREAD = 0.01
@@ -112,11 +103,15 @@ def hold_beside_another(column: int, design: Design, part: Segments, held: Segme
     bool
     """
     (alone,) = _gains([column], design, part)
-    rankings = [
-        score(design, pieces, _missing(design, pieces), pairs=False) for pieces in (held, part)
-    ]
-    gain_if_held, gain = (scores[0].value if scores else 0.0 for scores in rankings)
+    gain_if_held, gain = (_best_gain(design, pieces) for pieces in (held, part))
     return alone + gain_if_held - gain > EXTRA_LEAD_LOG
+
+
+def _best_gain(design: Design, part: Segments) -> float:
+    """Return what the best candidate of the vocabulary gains."""
+    proposed = propose(design, quick_fit(design, part), part)
+    scores = score(design, part, proposed, pairs=False)
+    return scores[0].value if scores else 0.0
 
 
 def free_to_be_held(records: Sequence[Record]) -> list[int]:
@@ -142,10 +137,6 @@ def _gains(columns: Sequence[int], design: Design, part: Segments) -> list[float
     late = (HALF_SAMPLE * part.records[0].raw_dt,)
     holds = [_Hold(DELAY, column, late) for column in columns]
     return [exchange.gain for exchange in exchanged(holds, design, part)]
-
-
-def _missing(design: Design, part: Segments) -> list[Candidate]:
-    return propose(design, quick_fit(design, part), part)
 
 
 def memory_beside_hold(

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...hidden_states.memory import Memory, with_memories_applied
+from ...hidden_states.memory import Memory, all_with_memories
 from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, constant, mul, sub
@@ -28,8 +28,6 @@ from ..given.design import Column, Design
 from ..given.segments import Segments
 from .probes import Probes
 from .reach import swapped
-
-__all__ = ["polished", "row_interval"]
 
 N_ROUNDS = 3  # over all memories, as they affect each other
 RELATIVE_STEP = 0.02  # relative step of a delay or time constant, to take the derivative by it
@@ -70,11 +68,9 @@ def polished(
                 continue
             memories = memories_in(found)
             others = [memory for memory in memories if memory is not finding.memory]
-            coef = refit(
-                design, [with_memories_applied(r, memories) for r in records], "derivative"
-            )
-            rows = [with_memories_applied(record, others) for record in records]
-            part = whole.of([with_memories_applied(record, others) for record in whole.records])
+            coef = refit(design, all_with_memories(records, memories), "derivative")
+            rows = all_with_memories(records, others)
+            part = whole.of(all_with_memories(whole.records, others))
             found[k] = _stepped(finding, design, coef, rows, part, rng)
     return found
 

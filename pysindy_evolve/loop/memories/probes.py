@@ -27,8 +27,6 @@ from ..given.design import Column, Design
 from ..given.segments import Segments
 from .chains import with_trade
 
-__all__ = ["RATIO", "Exchange", "MemoryCandidate", "Probes", "exchanges", "grid_of", "users_of"]
-
 # Delay or time constant, in periods of the highest frequency looked at.
 MIN_LENGTH_IN_PERIODS = 0.02
 RATIO = 2.5  # of neighboring lengths on the grid

@@ -12,21 +12,12 @@ from ...hidden_states.memory import DELAY, LAG, VESSEL, Memory
 from ...substitution import substituted
 from ...terms import Sum, sub
 from ..evidence.encompassing import chance
-from ..evidence.scoring import MIN_GAIN_LOG
+from ..evidence.plainest import as_good_as_best
 from ..evidence.spectral import spectral_grams
 from ..given.design import Column, Design
 from ..given.segments import Segments
 from .chains import Chain, Traded
 from .probes import RATIO, Exchange, Probes, exchanges, grid_of
-
-__all__ = [
-    "best_of_kinds",
-    "chain_of",
-    "exchanged",
-    "plainest",
-    "reach_of",
-]
-__all__ += ["settled_memory", "swapped", "trade_of"]
 
 
 def settled_memory(
@@ -81,8 +72,7 @@ def settled_memory(
 
 def plainest(memories: Sequence[Memory], gains: Sequence[float]) -> Memory:
     """Return the first memory, and so the plainest, that does as well as the best."""
-    enough = max(gains) - max(MIN_GAIN_LOG, 0.01 * max(gains))
-    return next(m for m, gain in zip(memories, gains, strict=True) if gain >= enough)
+    return memories[as_good_as_best(gains)[0]]
 
 
 def best_of_kinds(

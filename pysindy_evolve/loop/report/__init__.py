@@ -7,15 +7,15 @@ that a report holds, see `facts/outcome.py`, and decide nothing but what is said
 contents
 report              LoopReport: the outcome with all that prints, draws and simulates it
 sindy               the equations as a fitted SINDy model
-readings            a run as clipping sensors would show it
 sentences
 text                the printed report, and the same as Markdown
+verdict             the verdict in a sentence
 effect_text         the lines about one effect
-interval_text       numbers with their intervals, with as many digits as these justify
-units               labels with units, percentages
+number_text         numbers with their intervals and units, percentages
 remains             the best candidate that did not pass, and the cautions
 limits of validity
 cautions            all cautions of a report; most come from the files below and from facts
+grown_errors        errors on held-out data that are larger with the effects
 missed              the model misses the records by more than noise explains
 unexplained         derivatives whose residual sensor noise does not explain
 slow_states         a drift or the residual may be a state too slow for the loop to look for
@@ -26,7 +26,7 @@ one_force           effects in several equations are the same force
 experiments
 experiment          the next measurement, chosen to tell similar effects apart
 motions             imagined motions: the recorded one, larger, smaller, faster or slower
-advice              the plan of experiments in sentences
+advice              experiments, and the plan of them in sentences
 pictures and pages
 plot                a page of panels of the residual, before and after the effects
 panels              the panels: over time, frequency, one variable, two variables

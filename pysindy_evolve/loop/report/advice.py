@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from textwrap import fill
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ...export import format_expression
 from ..facts.effect import Alternative, Effect
-from .motions import LARGEST_FACTOR
-from .units import with_unit
-
-if TYPE_CHECKING:
-    from .experiment import Experiment, Plan
-
-__all__ = ["ENOUGH_STANDARD_ERRORS", "as_sentences", "paragraphs"]
+from .motions import LARGEST_FACTOR, Motion
+from .number_text import with_unit
 
 MAX_RECORDS = 20  # a motion that needs more records is not proposed
 MANY = 100.0  # standard errors; larger numbers are not printed
@@ -23,15 +20,74 @@ MANY = 100.0  # standard errors; larger numbers are not printed
 ENOUGH_STANDARD_ERRORS = 5.0
 
 
-def as_sentences(plan: Plan, units: Mapping[str, str] | None = None) -> str:
-    """Return a plan as text, a paragraph for each experiment."""
-    pairs = paragraphs(plan, units)
-    if not pairs:
-        return "Nothing to tell apart: no effect has an alternative."
-    return "\n\n".join(
-        fill(f"{i}. {question} {answer}", 96, subsequent_indent="   ")
-        for i, (question, answer) in enumerate(pairs, 1)
-    )
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A motion that tells an effect from one of its alternatives.
+
+    Attributes
+    ----------
+    effect : Effect
+        What was found.
+    alternative : Alternative
+        The effect that could have caused the same record.
+    motion : Motion
+        Factors of amplitude and frequency on the recorded motion.
+    now : float
+        Standard errors by which the record tells the two apart.
+    then : float
+        The same after one more record as long as this one, of the proposed motion.
+    reach : dict of str to tuple of three float
+        For each variable that the two depend on, and each velocity: its largest magnitude in the
+        record, that in the proposed motion, and its value where the two differ most.
+    difference : float
+        Largest difference of the two models in the proposed motion, units of x_dot.
+    """
+
+    effect: Effect
+    alternative: Alternative
+    motion: Motion
+    now: float
+    then: float
+    reach: Mapping[str, tuple[float, float, float]]
+    difference: float
+
+    @property
+    def n_records(self) -> int:
+        """Number of further records as long as this one, of the proposed motion, that suffice.
+
+        Squared standard errors add up over the records.
+        """
+        each = max(self.then**2 - self.now**2, 1e-12)
+        return max(1, int(np.ceil((ENOUGH_STANDARD_ERRORS**2 - self.now**2) / each)))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Experiments, one for each pair of an effect and its alternative; prints as sentences.
+
+    Attributes
+    ----------
+    experiments : tuple of Experiment
+        In the order of the effects.
+    units : mapping of str to str, optional
+        Units of the variables.
+    in_time : tuple of Effect
+        Memories of an input that have alternatives. Sudden steps of the input tell these apart, not
+        another amplitude.
+    """
+
+    experiments: tuple[Experiment, ...]
+    units: Mapping[str, str] | None = None
+    in_time: tuple[Effect, ...] = ()
+
+    def __str__(self) -> str:
+        pairs = paragraphs(self, self.units)
+        if not pairs:
+            return "Nothing to tell apart: no effect has an alternative."
+        return "\n\n".join(
+            fill(f"{i}. {question} {answer}", 96, subsequent_indent="   ")
+            for i, (question, answer) in enumerate(pairs, 1)
+        )
 
 
 def paragraphs(plan: Plan, units: Mapping[str, str] | None = None) -> list[tuple[str, str]]:

@@ -25,8 +25,6 @@ from ..facts.outcome import Outcome
 from ..given.rows import variables_of
 from ..given.sticking import noise_of
 
-__all__ = ["dilution_sentences"]
-
 NOISE_SHARE = 0.1  # noise in the mean square of a combination: its weight is too small by as much
 PARTICIPATES = 0.1  # of the largest term of a combination: smaller ones are not named
 MAX_CONFIRMING_NRMSE = (

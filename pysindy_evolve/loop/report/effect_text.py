@@ -17,20 +17,7 @@ from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT
 from ..effects.names import FORCING, INERTIA, RIPPLE
 from ..facts.effect import Alternative, Effect
-from .interval_text import interval, value_within
-
-__all__ = [
-    "evidence",
-    "hardly_named",
-    "name_of_alternative",
-    "named_together",
-    "numbers_inside",
-    "pumped",
-    "sentence",
-    "whose_share",
-    "with_sign",
-    "without_rivals",
-]
+from .number_text import interval, value_within
 
 MANY_RIVALS = 6  # alternatives from which on the name of an effect says little
 WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine

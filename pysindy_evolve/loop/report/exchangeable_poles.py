@@ -8,8 +8,6 @@ from ...hidden_states.memory_equations import MemoryEquations
 from ...terms import Sum, only_term, variable
 from ..facts.outcome import Outcome
 
-__all__ = ["exchangeable_poles"]
-
 
 def exchangeable_poles(outcome: Outcome) -> list[str]:
     """Name the lags whose time constant can be exchanged with that of the state they act on.

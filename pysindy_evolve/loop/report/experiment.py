@@ -14,7 +14,7 @@ Atkinson and Fedorov, Biometrika 62 (1975), DOI 10.1093/biomet/62.1.57: T-optima
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -31,78 +31,12 @@ from ..fitting.residual import forces
 from ..given.design import Design, in_state
 from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
-from .advice import ENOUGH_STANDARD_ERRORS, as_sentences
+from .advice import ENOUGH_STANDARD_ERRORS, Experiment, Plan
 from .motions import Motion, Motions
-from .units import check_units
-
-__all__ = ["Experiment", "Plan", "plan"]
+from .number_text import check_units
 
 MAX_ROWS = 8000  # rows of the records that are used
 SMOOTHING = 4.0  # standard deviation of the Gaussian over the noise spectrum, in its bins
-
-
-@dataclass(frozen=True, eq=False)
-class Experiment:
-    """A motion that tells an effect from one of its alternatives.
-
-    Attributes
-    ----------
-    effect : Effect
-        What was found.
-    alternative : Alternative
-        The effect that could have caused the same record.
-    motion : Motion
-        Factors of amplitude and frequency on the recorded motion.
-    now : float
-        Standard errors by which the record tells the two apart.
-    then : float
-        The same after one more record as long as this one, of the proposed motion.
-    reach : dict of str to tuple of three float
-        For each variable that the two depend on, and each velocity: its largest magnitude in the
-        record, that in the proposed motion, and its value where the two differ most.
-    difference : float
-        Largest difference of the two models in the proposed motion, units of x_dot.
-    """
-
-    effect: Effect
-    alternative: Alternative
-    motion: Motion
-    now: float
-    then: float
-    reach: Mapping[str, tuple[float, float, float]]
-    difference: float
-
-    @property
-    def n_records(self) -> int:
-        """Number of further records as long as this one, of the proposed motion, that suffice.
-
-        Squared standard errors add up over the records.
-        """
-        each = max(self.then**2 - self.now**2, 1e-12)
-        return max(1, int(np.ceil((ENOUGH_STANDARD_ERRORS**2 - self.now**2) / each)))
-
-
-@dataclass(frozen=True)
-class Plan:
-    """Experiments, one for each pair of an effect and its alternative; prints as sentences.
-
-    Attributes
-    ----------
-    experiments : tuple of Experiment
-        In the order of the effects.
-    units : mapping of str to str, optional
-        Units of the variables.
-    in_time : tuple of Effect
-        Memories of an input that have alternatives. Sudden steps of the input tell these apart, not
-        another amplitude.
-    """
-
-    experiments: tuple[Experiment, ...]
-    units: Mapping[str, str] | None = None
-    in_time: tuple[Effect, ...] = ()
-
-    def __str__(self) -> str:
-        return as_sentences(self, self.units)
 
 
 def plan(outcome: Outcome, units: Mapping[str, str] | None = None) -> Plan:

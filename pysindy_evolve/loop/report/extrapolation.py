@@ -10,9 +10,7 @@ from ...export import format_number
 from ..facts.outcome import Outcome
 from ..facts.residuals import percent_left
 from ..given.rows import variables_of
-from .units import percent
-
-__all__ = ["extrapolation_sentences"]
+from .number_text import percent
 
 RANGE_MARGIN = 0.1  # excess beyond the training range that counts, as a share of that range
 # Percent of the standard deviation: least error of the derivative, row by row and averaged over

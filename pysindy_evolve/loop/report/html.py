@@ -26,18 +26,10 @@ from .effect_text import (
     without_rivals,
 )
 from .experiment import plan
-from .interval_text import ends, value_within
+from .number_text import check_units, ends, value_within, with_unit
 from .remains import remains
-from .text import (
-    free_parameters,
-    note_on_shared_terms,
-    p_of_effects,
-    table_cells,
-    verdict_of,
-)
-from .units import check_units, with_unit
-
-__all__ = ["as_html"]
+from .text import free_parameters, note_on_shared_terms, p_of_effects, table_cells
+from .verdict import verdict_of
 
 
 def as_html(outcome: Outcome, units: Mapping[str, str] | None = None) -> str:

@@ -7,11 +7,9 @@ import numpy as np
 from ..facts.outcome import Outcome
 from ..facts.start_noise import run_std_from_start_noise
 from ..fitting.runs import LOST_NRMSE
+from .number_text import percent
 from .slow_states import slow_rest
 from .unexplained import unexplained
-from .units import percent
-
-__all__ = ["NOTABLE_NRMSE", "misfit_sentences"]
 
 NOTABLE_NRMSE = 20.0  # percent, of a free run: more than a small error of a parameter causes
 BY_START = 0.5  # share of the error: if noise in the first state causes more, the run says little

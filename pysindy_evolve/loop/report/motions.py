@@ -10,8 +10,6 @@ import numpy as np
 from ...equations import Equations
 from ..given.kinematics import positions
 
-__all__ = ["LARGEST_FACTOR", "Motion", "Motions"]
-
 FACTORS = (1.0, 1.5, 2.0, 3.0, 5.0)  # of amplitudes and frequencies; and their inverses
 # Few machines do more than this times the amplitude, speed or acceleration of a good record.
 LARGEST_FACTOR = 5.0

@@ -8,8 +8,6 @@ from ...export import format_expression
 from ..facts.effect import Effect
 from ..facts.outcome import Outcome
 
-__all__ = ["one_force"]
-
 
 def one_force(outcome: Outcome) -> list[str]:
     """Name effects that act like one input in two equations, and terms that have two names.

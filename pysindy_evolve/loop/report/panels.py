@@ -11,16 +11,6 @@ import numpy as np
 from scipy.signal import welch
 from scipy.stats import binned_statistic_2d
 
-__all__ = [
-    "draw_frequency",
-    "draw_plane",
-    "draw_time",
-    "draw_twins",
-    "draw_variable",
-    "label_decades",
-    "tidy",
-]
-
 N_TIMES = 240  # bins over time
 N_BINS = 30  # bins over a variable, of equally many samples, at most
 LEAST_IN_BIN = 30  # samples; fewer bins are drawn if these are not reached

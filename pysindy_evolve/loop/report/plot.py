@@ -11,6 +11,7 @@ from ...signals import Record, Windows, choose_windows
 from ..facts.outcome import Outcome
 from ..given.kinematics import positions
 from ..given.rows import variables_of
+from .number_text import check_units, label, rate_label, with_unit
 from .panels import (
     draw_frequency,
     draw_plane,
@@ -20,9 +21,6 @@ from .panels import (
     label_decades,
     tidy,
 )
-from .units import check_units, label, rate_label, with_unit
-
-__all__ = ["draw_residuals", "draw_scores", "plot_residuals"]
 
 # Orange and blue, one light and one dark: also told apart by the color-blind and in gray print.
 BEFORE, AFTER = "#dd7a2a", "#1b5690"
@@ -108,8 +106,7 @@ def draw_residuals(
     _label(panels, shown, names, units, rate)
     span = with_unit(windows.width * record.dt, "t", units)
     figure.suptitle(
-        f"Held-out residual, averaged over windows of {span} as in the fit",
-        fontsize=10,
+        f"Held-out residual, averaged over windows of {span} as in the fit", fontsize=10
     )
     _draw_planes(figure, panels, outcome, index, stages, variables, units)
 

@@ -7,10 +7,8 @@ import numpy as np
 from ..evidence.rejected import Rejected
 from ..facts.outcome import Outcome
 from .cautions import cautions
+from .number_text import percent
 from .slow_states import slow_rest
-from .units import percent
-
-__all__ = ["remains"]
 
 NEGLIGIBLE = 1e-3  # share of the explainable error; a candidate that removes less is not named
 MIN_CHANCE_P_VALUE = 0.5  # p-value from which on the best candidate is no better than chance

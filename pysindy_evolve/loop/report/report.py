@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -10,19 +10,18 @@ from typing import Any
 
 import numpy as np
 import pysindy as ps
+import sympy
 
 from ...hidden_states.memory_equations import MemoryEquations
 from ...signals import Record
 from ...warn import warn
+from ..facts.effect import Effect
 from ..facts.outcome import Outcome
 from ..fitting.runs import free_run
 from ..given.held import held_like
 from .experiment import Plan, plan
-from .readings import clipped_by_sensors
 from .sindy import as_sindy
 from .text import as_markdown, as_text
-
-__all__ = ["LoopReport", "report_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,7 @@ class LoopReport(Outcome):
             )
             warn(
                 "LoopReport.model: a SINDy model cannot delay its inputs; this one takes "
-                f"{changed}. Shift the input, or use LoopReport.simulate.",
+                f"{changed}. Shift the input, or use LoopReport.simulate."
             )
         return as_sindy(self.equations)
 
@@ -111,7 +110,7 @@ class LoopReport(Outcome):
                 "Simulate one record at a time."
             )
         states = free_run(self.equations, held_like(record, self.train))
-        return clipped_by_sensors(states, self.equations.states, self.effects)
+        return _clipped_by_sensors(states, self.equations.states, self.effects)
 
     def __str__(self) -> str:
         return as_text(self)
@@ -209,3 +208,15 @@ class LoopReport(Outcome):
 def report_of(outcome: Outcome) -> LoopReport:
     """Return the report of an outcome."""
     return LoopReport(**{one.name: getattr(outcome, one.name) for one in fields(outcome)})
+
+
+def _clipped_by_sensors(
+    run: np.ndarray, states: Sequence[str], effects: Sequence[Effect]
+) -> np.ndarray:
+    """Return a run (n_samples, n_states) clipped where the sensor of a state was found to clip."""
+    run = np.array(run)
+    for effect in (each for each in effects if each.of_sensor):
+        reading = run[:, states.index(effect.state)]
+        clip = np.minimum if isinstance(effect.term, sympy.Min) else np.maximum
+        clip(reading, effect.coefficients[0], out=reading)
+    return run

@@ -12,8 +12,6 @@ from ...optimizer import ElasticNet
 from ...term_library import TermLibrary
 from ...terms import ONE
 
-__all__ = ["as_sindy"]
-
 
 def as_sindy(equations: Equations) -> ps.SINDy:
     """Return a fitted SINDy model with these equations.

@@ -12,8 +12,6 @@ from ..effects.relaxation import longest_relaxation
 from ..facts.outcome import Outcome
 from ..facts.residuals import residual_of
 
-__all__ = ["slow_drifts", "slow_rest"]
-
 N_SLOW = 8  # lowest terms of a cosine transform: those slower than an eighth of the record
 MAIN_SHARE = 0.5  # share of the mean square of a residual
 FASTER_ONLY = "the loop looks only for faster ones. A longer record would show it."

@@ -17,66 +17,11 @@ from ...hidden_states.path_states import paths_within
 from ..facts.effect import Effect, Errors, Step
 from ..facts.outcome import Outcome
 from .advice import paragraphs
-from .cautions import has_grown_in_all
 from .effect_text import evidence, sentence
 from .experiment import plan
-from .interval_text import ends, value_within
-from .missed import NOTABLE_NRMSE
+from .number_text import ends, percent_cell, value_within
 from .remains import remains
-from .unexplained import unexplained
-from .units import percent_cell
-
-__all__ = [
-    "as_markdown",
-    "as_text",
-    "free_parameters",
-    "note_on_shared_terms",
-    "p_of_effects",
-    "table_cells",
-    "verdict_of",
-]
-
-VERDICTS = {
-    "complete": "complete: nothing is missing that this data can show.",
-    "traced": "traced: the model lacked the effects below, which have been added.",
-    "untraced": "untraced: the residual has structure that none of the tried effects explains.",
-}
-
-MUCH_LEFT = (
-    "complete: none of the effects that were tried passes, but the model leaves more than the "
-    "noise of the sensors explains, as it does where a random force acts; see what remains."
-)
-NOT_LOOKED = (
-    "complete: a general model predicts no more of the record, but no effect was tried, and the "
-    "model misses the record by more than the noise of the sensors explains; see what remains."
-)
-IN_PART = (
-    "traced in part: the model lacked the effects below, which have been added, but it still "
-    "misses the record by more than the noise of the sensors explains; see what remains."
-)
-
-NOT_ALL = (
-    "traced in part: the model lacked the effects below, which have been added, but what it leaves "
-    "still depends on what was measured; see what remains."
-)
-NOT_CARRIED_OVER = (
-    "traced: the model lacked the effects below in the training data, but the corrected model is "
-    "further from the held-out data in every error; see what remains."
-)
-
-
-def verdict_of(outcome: Outcome) -> str:
-    """Return the verdict in a sentence."""
-    if outcome.verdict == "complete" and unexplained(outcome):
-        return MUCH_LEFT if outcome.rules.max_effects else NOT_LOOKED
-    if outcome.verdict == "traced" and has_grown_in_all(outcome):
-        return NOT_CARRIED_OVER
-    runs_off = float(np.max(outcome.after.simulation_error)) >= NOTABLE_NRMSE
-    if outcome.verdict == "traced" and runs_off and unexplained(outcome):
-        return IN_PART
-    if outcome.leaves_structure:
-        return NOT_ALL
-    return VERDICTS[outcome.verdict]
+from .verdict import verdict_of
 
 
 def as_text(outcome: Outcome) -> str:
@@ -86,10 +31,7 @@ def as_text(outcome: Outcome) -> str:
         "Declared model, fitted\n" + indent(_model(outcome.before), "    "),
     ]
     if outcome.effects:
-        lines = "\n".join(
-            [_model(outcome.after), *note_on_shared_terms(outcome), *readings(outcome)]
-        )
-        parts.append("Corrected model\n" + indent(lines, "    "))
+        parts.append("Corrected model\n" + indent(_corrected(outcome), "    "))
     parts.append(_table(outcome))
     symbols = outcome.equations.inner_symbols
     parts += [sentence(i, effect, symbols) for i, effect in enumerate(outcome.effects, 1)]
@@ -112,6 +54,16 @@ def _model(errors: Errors) -> str:
     ]
     lines = [*equations, fill(parameters, 92, subsequent_indent="  ")]
     return "\n".join(line for line in lines if line)
+
+
+def _corrected(outcome: Outcome) -> str:
+    """Return the corrected equations, and what each sensor that clips shows."""
+    readings = [
+        f"The sensor of {effect.state} shows {format_expression(effect.term)}"
+        for effect in outcome.effects
+        if effect.of_sensor
+    ]
+    return "\n".join([_model(outcome.after), *note_on_shared_terms(outcome), *readings])
 
 
 def note_on_shared_terms(outcome: Outcome) -> list[str]:
@@ -151,12 +103,6 @@ def _is_power_of_sum(form: Any) -> bool:
     """Tell whether a term is printed as a power of a sum, which the equations multiply out."""
     powers = (factor for factor in sympy.Mul.make_args(form) if factor.is_Pow)
     return any(p.base.is_Add and p.exp.is_Integer and p.exp > 1 for p in powers)
-
-
-def readings(outcome: Outcome) -> list[str]:
-    """Return a line for each sensor that clips."""
-    clipped = (effect for effect in outcome.effects if effect.of_sensor)
-    return [f"The sensor of {one.state} shows {format_expression(one.term)}" for one in clipped]
 
 
 def free_parameters(errors: Errors) -> str:
@@ -200,7 +146,8 @@ def table_cells(outcome: Outcome) -> tuple[list[str], list[tuple[str, list[str]]
     for _, group in groupby(outcome.steps, key=lambda step: id(step.errors)):
         added = list(group)
         stages.append(("+ " + ", ".join(_label(step, outcome) for step in added), added[0].errors))
-    rated = [i for i in range(len(states)) if _is_rated(outcome, i)]
+    # An equation such as q' = v has no error by definition.
+    rated = np.flatnonzero(outcome.before.derivative_error > 0.0).tolist()
     if outcome.before.model.n_algebraic:  # nothing is differentiated, and nothing runs
         head = [f"{states[i]}, averaged" for i in rated] + list(states)
     else:
@@ -218,11 +165,6 @@ def _label(step: Step, outcome: Outcome) -> str:
     here = [other for other in alike if other.state == step.state]
     name = step.name if len(here) == len(alike) else f"{step.name} ({step.state})"
     return name if here[0] is step else f"a further {name}"
-
-
-def _is_rated(outcome: Outcome, index: int) -> bool:
-    """Tell whether an equation has an error; one such as q' = v has none by definition."""
-    return bool(outcome.before.derivative_error[index] > 0.0)
 
 
 def p_of_effects(outcome: Outcome) -> list[str]:
@@ -256,10 +198,7 @@ def as_markdown(outcome: Outcome) -> str:
         f"Declared model, fitted:\n\n{_code(_model(outcome.before))}",
     ]
     if outcome.effects:
-        text = "\n".join(
-            [_model(outcome.after), *note_on_shared_terms(outcome), *readings(outcome)]
-        )
-        parts.append(f"Corrected model:\n\n{_code(text)}")
+        parts.append(f"Corrected model:\n\n{_code(_corrected(outcome))}")
     head, rows = table_cells(outcome)
     lines = [f"| {HEADLINE} | {' | '.join(head)} |", "|---" * (len(head) + 1) + "|"]
     lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]

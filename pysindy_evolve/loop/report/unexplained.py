@@ -8,9 +8,7 @@ from ...hidden_states.memory_equations import as_acting
 from ..evidence.noise_floor import noise_alone
 from ..facts.outcome import Outcome
 from ..facts.residuals import in_percent, percent_left
-from .units import percent
-
-__all__ = ["unexplained"]
+from .number_text import percent
 
 # Errors in percent of the standard deviation.
 LEAST_ERROR = 5.0  # of a derivative; smaller ones are not reported

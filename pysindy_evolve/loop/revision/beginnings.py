@@ -8,12 +8,11 @@ before the record the time constant changes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...equations import Equations
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, memories_in, with_findings
@@ -23,34 +22,12 @@ from ..given.design import Design
 from ..given.segments import Segments
 from ..memories.find import resettled
 
-__all__ = ["Beginning", "settled_beginning"]
-
 N_ROUNDS = 6  # of estimating past inputs and tuning memories in turn
 
 
-@dataclass(frozen=True, eq=False)
-class Beginning:
-    """Findings with memories tuned on records whose past inputs fit their first rows.
-
-    Attributes
-    ----------
-    findings : tuple of Finding
-        What was found.
-    plain, wide : tuple of Record
-        The same records in two filters, with these past inputs.
-    """
-
-    findings: tuple[Finding, ...]
-    plain: tuple[Record, ...]
-    wide: tuple[Record, ...]
-
-
 def settled_beginning(
-    declared: Design,
-    findings: Sequence[Finding],
-    plain: Sequence[Record],
-    part: Segments,
-) -> Beginning:
+    declared: Design, findings: Sequence[Finding], plain: Sequence[Record], part: Segments
+) -> tuple[list[Finding], tuple[Record, ...], tuple[Record, ...]]:
     """Return findings with memories tuned again, given the inputs before the records began.
 
     Parameters
@@ -66,13 +43,16 @@ def settled_beginning(
 
     Returns
     -------
-    Beginning
+    findings : list of Finding
+        The same with their memories tuned.
+    plain, wide : tuple of Record
+        The records in both filters, with past inputs that fit their first rows.
     """
     design, found = with_findings(declared, findings), list(findings)
     plain, wide = tuple(plain), part.records
     for _ in range(N_ROUNDS):
         memories = memories_in(found)
-        acted = part.of([with_memories_applied(record, memories) for record in wide])
+        acted = part.of(all_with_memories(wide, memories))
         equations = quick_fit(design, acted)
         model = with_memories(equations, memories)
         elsewhere = [not _begins_alike(*both) for both in zip(part.records, wide, strict=True)]
@@ -81,7 +61,7 @@ def settled_beginning(
             break
         plain = _with_estimated_pasts(model, plain, elsewhere)
         found = resettled(found, design, part.with_pasts_of(wide))
-    return Beginning(tuple(found), plain, wide)
+    return found, plain, wide
 
 
 def _with_estimated_pasts(

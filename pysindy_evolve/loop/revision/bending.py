@@ -15,8 +15,6 @@ from ..evidence.scoring import EXTRA_LEAD_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["with_hyperbolas"]
-
 
 def with_hyperbolas(declared: Design, findings: Sequence[Finding], part: Segments) -> list[Finding]:
     """Return findings with a hyperbola in the place of a product that does clearly worse.

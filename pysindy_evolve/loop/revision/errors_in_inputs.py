@@ -23,8 +23,6 @@ from ..given.design import Design
 from ..given.input_errors import input_error
 from ..given.segments import Segments
 
-__all__ = ["MIN_POWER_OVER_ERRORS", "N_DRAWS", "is_of_inputs", "without_errors_in_inputs"]
-
 N_DRAWS = 4  # of the noise
 # Power that an effect explains over that of these errors; less may be chance.
 MIN_POWER_OVER_ERRORS = 1.25

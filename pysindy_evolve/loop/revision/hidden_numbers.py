@@ -35,8 +35,6 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .revise import exchange
 
-__all__ = ["filter_like_paths", "needed_by_runs", "with_numbers", "with_numbers_of_runs"]
-
 N_ROUNDS = 2
 # Hidden states without the jumps of a friction; a filter of the record may look like them.
 SMOOTH = (RELAXING, WEN_SPRING, FLEXIBLE_MODE)

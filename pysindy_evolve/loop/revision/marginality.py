@@ -21,8 +21,6 @@ from ..evidence.scoring import MIN_GAIN_LOG, score
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["without_parents"]
-
 ALONE = {ASYMMETRIC_FRICTION: NONLINEAR_DAMPING}  # new name without a friction beside it
 
 

@@ -22,8 +22,6 @@ from ..given.design import Design
 from ..given.input_errors import input_error
 from .errors_in_inputs import MIN_POWER_OVER_ERRORS, N_DRAWS, is_of_inputs
 
-__all__ = ["without_noise_in_runs"]
-
 
 def without_noise_in_runs(
     declared: Design,

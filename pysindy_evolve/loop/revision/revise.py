@@ -17,8 +17,6 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .marginality import without_parents
 
-__all__ = ["exchange", "merged", "prune"]
-
 
 def exchange(
     declared: Design, findings: Sequence[Finding], part: Segments, *, latest: bool = False

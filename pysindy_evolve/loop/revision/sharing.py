@@ -12,8 +12,6 @@ from ..evidence.scoring import MIN_GAIN_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["with_shared_numbers"]
-
 N_ROUNDS = 2  # of tuning: the shared number may lie beyond the reach of a single one
 
 

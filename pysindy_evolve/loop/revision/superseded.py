@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, excluding, is_needed
 from ..evidence.scoring import MIN_GAIN_LOG
@@ -18,8 +18,6 @@ from ..free_runs.drift import drift_of
 from ..free_runs.judging import model_of
 from ..free_runs.variants import Model
 from ..given.design import Design
-
-__all__ = ["without_superseded"]
 
 
 def without_superseded(
@@ -66,7 +64,7 @@ def _derivative_loss(many: Model, few: Model, wide: Sequence[Record]) -> float:
     """Return log(error of the derivative with few effects / with many)."""
     errors = []
     for model in (many, few):
-        acted = [with_memories_applied(record, model.memories) for record in wide]
+        acted = all_with_memories(wide, model.memories)
         coef = refit(model.whole, acted, "derivative")
         errors.append(derivative_square(model.whole, acted, coef))
     return log_ratio(errors[1], errors[0])

@@ -22,8 +22,6 @@ from ..evidence.trace import fold_errors
 from ..given.design import Design
 from ..given.segments import Segments
 
-__all__ = ["thinned"]
-
 FILLS_GAPS = (EVOLVED, HYSTERESIS)
 
 

@@ -8,8 +8,7 @@ look_for_effects     calls all looks in their order, and begins again where it m
 found                what a search has found so far, and the records as they look with it
 looks
 look_at_names        names of the vocabulary, and memories of inputs
-holding              inputs that turn out to be held between their samples
-input_functions      inputs that jump, and act through functions that were found
+holding              inputs that turn out to be held between samples, or to act through functions
 look_at_runs         what has a name, or remembers, and shows in nothing but free runs
 look_at_grown_terms  terms without a name, where no name explains what is left
 hold_against_runs    all that was found held against free runs, and what these show besides

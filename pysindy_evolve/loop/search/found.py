@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...hidden_states.memory import with_memories_applied, with_past_inputs
+from ...hidden_states.memory import all_with_memories, with_past_inputs
 from ...operators import Operator
 from ...signals import Record
 from ...signals.zero_order_hold import hold
@@ -36,8 +36,6 @@ from ..given.segments import Segments
 from ..growth.naming import small_candidates
 from ..growth.term_grower import Grown, TermGrower
 from ..revision.revise import prune
-
-__all__ = ["Found", "Holding"]
 
 Holding = Callable[[Record, Mapping[int, float]], Record]
 NOT_HELD: Mapping[int, float] = {}
@@ -172,7 +170,7 @@ class Found:
         """Return the pieces as they are with memories and limits, and inputs that may be held."""
         memories, limits = memories_in(findings), limits_in(findings)
         held = [held_where_it_may_be(record, late) for record in self.wide_records]
-        part = self.pieces.of([with_memories_applied(record, memories) for record in held])
+        part = self.pieces.of(all_with_memories(held, memories))
         return off_limits(part, limits) if findings else part
 
     def with_findings(self, findings: Sequence[Finding]) -> Found:

@@ -24,8 +24,6 @@ from ..revision.thinning import thinned
 from .found import Found
 from .look_at_runs import of_kinds_again
 
-__all__ = ["hold_against_runs"]
-
 
 def hold_against_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Hold all that was found against free runs, and add what these show besides.

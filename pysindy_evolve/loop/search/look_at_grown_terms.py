@@ -11,8 +11,6 @@ from ..growth.short_records import find_small, is_better
 from .found import Found
 from .look_at_names import find_named
 
-__all__ = ["grow_terms"]
-
 N_SEARCHES = 5  # for grown terms, where they are the only hope: one search may miss them
 MAX_CHANCE = 0.2  # chance that the residual has no structure, up to which there is such a hope
 

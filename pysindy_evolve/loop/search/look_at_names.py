@@ -19,8 +19,6 @@ from ..revision.sharing import with_shared_numbers
 from .found import Found
 from .holding import without_holds
 
-__all__ = ["find_named", "tune_memories"]
-
 
 def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Add what has a name, or remembers, one after the other until none passes.
@@ -41,27 +39,24 @@ def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     while found.has_room and found.kinds not in seen:
         seen.add(found.kinds)
         known = found
-        found, new = _look_once(found, rng)
+        found, new = _look_once(known, rng)
         if not new:
             break
-        if memories_in(new):
-            found, kept = without_holds(found, new)
-            if not kept:  # it was how the input was recorded, and no memory of the machine
-                continue
-            found = _with_settled_beginning(found, with_trades_done([*found.findings, *kept]))
-        else:
-            found = found.with_findings([*found.findings, *new])
+        found, new = without_holds(found, new)
+        if not new:  # it was how the input was recorded, and no memory of the machine
+            continue
+        found = _with_new(found, new)
+        if not memories_in(new):
             if not _relaxes(found, known):
                 yield found  # growing takes long, and may be interrupted
             found = _or_grown(found, known, new, rng)
-        # A memory may have gone: where records begin otherwise, nothing speaks for it.
-        nothing_came_in = len(found.findings) <= len(known.findings)
-        if nothing_came_in:
-            break
+        if len(found.findings) <= len(known.findings):
+            break  # the memory went again: records that begin otherwise do not ask for it
         found = _if_needed(_exchanged(found), known)
+        # A new memory alone was tuned when it was found. All others are tuned before the next look,
+        # which would otherwise name their error as an effect.
         has_new_memory = len(memories_in(found.findings)) != len(memories_in(known.findings))
-        if len(new) > 1 or not has_new_memory:  # a new one alone was tuned when it was found
-            # Now, or what is wrong with the numbers of a memory would be named as another effect.
+        if len(new) > 1 or not has_new_memory:
             found = _tuned(found)
         yield found
     yield _pruned(found)
@@ -100,6 +95,17 @@ def _look_once(found: Found, rng: np.random.Generator) -> tuple[Found, list[Find
     return found.with_rejected(look.rejected), found.numbered(look.found)
 
 
+def _with_new(found: Found, new: Sequence[Finding]) -> Found:
+    """Add findings; those with memories in records that begin where their first rows say."""
+    findings = [*found.findings, *new]
+    if not memories_in(new):
+        return found.with_findings(findings)
+    findings = with_trades_done(findings)
+    part = after_settling(found.with_findings(findings).design, found.pieces)
+    findings, plain, wide = settled_beginning(found.declared, findings, found.records, part)
+    return found.with_pasts_of(plain, wide).with_findings(findings)
+
+
 def _or_grown(
     found: Found, known: Found, new: Sequence[Finding], rng: np.random.Generator
 ) -> Found:
@@ -109,13 +115,6 @@ def _or_grown(
         return found
     step = new[0].step
     return found.with_findings([*known.findings, *(replace(one, step=step) for one in grown)])
-
-
-def _with_settled_beginning(found: Found, findings: list[Finding]) -> Found:
-    """Take up memories, in records that begin where their first rows say."""
-    part = after_settling(found.with_findings(findings).design, found.pieces)
-    start = settled_beginning(found.declared, findings, found.records, part)
-    return found.with_pasts_of(start.plain, start.wide).with_findings(start.findings)
 
 
 def _exchanged(found: Found) -> Found:

@@ -15,8 +15,6 @@ from ..revision.revise import merged
 from .found import Found
 from .holding import without_holds
 
-__all__ = ["find_in_runs", "of_kinds_again"]
-
 
 def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:
     """Add what has a name, or remembers, and shows in nothing but free runs.

@@ -6,12 +6,8 @@
 in order
 settle           calls the files below; repeats until no effect is withdrawn
 named rightly
-contest          what could replace each effect, and which of these is named
-refuted          alternatives that free runs rule out
-asymmetry        offset plus friction, renamed: friction that differs with the direction
-dead_zones       a dead zone of an input, told from its saturation
-end_stops        on which side of its position a stop acts
-products         grown terms that are products of states, renamed couplings
+contest          what could replace each effect, which of these is named, and which runs rule out
+other_names      the names that are right beside all others, as of a friction beside an offset
 fitted for good
 judge            fits a model, and takes its errors on held-out records
 stages           the declared model, and the model after each step, fitted and judged
@@ -24,7 +20,6 @@ withdrawn
 doubtful         an effect whose interval contains zero
 transfer         an effect that differs from record to record
 wandering        an effect of the time that a random walk shows as well
-runaway          an effect that makes free runs diverge from the training records
-worsened         an effect with which neither derivatives nor free runs are closer
+worsened         an effect that makes free runs diverge, or with which nothing is closer
 ===============  =======================================================================
 """

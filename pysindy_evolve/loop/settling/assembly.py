@@ -8,45 +8,44 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
+from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding
 from ..evidence.rivals import Rival
 from ..evidence.scoring import columns_of
 from ..facts.effect import Effect, Step
 from ..facts.outcome import Outcome
 from ..fitting.fit import refit
-from ..given.design import Design
-from ..given.rules import Rules
+from ..given.held import held_like
+from ..given.resampled import widened
+from ..search.found import Found
 from .described import described, total
-from .quantities import (
-    with_intervals,
-    with_limit,
-    with_memory,
-    with_sensor,
-    with_share_of_runs,
-)
+from .quantities import with_intervals, with_limit, with_memory, with_sensor, with_share_of_runs
 from .stages import Stage, fitted_stages
 
-__all__ = ["assembled"]
+FLAT_CUTOFF_SHARE = 0.5  # of the cutoff, up to which a low-pass leaves what there is
 
 
 def assembled(
-    declared: Design,
+    found: Found,
     findings: Sequence[Finding],
-    train: Sequence[Record],
     test: Sequence[Record],
-    verdict: str,
-    rules: Rules,
     rng: np.random.Generator,
     *,
     finished: bool,
 ) -> Outcome:
-    """Fit each stage on all training rows and judge it on held-out records."""
-    is_complete = verdict == "complete"
-    stages = fitted_stages(declared, findings, train, test, rules, rng, is_complete=is_complete)
+    """Fit all stages and judge them, on records whose low-pass leaves what was found.
+
+    `findings` are those of `found` under their right names, with their alternatives.
+    """
+    declared, verdict = found.declared, found.verdict
+    train, judged = found.records, [held_like(record, found.records) for record in test]
+    if not declared.algebraic and _is_near_cutoff(findings, found.records):
+        train, judged = found.wide_records, widened(judged)
+    stages = fitted_stages(found, findings, train, judged, rng)
     first, last = stages[0], stages[-1]
-    effects = _described(stages, train, test)
+    effects = _described(stages, train, judged)
     steps = [
         Step(finding.candidate.name, declared.states[finding.candidate.state], stage.errors)
         for stage in stages
@@ -54,16 +53,29 @@ def assembled(
     ]
     return Outcome(
         verdict,
-        _numbered(effects, len(declared.columns), last, train, test, rng),
+        _numbered(effects, len(declared.columns), last, train, judged, rng),
         before=first.errors,
         after=last.errors,
         steps=steps,
         train=tuple(train),
-        test=tuple(test),
+        test=tuple(judged),
         finished=finished,
-        rules=rules,
+        rules=found.rules,
         design=last.design,
+        rejected=found.rejected,
+        chance_left=found.chance_left,
+        found_held=tuple(sorted(set(found.held) - set(test[0].held))),
     )
+
+
+def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> bool:
+    """Tell whether the low-pass of records takes a part of a forcing: its size would be too small.
+
+    It is a function of time, not of what was measured, so it did not pass the same filter.
+    """
+    made = [record.preparation for record in records]
+    cutoff = min((one.cutoff for one in made if one is not None and one.cutoff), default=np.inf)
+    return any(frequency_of(finding.candidate) > FLAT_CUTOFF_SHARE * cutoff for finding in findings)
 
 
 def _described(
@@ -89,41 +101,26 @@ def _numbered(
     rng: np.random.Generator,
 ) -> list[Effect]:
     """Return effects, whose columns begin at a place, with the numbers of the corrected model."""
-    numbered = []
+    coef, intervals, numbered = last.fitted.coef, last.fitted.intervals, []
     for effect, finding in zip(effects, last.findings, strict=True):
         own = slice(place, place + len(finding.columns))
-        numbered.append(_with_numbers(effect, finding, own, last, train, test, rng))
         place = own.stop
-    if last.has_memories_of_runs:
-        coef = last.fitted.coef
-        return with_intervals(numbered, last.findings, last.design, coef, train, rng)
-    return numbered
-
-
-def _with_numbers(
-    effect: Effect,
-    finding: Finding,
-    own: slice,
-    last: Stage,
-    train: Sequence[Record],
-    test: Sequence[Record],
-    rng: np.random.Generator,
-) -> Effect:
-    """Return an effect with its numbers and intervals in the corrected model."""
-    coef, intervals = last.fitted.coef, last.fitted.intervals
-    effect = replace(effect, coefficients=coef[own], confidence_intervals=intervals[own])
-    if isinstance(finding, MemoryFinding):
-        return with_memory(effect, finding, last.design, coef, train, rng)
-    if isinstance(finding, LimitFinding):
-        return with_limit(effect, finding, train)
-    if isinstance(finding, SensorFinding):
-        return with_sensor(effect, finding, last.errors.model, test)
-    return _with_rivals(effect, finding, last, train)
+        effect = replace(effect, coefficients=coef[own], confidence_intervals=intervals[own])
+        if isinstance(finding, MemoryFinding):
+            effect = with_memory(effect, finding, last, train, rng)
+        elif isinstance(finding, LimitFinding):
+            effect = with_limit(effect, finding, train)
+        elif isinstance(finding, SensorFinding):
+            effect = with_sensor(effect, finding, last.errors.model, test)
+        else:
+            effect = _with_rivals(effect, finding, last, train)
+        numbered.append(effect)
+    return with_intervals(numbered, last, train, rng) if last.has_memories_of_runs else numbered
 
 
 def _with_rivals(effect: Effect, finding: Finding, last: Stage, train: Sequence[Record]) -> Effect:
     """Return an effect whose alternatives have the coefficients that they would have."""
-    acted = [with_memories_applied(record, last.memories) for record in train]
+    acted = all_with_memories(train, last.memories)
     rivals = []
     for shown, rival in zip(effect.rivals, finding.rivals, strict=True):
         coef = _in_its_place(finding, rival, last, acted)

@@ -25,12 +25,9 @@ from ..fitting.runs import stretch_misses
 from ..given.design import Design
 from ..twins.twins import TwinMaker
 
-__all__ = ["unbiased"]
-
 N_TWINS = 16
 MIN_STANDARD_ERRORS = 2.0  # standard errors of the mean over the twins, from which on a bias is one
 NORMAL = 1.96  # standard deviations to each side that hold 95 %
-N_STRETCHES = 16  # of each record, that the model is simulated over
 NO_WORSE = 1.05  # times the square of the simulation error that they may show afterwards
 
 
@@ -72,9 +69,7 @@ def unbiased(
     bias = coefs.mean(axis=0) - fitted.coef
     bias = np.where(np.abs(bias) > MIN_STANDARD_ERRORS * spread / np.sqrt(N_TWINS), bias, 0.0)
     coef, intervals = fitted.coef - bias, fitted.intervals - bias[:, None]
-    before, after = (
-        stretch_misses(design.equations(c), records, N_STRETCHES) for c in (fitted.coef, coef)
-    )
+    before, after = (stretch_misses(design.equations(c), records) for c in (fitted.coef, coef))
     if not after <= NO_WORSE * before:
         return fitted
     # Twins do not know how the model fails, blocks of the record not how the filter does.

@@ -10,7 +10,7 @@ import numpy as np
 from ...checks import TINY
 from ...export import format_expression
 from ...export.compact import as_written, compact
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
 from ...terms import Sum, mul
 from ..effects.candidate import OFFSET
@@ -22,8 +22,6 @@ from ..facts.effect import Alternative, Effect
 from ..fitting.fit import derivative_fit_errors
 from ..given.design import Design
 from .stages import Stage
-
-__all__ = ["described", "total"]
 
 
 def described(
@@ -51,11 +49,10 @@ def described(
     written = tuple(column.inertia.wave for column in finding.columns if column.inertia)
     poorer = design.dropping(finding.columns)
     without, with_it = (
-        derivative_fit_errors(
-            d, *([with_memories_applied(r, m) for r in rs] for rs in (train, test))
-        )[state]
+        derivative_fit_errors(d, all_with_memories(train, m), all_with_memories(test, m))[state]
         for d, m in ((poorer, others), (design, stage.memories))
     )
+    other_names = [r.name for r in finding.rivals if r.name != finding.candidate.name]
     unknown = np.full(len(terms), np.nan)
     return Effect(
         name=finding.candidate.name,
@@ -65,7 +62,7 @@ def described(
         confidence_intervals=np.column_stack([unknown, unknown]),
         explained=float(1.0 - (with_it / max(without, TINY)) ** 2),
         p_value=finding.p_value,
-        alternatives=(*_other_names(finding), *finding.together),
+        alternatives=(*other_names, *finding.together),
         together=finding.together,
         contested=finding.contested,
         rivals=tuple(_alternative(rival, design) for rival in finding.rivals),
@@ -130,10 +127,6 @@ def total(
     factors = coef if len(coef) else [1] * len(terms)
     pairs = zip(factors, terms, strict=True)
     return sum(factor * as_written(term, symbols) for factor, term in pairs)
-
-
-def _other_names(finding: Finding) -> tuple[str, ...]:
-    return tuple(r.name for r in finding.rivals if r.name != finding.candidate.name)
 
 
 def _alternative(rival: Rival, design: Design) -> Alternative:

@@ -16,8 +16,6 @@ from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed
 from ..facts.effect import Effect
 from ..given.design import Design
 
-__all__ = ["most_doubtful"]
-
 
 def most_doubtful(
     findings: Sequence[Finding], effects: Sequence[Effect], design: Design

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...hidden_states.memory import Memory, with_memories_applied
+from ...hidden_states.memory import Memory, all_with_memories, with_memories_applied
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record, choose_windows
 from ..facts.effect import Errors
@@ -18,8 +18,6 @@ from ..free_runs.memory_tuning import fit_by_runs
 from ..given.design import Design
 from ..given.rules import Rules
 from .bias import unbiased
-
-__all__ = ["judge"]
 
 # Times both errors of another fit: more than the choice among good fits makes.
 MIN_ERROR_RATIO = 1.2
@@ -42,7 +40,7 @@ def judge(
     something is of no interest. Memories are what the inputs go through before they act. What only
     free runs showed is also fitted to them, as the derivative does not know it.
     """
-    train = [with_memories_applied(record, memories) for record in train]
+    train = all_with_memories(train, memories)
     fitted = fit(design, train, rng, rules.criterion)
     if fitted.criterion == "trajectory":
         fitted = _unless_beaten(design, fitted, train, rng)

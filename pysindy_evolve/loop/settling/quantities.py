@@ -12,23 +12,15 @@ from ...checks import TINY
 from ...equations import Equations
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record
-from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding, memories_in
+from ..evidence.findings import Finding, LimitFinding, MemoryFinding, SensorFinding
 from ..facts.effect import Effect, Errors
 from ..fitting.runs import free_run
 from ..free_runs.memory_tuning import intervals_by_runs
 from ..free_runs.variants import Model
-from ..given.design import Design
 from ..given.limits import Limit
 from ..given.sensor import limits_of_states, shown
 from ..memories.polish import row_interval
-
-__all__ = [
-    "with_intervals",
-    "with_limit",
-    "with_memory",
-    "with_sensor",
-    "with_share_of_runs",
-]
+from .stages import Stage
 
 
 def with_share_of_runs(effect: Effect, finding: Finding, before: Errors, after: Errors) -> Effect:
@@ -85,18 +77,13 @@ def with_sensor(
 
 
 def with_intervals(
-    effects: list[Effect],
-    findings: Sequence[Finding],
-    design: Design,
-    coef: np.ndarray,
-    train: Sequence[Record],
-    rng: np.random.Generator,
+    effects: list[Effect], last: Stage, train: Sequence[Record], rng: np.random.Generator
 ) -> list[Effect]:
     """Return effects, the numbers of memories with intervals that free runs give."""
-    model = Model(design, memories_in(findings))
+    model, coef = Model(last.design, last.memories), last.fitted.coef
     intervals = iter(intervals_by_runs(model, coef, train, rng)[len(coef) :])
     found = list(effects)
-    for k, finding in enumerate(findings):
+    for k, finding in enumerate(last.findings):
         if isinstance(finding, MemoryFinding):
             values = finding.memory.values
             ends = np.array([next(intervals) if value else np.zeros(2) for value in values])
@@ -108,13 +95,12 @@ def with_intervals(
 def with_memory(
     effect: Effect,
     finding: MemoryFinding,
-    design: Design,
-    coef: np.ndarray,
+    last: Stage,
     train: Sequence[Record],
     rng: np.random.Generator,
 ) -> Effect:
     """Return the effect of a memory with its delay or time constant."""
-    memory = finding.memory
+    memory, design, coef = finding.memory, last.design, last.fitted.coef
     intervals = np.full((len(memory.values), 2), np.nan)
     if finding.interval is not None:
         intervals[0] = finding.interval

@@ -7,37 +7,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
-from ..effects.periodic import frequency_of
 from ..evidence.findings import Finding, limits_in, memories_in, with_findings
 from ..evidence.offers import after_settling
 from ..facts.held_delays import is_hold_only
 from ..facts.outcome import Outcome
-from ..facts.record_offsets import offsets_by_record
+from ..facts.record_differences import offsets_by_record
 from ..facts.shared_lines import shared_lines
-from ..given.held import held_like
 from ..given.limits import off_limits
-from ..given.resampled import widened
 from ..memories.polish import polished
 from ..search.found import Found
 from .assembly import assembled
-from .asymmetry import with_asymmetry
-from .contest import with_rivals
-from .dead_zones import with_dead_zones_named
+from .contest import with_rivals, without_refuted_rivals
 from .doubtful import most_doubtful
-from .end_stops import with_stops_on_steep_side
-from .products import with_couplings_named
-from .refuted import without_refuted_rivals
-from .runaway import last_runaway
+from .other_names import renamed
 from .shape_intervals import with_numbers_known
 from .transfer import last_untransferred
 from .wandering import last_wandering
 from .worsened import last_worsened
-
-__all__ = ["settled"]
-
-FLAT_CUTOFF_SHARE = 0.5  # of the cutoff, up to which a low-pass leaves what there is
 
 
 def settled(
@@ -62,7 +50,7 @@ def settled(
     """
     while True:
         findings = _with_alternatives(found, rng)
-        outcome = _judged(found, findings, test, rng, finished=finished)
+        outcome = assembled(found, findings, test, rng, finished=finished)
         if is_hold_only(outcome):
             found = found.with_holds_for_delays().judged(rng)
             continue
@@ -73,36 +61,6 @@ def settled(
     whole = with_findings(found.declared, findings)
     known = with_numbers_known(outcome, findings, whole, found.rules, rng.spawn(1)[0])
     return replace(known, verdict="untraced") if _differs_by_record(known) else known
-
-
-def _judged(
-    found: Found,
-    findings: Sequence[Finding],
-    test: Sequence[Record],
-    rng: np.random.Generator,
-    *,
-    finished: bool,
-) -> Outcome:
-    """Fit all stages and judge them, on records whose low-pass leaves what was found."""
-    train, judged = found.records, [held_like(record, found.records) for record in test]
-    if not found.declared.algebraic and _is_near_cutoff(findings, found.records):
-        train, judged = found.wide_records, widened(judged)
-    outcome = assembled(
-        found.declared,
-        findings,
-        train,
-        judged,
-        found.verdict,
-        found.rules,
-        rng,
-        finished=finished,
-    )
-    return replace(
-        outcome,
-        rejected=found.rejected,
-        chance_left=found.chance_left,
-        found_held=tuple(sorted(set(found.held) - set(test[0].held))),
-    )
 
 
 def _what_falls(found: Found, findings: Sequence[Finding], outcome: Outcome) -> Finding | None:
@@ -120,7 +78,6 @@ def _what_falls(found: Found, findings: Sequence[Finding], outcome: Outcome) -> 
     if found.runs_tell_more:
         level = found.rules.significance
         gone = last_wandering(findings, outcome.effects, after, records, level)
-    gone = gone or last_runaway(findings, before, after, records)
     return gone or last_worsened(findings, before, after, records)
 
 
@@ -131,29 +88,16 @@ def _differs_by_record(outcome: Outcome) -> bool:
     return any(line.is_most for line in shared_lines(outcome)) or bool(offsets_by_record(outcome))
 
 
-def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> bool:
-    """Tell whether the low-pass of records takes a part of a forcing: its size would be too small.
-
-    It is a function of time, not of what was measured, so it did not pass the same filter.
-    """
-    made = [record.preparation for record in records]
-    cutoff = min((one.cutoff for one in made if one is not None and one.cutoff), default=np.inf)
-    return any(frequency_of(finding.candidate) > FLAT_CUTOFF_SHARE * cutoff for finding in findings)
-
-
 def _with_alternatives(found: Found, rng: np.random.Generator) -> list[Finding]:
     """Return what was found, in the same order, each with what could stand in its place."""
     findings, design, rules = found.findings, found.declared, found.rules
-    acted = found.pieces.of(
-        [with_memories_applied(record, memories_in(findings)) for record in found.wide_records]
-    )
+    acted = found.pieces.of(all_with_memories(found.wide_records, memories_in(findings)))
     acted = after_settling(found.design, off_limits(acted, limits_in(findings)))
     child = rng.spawn(1)[0]
     rivals = with_rivals(design, findings, acted, rules.significance, child, found.grown.terms)
     if found.runs_tell_more and not found.remembers_states:
         rivals = without_refuted_rivals(design, rivals, found.records)
-    told = with_dead_zones_named(design, with_asymmetry(rivals), acted)
-    named = with_couplings_named(design, with_stops_on_steep_side(design, told, acted))
+    named = renamed(design, rivals, acted)
     if found.pieces.by_trajectory:
         return named
     whole = after_settling(with_findings(design, named), found.pieces)

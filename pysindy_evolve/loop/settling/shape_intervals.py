@@ -15,7 +15,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from ...hidden_states.memory import with_memories_applied
+from ...hidden_states.memory import all_with_memories
 from ...signals import Record
 from ..effects.candidate import Shape
 from ..effects.partners import joined, shares_number
@@ -28,8 +28,6 @@ from ..free_runs.shape_tuning import slopes_of
 from ..given.design import Column, Design
 from ..given.rows import variables_of
 from ..given.rules import Rules
-
-__all__ = ["with_numbers_known"]
 
 # Of how far a logarithm may be tuned, to see what it changes: mostly 2 % of a number.
 STEP_PER_REACH = 1 / 60
@@ -68,7 +66,7 @@ def with_numbers_known(
     groups = _sharing(findings, shapes)
     if not groups:
         return outcome
-    acted = [with_memories_applied(record, memories_in(findings)) for record in outcome.train]
+    acted = all_with_memories(outcome.train, memories_in(findings))
     changes = [_changes(group, findings, shapes, outcome.effects, design) for group in groups]
     flat = [change for those in changes for change in those]
     half = _half_widths(design, flat, acted, rules, rng)

@@ -15,10 +15,8 @@ from ..facts.effect import Errors
 from ..facts.unidentified import unidentified
 from ..fitting.fit import Fit
 from ..given.design import Design
-from ..given.rules import Rules
+from ..search.found import Found
 from .judge import judge
-
-__all__ = ["Stage", "fitted_stages"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,37 +55,31 @@ class Stage:
 
 
 def fitted_stages(
-    declared: Design,
+    found: Found,
     findings: Sequence[Finding],
     train: Sequence[Record],
     test: Sequence[Record],
-    rules: Rules,
     rng: np.random.Generator,
-    *,
-    is_complete: bool,
 ) -> list[Stage]:
     """Fit and judge the declared model, and the model after each step.
 
     Parameters
     ----------
-    declared : Design
-        The model at the start.
+    found : Found
+        What the search found. Where nothing is missing, the declared model is the final one.
     findings : sequence of Finding
-        What was found, in the order of the steps.
+        The same findings under their right names, in the order of the steps.
     train, test : sequence of Record
         To fit on, and to judge on.
-    rules : Rules
-        What the coefficients minimize.
     rng : numpy.random.Generator
         Source of all randomness.
-    is_complete : bool
-        Whether the declared model lacks nothing, so that it is the final one as well.
 
     Returns
     -------
     list of Stage
         The declared model comes first.
     """
+    declared, rules, is_complete = found.declared, found.rules, found.verdict == "complete"
     unknown = {name for group in unidentified(declared, train) for name in group}
     fitted, errors = judge(declared, train, test, rules, rng, final=is_complete)
     first = Stage((), (), declared, fitted, errors)

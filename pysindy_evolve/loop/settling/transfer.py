@@ -26,8 +26,6 @@ from ..fitting.residual import derivative_grams
 from ..given.design import Design, in_state
 from ..given.segments import Segments
 
-__all__ = ["last_untransferred"]
-
 MAX_LOST_SHARE = 0.2  # of what it would gain with numbers of their own: phases 50 degrees apart
 MAX_SQUARES_WITH_LOADS = 1.05  # times the squares that are left
 # Times the squares that are left, where records have numbers of their own.

@@ -23,8 +23,6 @@ from ..fitting.past import derivative_residual
 from ..fitting.random_force import whitening
 from ..given.rows import variables_of
 
-__all__ = ["last_wandering"]
-
 MAX_MEANS_PER_RECORD = 64  # of a record, means over equal times: what wanders is slow
 MAX_VARIANCE_SHARE_WITHIN = 0.1  # of an effect's variance, at most, is within these times
 

@@ -9,7 +9,6 @@ signs          residuals times slow random signals, so that they depend on nothi
 colored        twins whose whole residual is sensor noise, which may be colored
 drifting       twins of trajectories, pushed by a random force
 p-values
-values         values of a statistic on twins, in several processes
-chance         the p-value that follows from these values
+chance         values of a statistic on twins, and the p-value that follows from them
 =============  ===================================================================
 """

@@ -17,8 +17,6 @@ from .paths import Path, follow
 from .signs import Shuffle
 from .twins import like
 
-__all__ = ["ColoredTwins"]
-
 LOUDEST = 5.0  # error of a free run that may be noise, over noise from reading to reading
 
 

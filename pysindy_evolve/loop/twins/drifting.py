@@ -18,8 +18,6 @@ from ..fitting.residual import jacobian, respond
 from ..fitting.trajectory import Disturbance, Trajectories, made_of
 from ..given.design import Design
 
-__all__ = ["DriftingTwins"]
-
 TOLERANCE = 1e-7  # of a simulation step
 
 

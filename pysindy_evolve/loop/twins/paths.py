@@ -23,8 +23,6 @@ from ...signals import Preparation, Record
 from ...simulation import simulate
 from ...substitution import without_unused_inputs
 
-__all__ = ["Path", "follow"]
-
 # Largest RMS distance of a path from the record, in its standard deviations.
 MAX_PATH_DISTANCE = 0.5
 MIN_PIECE_SAMPLES = 64  # raw samples of a piece, at least: in less, little of the model shows

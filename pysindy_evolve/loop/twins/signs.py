@@ -21,8 +21,6 @@ from scipy.ndimage import fourier_gaussian
 
 from ...checks import TINY
 
-__all__ = ["Shuffle"]
-
 # Longest memories of the slow part and of the rest, as shares of a record. What changes faster than
 # the longer one is not slow, and the signal of the slow part must still change its sign.
 LONGEST, LONGEST_OF_REST = 1.0 / 8.0, 1.0 / 40.0

@@ -23,8 +23,6 @@ from ..given.sensor import as_observed
 from .paths import Path, follow
 from .signs import Shuffle
 
-__all__ = ["TwinMaker", "like"]
-
 
 @dataclass(frozen=True, eq=False)
 class TwinMaker:

@@ -5,7 +5,7 @@ import pytest
 from loop_systems import equations_of, measured
 
 import pysindy_evolve as pse
-from pysindy_evolve.export.fractions import as_fractions
+from pysindy_evolve.export.compact import as_fractions
 from pysindy_evolve.loop.effects.inertia import inertia_candidate, inertias
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.names import INERTIA

@@ -13,8 +13,8 @@ from pysindy_evolve.loop.evidence.step import _best_score
 from pysindy_evolve.loop.evidence.witness import pieces_to_score
 from pysindy_evolve.loop.given.resampled import widened
 from pysindy_evolve.loop.given.rules import Rules
+from pysindy_evolve.loop.twins.chance import twin_values
 from pysindy_evolve.loop.twins.twins import TwinMaker
-from pysindy_evolve.loop.twins.values import twin_values
 
 STIFFNESS = 2000.0
 TRUTH = {

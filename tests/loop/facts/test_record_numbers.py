@@ -7,7 +7,7 @@ import pytest
 from loop_systems import measured
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.facts.record_numbers import numbers_by_record
+from pysindy_evolve.loop.facts.record_differences import numbers_by_record
 
 # What is looked at is what the records say of the model, and not how well it does on others.
 pytestmark = pytest.mark.filterwarnings("ignore:.*samples of a test record")

@@ -8,7 +8,7 @@ from loop_systems import equations_of, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.given.kinematics import positions
-from pysindy_evolve.loop.report.experiment import Plan
+from pysindy_evolve.loop.report.advice import Plan
 from pysindy_evolve.loop.report.motions import Motion, Motions
 
 DRAG = oscillator("quadratic drag", "- 0.3*v*abs(v)")

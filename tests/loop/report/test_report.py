@@ -21,9 +21,8 @@ from pysindy_evolve.loop.facts.start_noise import run_std_from_start_noise
 from pysindy_evolve.loop.fitting.runs import simulation_errors
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.effect_text import evidence, with_sign
-from pysindy_evolve.loop.report.interval_text import interval, value_within
+from pysindy_evolve.loop.report.number_text import interval, percent, value_within
 from pysindy_evolve.loop.report.text import as_text, note_on_shared_terms, table_cells
-from pysindy_evolve.loop.report.units import percent
 from pysindy_evolve.loop.settling.doubtful import most_doubtful
 from pysindy_evolve.loop.settling.quantities import with_share_of_runs
 from pysindy_evolve.terms import add, constant, mul, power, variable

@@ -38,18 +38,18 @@ def begun(record, time_constant=33.0):
 
 
 def test_lag_of_a_heater_switched_on_with_the_first_sample_is_tuned_from_rest():
-    found = begun(heated(before=0.0))
-    (memory,) = memories_in(found.findings)
+    findings, plain, wide = begun(heated(before=0.0))
+    (memory,) = memories_in(findings)
     assert memory.values[0] == pytest.approx(TIME_CONSTANT, rel=0.03)
-    for record in (*found.plain, *found.wide):
+    for record in (*plain, *wide):
         assert record.raw_u[0] == pytest.approx([0.0], abs=0.05)
 
 
 def test_record_in_balance_with_its_first_input_stays_as_it_is():
     record = heated(before=1.0)
-    found = begun(record, TIME_CONSTANT)
-    assert found.wide == (record,)
-    assert memories_in(found.findings) == (Memory(LAG, 0, (TIME_CONSTANT,)),)
+    findings, _, wide = begun(record, TIME_CONSTANT)
+    assert wide == (record,)
+    assert memories_in(findings) == (Memory(LAG, 0, (TIME_CONSTANT,)),)
 
 
 @pytest.mark.slow

@@ -5,11 +5,11 @@ import pytest
 from loop_systems import oscillator
 
 from pysindy_evolve.loop.effects.missing import candidates
-from pysindy_evolve.loop.evidence.findings import Finding
+from pysindy_evolve.loop.evidence.findings import Finding, with_findings
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.settling.dead_zones import with_dead_zones_named
+from pysindy_evolve.loop.settling.other_names import as_dead_zone
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ def test_a_clipped_input_is_called_what_it_is(lacking, name):
     clipped = [c for c in offered if c.name == "saturation"]
     near = min(clipped, key=lambda c: abs(c.shape.values[0] - 12.0))
     finding = Finding(near, columns_of(near, design), 1.0, 0.016, np.zeros(60), 1)
-    (told,) = with_dead_zones_named(design, [finding], part)
+    told = as_dead_zone(finding, with_findings(design, [finding]), part)
     assert told.candidate.name == name
     assert told.columns == finding.columns
     meaning = "half width" if name == "dead zone" else "limit"

@@ -6,11 +6,11 @@ from loop_systems import oscillator
 
 from pysindy_evolve.loop.effects.candidate import CandidateMaker
 from pysindy_evolve.loop.effects.stops import is_stop, stops
-from pysindy_evolve.loop.evidence.findings import Finding
+from pysindy_evolve.loop.evidence.findings import Finding, with_findings
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.settling.end_stops import with_stops_on_steep_side
+from pysindy_evolve.loop.settling.other_names import on_steep_side
 from pysindy_evolve.terms import variable
 
 
@@ -30,7 +30,7 @@ def test_a_stop_stands_on_the_steep_side_where_spring_and_offset_leave_that_open
         if stop.shape.branch * place < 0.0:
             continue
         finding = Finding(stop, columns_of(stop, design), 1.0, 0.016, np.zeros(60), 1)
-        (told,) = with_stops_on_steep_side(design, [finding], part)
+        told = on_steep_side(finding, with_findings(design, [finding]), part)
         if declared.endswith("o"):
             assert told.candidate.terms[0].evaluate(q) == pytest.approx(beyond)
         else:

@@ -8,7 +8,7 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.settling.products import with_couplings_named
+from pysindy_evolve.loop.settling.other_names import as_coupling
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import add, call, mul, power, variable
 
@@ -40,16 +40,13 @@ def design():
 )
 def test_a_grown_product_with_another_state_is_a_coupling(design, term, name):
     grown = Candidate("evolved term", 1, (term,))
-    (found,) = with_couplings_named(
-        design, [Finding(grown, columns_of(grown, design), 1.0, 0.01, np.zeros(9))]
-    )
+    finding = Finding(grown, columns_of(grown, design), 1.0, 0.01, np.zeros(9))
+    found = as_coupling(finding, design)
     assert found.candidate.name == name
     assert found.candidate.terms == grown.terms
 
 
 def test_other_names_stay(design):
     drag = Candidate("quadratic drag", 1, (mul(W, Z),))
-    (found,) = with_couplings_named(
-        design, [Finding(drag, columns_of(drag, design), 1.0, 0.01, np.zeros(9))]
-    )
-    assert found.candidate is drag
+    finding = Finding(drag, columns_of(drag, design), 1.0, 0.01, np.zeros(9))
+    assert as_coupling(finding, design) is finding

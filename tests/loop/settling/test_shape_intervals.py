@@ -15,6 +15,7 @@ from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.report.report import report_of
+from pysindy_evolve.loop.search.found import Found
 from pysindy_evolve.loop.settling.assembly import assembled
 from pysindy_evolve.loop.settling.shape_intervals import _with_sign_of, with_numbers_known
 from pysindy_evolve.operators import BUILTIN, Operator
@@ -44,8 +45,10 @@ def reported(model, record, name, values, states=(1,)):
         found = of_name[-1].at(values)  # the last is between two bodies, if there are two
         columns = columns_of(found, declared)
         findings.append(Finding(found, columns, 1.0, 0.016, np.zeros(60), step=1))
-    given = declared, findings, [record], [record], "traced", RULES
-    report = report_of(assembled(*given, np.random.default_rng(0), finished=True))
+    found = Found(declared, [record], part, RULES, ()).with_findings(findings)
+    report = report_of(
+        assembled(found, findings, [record], np.random.default_rng(0), finished=True)
+    )
     return report, findings, with_findings(declared, findings)
 
 
