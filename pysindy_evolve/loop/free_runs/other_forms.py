@@ -17,6 +17,7 @@ from ...breeding.poles import has_pole
 from ...operators import BUILTIN, Operator
 from ...terms import Call, Product, Sum, call, mul, of_term, only_term, power
 from ..effects.candidate import OFFSET, Candidate, bare
+from ..effects.frictions import tustin_form
 from ..effects.missing import terms_in
 from ..effects.names import EVOLVED
 from ..effects.stops import is_stop, kinked_at_zero, pressed
@@ -32,17 +33,17 @@ ALIKE = ("sin", "tanh", "softsign")  # straight near zero, and bent differently 
 def other_forms(
     candidate: Candidate, design: Design, part: Segments, operators: Collection[Operator] = ()
 ) -> list[Candidate]:
-    """Return the other forms of a grown term, and of stops: their curved and their plain forms.
+    """Return the other forms of a grown term, of stops and of Stribeck friction.
 
-    They lack one factor, or hold a power or a similar function in place of one function. Each of
-    them, and the term, is also offered beside an offset unless the records show that it vanishes at
-    zero.
+    Those of a grown term lack one factor, or hold a power or a similar function in place of one
+    function. Each of them, and the term, is also offered beside an offset unless the records show
+    that it vanishes at zero.
 
     Parameters
     ----------
     candidate : Candidate
-        Grown. Of the vocabulary, only stops have other forms: one that ends at a place the contact
-        of curved bodies, one with two ends another stiffness above zero.
+        Grown. Of the vocabulary, a stop that ends at a place has the contact of curved bodies, one
+        with two ends another stiffness above zero, and Stribeck friction that of Tustin.
     design : Design
         The model without it; terms that it already holds are not offered.
     part : Segments
@@ -56,9 +57,9 @@ def other_forms(
     """
     if is_stop(candidate):
         return [replace(pressed(candidate), name=EVOLVED)]
-    kinked = kinked_at_zero(candidate)
-    if kinked is not None:
-        return [kinked]
+    renamed = kinked_at_zero(candidate) or tustin_form(candidate)
+    if renamed is not None:
+        return [renamed]
     if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
         return []
     product = only_term(candidate.terms[0])
