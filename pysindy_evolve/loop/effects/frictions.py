@@ -6,9 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
+
 from ...operators import BUILTIN
-from ...terms import Call, Sum, call, constant, mul, power
-from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
+from ...substitution import substituted
+from ...terms import Call, Sum, as_sum, call, constant, mul, power
+from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
 from .differences import gripping
 from .kinks import magnitude, sign
 from .names import (
@@ -73,22 +76,30 @@ def tustin_form(candidate: Candidate) -> Candidate | None:
     """
     if candidate.name != STRIBECK_FRICTION or candidate.shape is None:
         return None
-    atoms = (atom for _, term in candidate.terms[0].parts for atom, _ in term.factors)
-    velocities = [atom.args[0] for atom in atoms if isinstance(atom, Call) and _is_sign(atom)]
-    if len(velocities) != 1:
+    form = rewritten(candidate, _with_speed_itself)
+    if form.terms == candidate.terms or form.shape is None:
         return None
-    (speed,), (velocity,) = candidate.shape.values, velocities
-    values, builds = (TUSTIN_SPEED_RATIO * speed,), (partial(_tustin, velocity),)
-    shape = replace(candidate.shape, values=values, builds=builds)
-    return replace(candidate, terms=shape.terms, shape=shape)
+    (speed,) = form.shape.values
+    shape = replace(form.shape, values=(TUSTIN_SPEED_RATIO * speed,))
+    acts_at = form.acts_at
+    if acts_at is not None:
+        acts_at = (acts_at[0], tuple(map(_with_speed_itself, acts_at[1])))
+    return replace(form, terms=shape.terms, shape=shape, acts_at=acts_at)
 
 
-def _is_sign(atom: Call) -> bool:
-    return atom.operator == BUILTIN["sgn"]
-
-
-def _tustin(v: Sum, speed: float) -> Sum:
-    return mul(sign(v), call(BUILTIN["exp"], mul(constant(-1.0 / speed), magnitude(v))))
+def _with_speed_itself(expression: Sum) -> Sum:
+    """Replace each exp(-(v / c)^2) by exp(-|v| / c)."""
+    atoms = (atom for _, term in expression.parts for atom, _ in term.factors)
+    straight: dict[int | Call, Sum] = {}
+    for atom in atoms:
+        if isinstance(atom, Call) and atom.operator == BUILTIN["exp"]:
+            parts = atom.args[0].parts
+            if len(parts) == 1 and parts[0][0] < 0.0 and len(parts[0][1].factors) == 1:
+                number, ((base, exponent),) = parts[0][0], parts[0][1].factors
+                if exponent == 2:
+                    rate = constant(-float(np.sqrt(-number)))
+                    straight[atom] = call(BUILTIN["exp"], mul(rate, magnitude(as_sum(base))))
+    return substituted(expression, straight) if straight else expression
 
 
 def _stribeck(v: Sum, speed: float) -> Sum:

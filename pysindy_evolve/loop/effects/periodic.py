@@ -22,6 +22,7 @@ N_LINES = 2  # to try in each equation
 PERIODS_IN_TIME = 8  # of a line in a record, at least; fewer look like slow disturbances
 FEWEST_PERIODS = 4  # of a plain forcing, which acts whatever the state is
 PERIODS_IN_SPACE = 4  # fewer within the stroke look like a spring or a slope
+MIN_IN_STEP = 0.9  # correlation with a position of what a ripple may repeat with in its place
 SAMPLES_PER_BIN = 8  # of the stroke, on average: as fine as the record can tell
 
 
@@ -161,8 +162,8 @@ def ripple_candidates(
     ]
 
 
-def other_ripples(ripple: Candidate, design: Design, rows: np.ndarray) -> list[Candidate]:
-    """Return the same ripple over what else may repeat with the position: other angles, inputs.
+def other_ripples(ripple: Candidate, design: Design, pieces: np.ndarray) -> list[Candidate]:
+    """Return the same ripple over what moves in step with the position, such as a motor's angle.
 
     The error of a gear repeats with the angle of its motor. The load nearly follows that angle, so
     that the residual does not tell over which of the two it repeats; free runs do.
@@ -173,24 +174,28 @@ def other_ripples(ripple: Candidate, design: Design, rows: np.ndarray) -> list[C
         The ripple that was found; the list is empty for another effect.
     design : Design
         The model without it.
-    rows : ndarray of shape (n_samples, n_variables)
-        Measured variables.
+    pieces : ndarray of shape (n_pieces, n_samples, n_variables)
+        Measured variables. Each piece may count its angles from another zero.
 
     Returns
     -------
     list of Candidate
-        One for each other variable, apart from velocities, in the declared equation.
+        One for each other position and input of the equation that is nearly proportional to the
+        position within the pieces.
     """
     state, position = ripple.state, design.position_of(ripple.state)
     if ripple.name != RIPPLE or ripple.shape is None or ripple.variables != {position}:
         return []
-    in_equation = frozenset().union(*(column.parts[state].variables for column in design.columns))
-    moving = (other for other in in_equation if np.ptp(rows[:, other]) > 0.0)
+    in_equation = frozenset().union(*(side.variables for side in design.sides_of(state)))
+    moved = pieces - pieces.mean(axis=1, keepdims=True)
+    moved = moved.reshape(-1, pieces.shape[2])
     found = []
-    for other in sorted({*moving} - {position, design.time, *design.velocities}):
-        slope = abs(float(linregress(rows[:, other], rows[:, position]).slope))
-        if slope > 0.0:
-            values = (ripple.shape.values[0] * slope,)
+    for other in sorted(in_equation - {position, design.time, *design.velocities}):
+        if not np.ptp(moved[:, other]) > 0.0:
+            continue
+        line = linregress(moved[:, other], moved[:, position])
+        if abs(line.rvalue) > MIN_IN_STEP:
+            values = (ripple.shape.values[0] * abs(float(line.slope)),)
             shape = replace(ripple.shape, values=values, builds=waves_of(other), branch=other)
             found.append(CandidateMaker(state)(RIPPLE, shape=shape))
     return found

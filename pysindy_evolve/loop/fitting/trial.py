@@ -30,6 +30,7 @@ from .saltation import saltation
 
 ROWS_PER_STEP = 2000  # about how many rows of the runs a step uses
 N_STEPS = 6  # Gauss-Newton steps, shortened ones included
+MAX_LATER_GROWTH = 2.0  # of deviations after the first quarter of a stretch, if it is not chaotic
 SHORTER = 0.3  # factor for a step that made the error larger, when it is tried again
 MIN_GAIN_SHARE = 1e-4  # stop when a step gains less than this share of the error
 
@@ -108,7 +109,7 @@ class Trial:
         keep = max(1, n_stretches * length // ROWS_PER_STEP)
         free, response = map(self._of_seen, self.sensitivities(keep))
         largest = np.max(np.abs(free), axis=2)
-        if not (np.max(largest) <= MAX_GROWTH and np.median(_lasting(largest)) <= most_growth):
+        if not np.max(largest) <= MAX_GROWTH or _keeps_growing(largest, most_growth):
             return None
         if self.part.limits is not None:
             observed = is_observed(self.x, self.part.limits, self.part.seen)
@@ -223,16 +224,15 @@ def converged(trials: Sequence[Trial]) -> list[Trial]:
     return after_gauss_newton(runs_of(list(trials)))
 
 
-def _lasting(deviation: np.ndarray) -> np.ndarray:
-    """Return the factor by which a small deviation keeps growing, for each stretch.
+def _keeps_growing(deviation: np.ndarray, most: float) -> bool:
+    """Tell whether small deviations grow by more than `most` along a typical stretch, and go on.
 
     A stiff spring turns a small deviation into a large velocity at once, and lets it grow no
-    further. So the growth of the first quarter is the unit; what grows exponentially grows in the
-    other three by the 3/4 power of the whole.
+    further than in the first quarter.
     """
     first = -(-deviation.shape[1] // 4)
     at_once, whole = np.max(deviation[:, :first], axis=1), np.max(deviation, axis=1)
-    return np.minimum((whole / at_once) ** (4.0 / 3.0), whole)
+    return bool(np.median(whole) > most and np.median(whole / at_once) > MAX_LATER_GROWTH)
 
 
 def after_gauss_newton(

@@ -134,7 +134,7 @@ def _closest(
     Numbers are tuned before: a narrow dead zone between two widths of the grid would lose to a
     grown step. Of candidates that differ only in their numbers, the best is kept.
     """
-    waves = [*other_pumps(effect, model.design), *other_ripples(effect, model.design, part.rows)]
+    waves = [*other_pumps(effect, model.design), *other_ripples(effect, model.design, part.z)]
     options = [*candidates(model.design, part.ranges), *waves, *grown]
     same_equation = dict.fromkeys(
         c for c in options if c.state == effect.state and c.terms != effect.terms

@@ -148,10 +148,12 @@ def _form(cause: Effect | Alternative) -> str:
     """Return the terms of an effect; nothing for a constant, which its name says."""
     if cause.term == 1:
         return ""
-    if len(cause.expressions) == 1 or not cause.term.is_Add:
+    parts = cause.term.args
+    merged = any(part.is_number and part != 1 for part in parts)  # as -0.5 of q - 1.5 and 1
+    if merged or len(cause.expressions) == 1 or len(parts) != len(cause.expressions):
         return format_expression(cause.term)
-    terms = [format_expression(term) for term in cause.term.args if term != 1]
-    return " and ".join(terms) + (" beside a constant" if 1 in cause.term.args else "")
+    terms = [format_expression(term) for term in parts if term != 1]
+    return " and ".join(terms) + (" beside a constant" if 1 in parts else "")
 
 
 def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = None) -> list[str]:

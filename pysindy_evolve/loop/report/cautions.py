@@ -18,7 +18,7 @@ from .dilution import dilution_sentences
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import extrapolation_sentences
 from .grown_errors import has_grown_in_all, worse_than_before, worse_than_declared
-from .missed import NOTABLE_NRMSE, misfit_sentences
+from .missed import NOTABLE_NRMSE, SHORT, misfit_sentences
 from .number_text import percent
 from .one_force import one_force
 from .slow_states import slow_drifts
@@ -200,10 +200,10 @@ def _leaves_structure(outcome: Outcome) -> list[str]:
 
 
 def _misfit(outcome: Outcome) -> list[str]:
-    """Say what the model misses; not what the free run does where the effects made all worse."""
+    """Say what the model misses; of a run that the effects made worse only what may help."""
     run_error = float(np.max(outcome.after.simulation_error))
     if has_grown_in_all(outcome) and run_error >= NOTABLE_NRMSE:
-        return []
+        return [SHORT] if outcome.rules.by_trajectory else []
     return misfit_sentences(outcome)
 
 

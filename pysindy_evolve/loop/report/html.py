@@ -138,8 +138,8 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[tuple[str, ...
 
 
 def _figures(value: float, low: float, high: float) -> tuple[str, str]:
-    """Return a value and its interval as the printed report has them."""
-    return value_within(value, low, high), ends(low, high)
+    """Return a value and its interval as the printed report has them; none of an exact number."""
+    return value_within(value, low, high), ends(low, high) if low < high else ""
 
 
 def _shown(outcome: Outcome) -> list[int]:

@@ -150,21 +150,23 @@ def test_a_wave_number_may_be_tuned_by_half_a_period_of_the_stroke_and_no_furthe
     assert ripple.shape.reach == pytest.approx(0.5 / (50.0 * np.ptp(q) / (2 * np.pi)), rel=0.02)
 
 
-def test_a_ripple_of_a_geared_load_may_repeat_with_the_angle_of_its_motor(travel):
-    """The angle is read off the gear: twenty turns of the motor for one of the load."""
-    equations = {"p": "w", "w": "k*(a/20 - p) - c*w", "a": "v", "v": "b*M - e*v"}
-    design = pse.DeclaredModel(equations, inputs=["M"]).design()
-    q, _ = travel
+@pytest.mark.parametrize("known", [{}, {"k": 9000.0}])
+def test_a_ripple_of_a_geared_load_may_repeat_with_the_angle_of_its_motor(travel, known):
+    """Twenty turns of the motor for one of the load, counted from another zero in each record."""
+    equations = {"p": "w", "w": "k*(a/20 - p) - c*w + e*M", "a": "v", "v": "b*M - e*v"}
+    design = pse.DeclaredModel(equations, inputs=["M"], known=known).design()
+    q, noise = travel
     (ripple,) = ripple_candidates(1, 0, np.sin(40.0 * q), q)
     rest = np.zeros_like(q)
-    rows = np.column_stack([q, rest, -20.0 * q + 1e-3, rest, rest, rest])
-    (other,) = other_ripples(ripple, design, rows)
+    rows = np.column_stack([q, rest, -20.0 * q, rest, noise, rest])
+    pieces = rows.reshape(2, -1, 6) + np.array([[[0.0, 0, 0, 0, 0, 0]], [[0.0, 0, 90.0, 0, 0, 0]]])
+    (other,) = other_ripples(ripple, design, pieces)
     assert (other.name, other.state, other.variables) == (ripple.name, 1, {2})
     assert other.shape.values == pytest.approx((ripple.shape.values[0] / 20.0,), rel=1e-6)
     assert other.terms == tuple(build(*other.shape.values) for build in waves_of(2))
-    assert other_ripples(other, design, rows) == []  # it is over another body's angle already
-    rows[:, 2] = 0.0  # the motor stands still
-    assert other_ripples(ripple, design, rows) == []
+    assert other_ripples(other, design, pieces) == []  # it is over another body's angle already
+    pieces[:, :, 2] = 0.0  # the motor stands still
+    assert other_ripples(ripple, design, pieces) == []
 
 
 def test_a_ripple_as_fine_as_the_steps_of_an_encoder_is_none_of_the_machine(travel):
