@@ -129,10 +129,10 @@ def centripetal(
         if rate is not None and rate != effect.state:
             own, other = variable(effect.state), variable(rate)
             square = power(other, 2)
-            yield effect(COUPLING, mul(square, call(BUILTIN["sin"], variable(angle))))
-            yield effect(COUPLING, mul(square, call(BUILTIN["cos"], variable(angle))))
-            for factor in _factors(angle, turning):
-                yield effect(COUPLING, mul(mul(own, other), factor))
+            for wave in WAVES:
+                yield effect(COUPLING, mul(square, call(wave, variable(angle))))
+            for lever in _levers(angle, turning):
+                yield effect(COUPLING, mul(mul(own, other), lever))
 
 
 def centrifugal(
@@ -146,15 +146,15 @@ def centrifugal(
     axes = [rate for rate in design.velocities if rate != effect.state]
     inputs = range(len(design.states), design.time)
     unused = [u for u in inputs if not any(u in side.variables for side in sides)]
-    factors = _factors(position, turning)
+    levers = _levers(position, turning)
     for rate in axes:
-        for factor in factors:
-            yield effect(COUPLING, mul(power(variable(rate), 2), factor))
+        for lever in levers:
+            yield effect(COUPLING, mul(power(variable(rate), 2), lever))
     for rate in unused:
-        yield effect(INPUT_GAIN, mul(power(variable(rate), 2), factors[0]))
+        yield effect(INPUT_GAIN, mul(power(variable(rate), 2), levers[0]))
 
 
-def _factors(position: int, turning: frozenset[int]) -> list[Sum]:
+def _levers(position: int, turning: frozenset[int]) -> list[Sum]:
     """Return the factors that the squared speed of rotation may have in a centrifugal force.
 
     A mass on a turntable is driven out by w^2 r, one in a turning hoop by w^2 sin(q) cos(q), and

@@ -89,17 +89,24 @@ def tustin_form(candidate: Candidate) -> Candidate | None:
 
 def _with_speed_itself(expression: Sum) -> Sum:
     """Replace each exp(-(v / c)^2) by exp(-|v| / c)."""
-    atoms = (atom for _, term in expression.parts for atom, _ in term.factors)
     straight: dict[int | Call, Sum] = {}
-    for atom in atoms:
+    for atom in (atom for _, term in expression.parts for atom, _ in term.factors):
         if isinstance(atom, Call) and atom.operator == BUILTIN["exp"]:
-            parts = atom.args[0].parts
-            if len(parts) == 1 and parts[0][0] < 0.0 and len(parts[0][1].factors) == 1:
-                number, ((base, exponent),) = parts[0][0], parts[0][1].factors
-                if exponent == 2:
-                    rate = constant(-float(np.sqrt(-number)))
-                    straight[atom] = call(BUILTIN["exp"], mul(rate, magnitude(as_sum(base))))
+            exponent = _without_square(atom.args[0])
+            if exponent is not None:
+                straight[atom] = call(BUILTIN["exp"], exponent)
     return substituted(expression, straight) if straight else expression
+
+
+def _without_square(exponent: Sum) -> Sum | None:
+    """Return -|v| / c for -(v / c)^2; None for any other expression."""
+    if len(exponent.parts) != 1:
+        return None
+    ((number, product),) = exponent.parts
+    if number >= 0.0 or [power for _, power in product.factors] != [2]:
+        return None
+    ((velocity, _),) = product.factors
+    return mul(constant(-float(np.sqrt(-number))), magnitude(as_sum(velocity)))
 
 
 def _stribeck(v: Sum, speed: float) -> Sum:

@@ -10,7 +10,7 @@ scoring             fits candidates beside the columns of a design, and scores t
 trace               held-out score of each effect and each pair: log of the error ratio
 pairing             which effects may be tried, alone and in pairs
 ranking             what was tried, best first
-plainest             what does as well as the best, and which of these is the plainest
+plainest            what does as well as the best, and which of these is the plainest
 refinement          whether an effect is better than a simpler one, or only fits noise
 how it is measured
 witness             chooses between the spectrum of the derivative and the trajectory

@@ -25,6 +25,8 @@ def is_as_good(error: float, other: float) -> bool:
 def as_good_as_best(gains: Sequence[float] | np.ndarray) -> list[int]:
     """Return the places of the gains in log error that are as good as the largest."""
     best = float(np.max(gains))
+    if np.isinf(best):  # no error is left, or each one is infinite
+        return [place for place, gain in enumerate(gains) if gain == best]
     enough = best - max(MIN_GAIN_LOG, ONE_PERCENT * best)
     return [place for place, gain in enumerate(gains) if gain >= enough]
 

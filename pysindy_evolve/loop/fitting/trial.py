@@ -103,7 +103,7 @@ class Trial:
         """Return the runs, linearized in the coefficients and the starts.
 
         None if a small deviation grows too much along any stretch, or along a typical (median) one
-        by more than `most_growth`.
+        by more than `most_growth`, and not only at once.
         """
         n_stretches, length, _ = self.x.shape
         keep = max(1, n_stretches * length // ROWS_PER_STEP)

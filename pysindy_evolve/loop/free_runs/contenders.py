@@ -30,8 +30,8 @@ from .variants import Model
 
 N_RIVALS = 5  # effects that score best in the spectral view
 STRETCHES = (16, 32, 64, 128)  # to try in this order; the first steady number is taken
-# Factor by which a deviation may grow; in chaos, long runs only compare luck, as those did in which
-# deviations grew a hundredfold.
+# Factor by which a deviation may grow if it goes on growing; in chaos, long runs only compare luck,
+# as those did in which deviations grew a hundredfold.
 MAX_STEADY_GROWTH = 10.0
 
 

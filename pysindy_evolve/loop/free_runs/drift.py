@@ -104,7 +104,8 @@ def drift_of(
     n_stretches : sequence of int
         Numbers of stretches to try, in order.
     most_growth : float
-        Largest factor by which a small deviation may grow along a typical (median) stretch.
+        Largest factor by which a small deviation may grow along a typical (median) stretch, unless
+        it grows at once and no further.
 
     Returns
     -------
