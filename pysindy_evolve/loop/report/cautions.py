@@ -17,6 +17,7 @@ from ..given.kinematics import disagreement
 from .dilution import dilution_sentences
 from .exchangeable_poles import exchangeable_poles
 from .extrapolation import extrapolation_sentences
+from .fast_motion import fast_motion
 from .grown_errors import has_grown_in_all, worse_than_before, worse_than_declared
 from .missed import NOTABLE_NRMSE, SHORT, misfit_sentences
 from .number_text import percent
@@ -224,6 +225,7 @@ CAUTIONS = (
     _offsets,
     _numbers,
     extrapolation_sentences,
+    fast_motion,
     _misfit,
     _leaves_structure,
 )  # in the order of the report
