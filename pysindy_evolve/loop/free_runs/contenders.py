@@ -59,6 +59,23 @@ class Pool:
     matter: float
     operators: Collection[Operator] = ()
 
+    def promises(self, group: Sequence[Candidate], drift: Drift, least: float) -> bool:
+        """Tell whether one term gains so much in the place of a group, to first order.
+
+        Parameters
+        ----------
+        group : sequence of Candidate
+            Effects of one equation.
+        drift : Drift
+            The model with the group as its last columns.
+        least : float
+            Log error that the term must gain.
+        """
+        acted = drift.model.acted(drift.records)
+        terms = tuple(term for one in group for term in one.terms)
+        usable = [one for one in (*self.small, *self.grown) if have_values(one.terms, acted)]
+        return bool(stand_ins(drift, replace(group[0], terms=terms), usable, least))
+
     def contenders(
         self, model: Model, own: Contender, drift: Drift, group: Sequence[Candidate] = ()
     ) -> list[Contender]:

@@ -3,7 +3,9 @@
 Where noise hides the form of an effect, a similar one is found first, and later terms without
 meaning make up for the difference. None of them can be exchanged for the right effect alone, as the
 others stand beside it. So each single effect is compared with the whole group, and replaces it if
-its runs come as close to the record.
+its runs come as close to the record. Two effects with different names often are just that, so one
+term replaces them only if its runs are clearly closer: sqrt(|v|) sgn(v) where Coulomb and Stribeck
+friction were named.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from .shape_tuning import Contender
 from .variants import Model
 
 MANY = 3  # named effects in one equation that a single effect may replace
+PAIR_LEAD_LOG = 0.05  # log error by which one term must be closer than two effects with other names
 
 
 def one_for_several(
@@ -60,8 +63,7 @@ def one_for_several(
 def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
     """Return each effect with all later ones of its equation, and with each of them singly.
 
-    A group counts if it holds a grown term, the same name twice (powers of a variable that add up
-    to a curve), or at least three names. Pairs of different names are left alone.
+    A group counts if none of its effects is needed by the rest.
     """
     groups = []
     for place, first in enumerate(findings):
@@ -73,9 +75,16 @@ def _groups(findings: Sequence[Finding]) -> list[list[Finding]]:
 
 def _may_be_one(group: Sequence[Finding], findings: Sequence[Finding]) -> bool:
     rest = [finding for finding in findings if finding not in group]
-    names = [finding.candidate.name for finding in group]
-    are_parts = EVOLVED in names or len(set(names)) < len(names) or len(names) >= MANY
-    return are_parts and all(f.columns and not is_needed(f, rest) for f in group)
+    return all(f.columns and not is_needed(f, rest) for f in group)
+
+
+def _is_pair_of_names(group: Sequence[Finding]) -> bool:
+    """Tell whether a group is two named effects, and no powers of a variable that form a curve.
+
+    A grown term may be one of two parts of a curve, and three names seldom are three effects.
+    """
+    names = {finding.candidate.name for finding in group}
+    return EVOLVED not in names and len(names) == len(group) < MANY
 
 
 def _single(
@@ -83,8 +92,9 @@ def _single(
 ) -> Finding | None:
     """Return the effect whose runs come as close to the record as those of a group, or None."""
     first, effects = group[0], [finding.candidate for finding in group]
+    lead = PAIR_LEAD_LOG if _is_pair_of_names(group) else 0.0
     drift = steady_drift(without, effects, records)
-    if drift is None:
+    if drift is None or (lead and not pool.promises(effects, drift, lead)):
         return None
     (trial,) = converged([drift.trial])
     first_alone = Contender(first.candidate, trial_with(without, [first.candidate], drift))
@@ -93,7 +103,8 @@ def _single(
         one
         for one in pool.contenders(without, first_alone, drift, effects)
         if is_as_good(
-            one.error * np.exp(PRICE_PER_NODE_LOG * max(one.candidate.size - size, 0)), trial.error
+            one.error * np.exp(lead + PRICE_PER_NODE_LOG * max(one.candidate.size - size, 0)),
+            trial.error,
         )
     ]
     if not as_good:

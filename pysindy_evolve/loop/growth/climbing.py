@@ -20,6 +20,7 @@ from ..evidence.ranking import Score
 from ..evidence.scoring import MIN_GAIN_LOG, PRICE_PER_NODE_LOG, net, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
+from .curves import curves
 from .naming import nodes_saved
 from .seeds import functions
 
@@ -56,7 +57,8 @@ def climbed(
     Candidate
         `begin` with its numbers tuned, if no neighbor gains clearly more after the price of nodes.
     """
-    factors = functions(operators, part.rows[:, :-1])
+    variables = part.rows[:, :-1]
+    factors = [*functions(operators, variables), *curves(operators, variables, len(design.states))]
     best = _best(design, part, [begin], declared)
     for _ in range(MAX_STEPS):
         if best is None:  # a combination of the model's columns

@@ -170,3 +170,16 @@ def test_friction_and_drag_of_a_swing_that_dies_away_are_named():
     declared = pse.DeclaredModel({"q": "v", "v": "-g*sin(q) - c*v"})
     report = pse.close_loop(declared, records[:2], records[2:], operators=(), random_state=0)
     assert {e.name for e in report.effects} == {"Coulomb friction", "quadratic drag"}
+
+
+ROOT = mul(call(BUILTIN["sqrt"], call(BUILTIN["abs"], V)), call(BUILTIN["sgn"], V))
+
+
+@pytest.mark.parametrize("force", ["- 2*sqrt(abs(v))*sgn(v)", "- 1.5*sgn(v) - 0.4*v*abs(v)"])
+def test_one_term_replaces_two_names_only_where_its_runs_are_clearly_closer(force):
+    root = evolved(ROOT)
+    names = ("Coulomb friction", "quadratic drag")
+    model, record, part, found = planted(oscillator("two", force), *names)
+    left = one_for_several(model, found, Pool((root,), (root,), part, 0.05), [record])
+    wanted = [(ROOT,)] if "sqrt" in force else [f.candidate.terms for f in found]
+    assert [f.candidate.terms for f in left] == wanted
