@@ -72,4 +72,4 @@ def test_a_similar_term_becomes_the_curve(force, start, rest):
     beside = np.column_stack([shape, values, np.ones(50)])  # declared terms are fitted with it
     left = true - beside @ np.linalg.lstsq(beside, true, rcond=None)[0]
     plain = true - beside[:, 1:] @ np.linalg.lstsq(beside[:, 1:], true, rcond=None)[0]
-    assert np.linalg.norm(left) < 0.01 * np.linalg.norm(plain), found
+    assert np.linalg.norm(left) < 0.03 * np.linalg.norm(plain), found
