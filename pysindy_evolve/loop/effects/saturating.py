@@ -7,10 +7,9 @@ from dataclasses import replace
 from functools import partial
 from itertools import combinations
 
-import numpy as np
-
 from ...terms import Atom, Sum, add, as_product, as_sum, constant, div, mul, power, variable
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, Shape
 from .names import SATURATING
 from .varying import parts_of
@@ -18,9 +17,7 @@ from .varying import parts_of
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, over the largest level
 
 
-def saturating(
-    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
-) -> Iterator[Candidate]:
+def saturating(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator[Candidate]:
     """Yield declared products that saturate with a level x of theirs, which stays above zero.
 
     - The rate over K + x: a predator is sated, a reaction inhibited, the gain of a laser
@@ -35,17 +32,18 @@ def saturating(
     """
     if design.position_of(effect.state) is not None:
         return
+    largest = ranges.largest
     for part in parts_of(design, effect.state):
         acting = sorted(part.variables - {design.time}) if len(part.variables) > 1 else []
-        levels = [level for level in acting if 2.0 * middle[level] > scales[level]]
+        levels = [level for level in acting if ranges.stays_positive(level)]
         for level in levels:
             below = _denominators(part)
             crowded = (_crowded,) if any(level not in one.variables for one in below) else ()
             inhibited = (_inhibited,) if any(level in one.variables for one in below) else ()
             for build in (_over, _hiding, *crowded, *inhibited):
-                yield from _sated(effect, partial(build, part, level), level, float(scales[level]))
+                yield from _sated(effect, partial(build, part, level), level, float(largest[level]))
         for level, other in combinations(levels, 2):
-            ratio = float(scales[other] / scales[level])
+            ratio = float(largest[other] / largest[level])
             yield from _sated(effect, partial(_for_each, part, level, other), level, ratio)
 
 
