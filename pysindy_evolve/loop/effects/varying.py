@@ -11,10 +11,9 @@ from dataclasses import replace
 from functools import partial
 from itertools import product
 
-import numpy as np
-
 from ...terms import Call, Sum, constant, mul, power, sub, variable
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .angles import angles_of
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare
 from .names import COUPLING, DRIFT, FORCING, INPUT_GAIN, NONLINEAR_DAMPING
@@ -39,7 +38,7 @@ def varying(effect: CandidateMaker, design: Design) -> Iterator[Candidate]:
                 yield effect(name, mul(other, part), parents=(OFFSET, part), never_paired=True)
 
 
-def hyperbolas(candidate: Candidate, design: Design, scales: np.ndarray) -> list[Candidate]:
+def hyperbolas(candidate: Candidate, design: Design, ranges: Ranges) -> list[Candidate]:
     """Return hyperbolas in the place of a declared term times another variable.
 
     The stiffness of a belt goes with 1 / (L - x), the pull of a magnet with 1 / (L - x)^2: in a
@@ -52,8 +51,8 @@ def hyperbolas(candidate: Candidate, design: Design, scales: np.ndarray) -> list
         is none: a spring that is curved is rather a polynomial.
     design : Design
         The model without it.
-    scales : ndarray of shape (n_variables,)
-        Largest magnitude of each variable.
+    ranges : Ranges
+        Ranges of the variables.
 
     Returns
     -------
@@ -63,7 +62,7 @@ def hyperbolas(candidate: Candidate, design: Design, scales: np.ndarray) -> list
     found = list[Candidate]()
     for part, place in _factored(candidate, design):
         for sign, factor, exponent in product((1, -1), LENGTHS, POWERS):
-            length, branch = factor * float(scales[place]), sign * exponent
+            length, branch = factor * float(ranges.largest[place]), sign * exponent
             build = partial(_over_distance, part, place, branch)
             shape = Shape((length,), (build,), LENGTH_REACH, ("length",), branch)
             found.append(replace(candidate, terms=shape.terms, shape=shape))

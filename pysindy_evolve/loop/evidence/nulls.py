@@ -26,7 +26,7 @@ from ..fitting.unfolding import records_with_hidden_states, square_left, with_hi
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import Statistic, p_value_of, twin_values
+from ..twins.chance import Statistic, chance_on_twins
 from ..twins.drifting import DriftingTwins
 from ..twins.twins import TwinMaker
 
@@ -73,17 +73,15 @@ def chance_of(
         if part.by_trajectory
         else TwinMaker.of(equations, part.records)
     )
-    twins = twin_values(maker, part, statistic, observed, rules, rng)
-    p_value = p_value_of(observed, twins)
-    if p_value > rules.level or isinstance(maker, DriftingTwins):
-        return p_value, twins
+    chance = chance_on_twins(maker, part, statistic, observed, rules, rng)
+    if chance[0] > rules.level or isinstance(maker, DriftingTwins):
+        return chance
     unshifted = without_noise_shift(maker, design, part, rng.spawn(1)[0])
     if unshifted is None:
-        return p_value, twins
-    others = twin_values(
-        TwinMaker.of(unshifted, part.records), part, statistic, observed, rules, rng
-    )
-    return max((p_value, twins), (p_value_of(observed, others), others), key=lambda pair: pair[0])
+        return chance
+    of_unshifted = TwinMaker.of(unshifted, part.records)
+    other = chance_on_twins(of_unshifted, part, statistic, observed, rules, rng)
+    return max(chance, other, key=lambda pair: pair[0])
 
 
 def without_noise_shift(

@@ -24,7 +24,7 @@ from ..fitting.linear import log_ratio
 from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of, twin_values
+from ..twins.chance import chance_on_twins
 from ..twins.colored import ColoredTwins
 from ..twins.twins import TwinMaker
 from .noise_floor import MIN_POWER_OVER_NOISE, NoiseFloor
@@ -101,8 +101,8 @@ def structure_chance(
     colored = ColoredTwins.of(equations, part.records) if chance <= rules.level else None
     if colored is None:
         return chance
-    others = twin_values(colored, part, statistic, observed, rules, rng.spawn(1)[0])
-    return max(chance, p_value_of(observed, others))
+    other = chance_on_twins(colored, part, statistic, observed, rules, rng.spawn(1)[0])[0]
+    return max(chance, other)
 
 
 def may_have_structure(design: Design, part: Segments) -> bool:

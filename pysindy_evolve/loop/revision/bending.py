@@ -37,7 +37,7 @@ def with_hyperbolas(declared: Design, findings: Sequence[Finding], part: Segment
     for place, finding in enumerate(kept):
         rest = excluding(kept, finding)
         design = with_columns(declared, rest)
-        options = hyperbolas(finding.candidate, design, part.ranges.largest)
+        options = hyperbolas(finding.candidate, design, part.ranges)
         if options and not is_needed(finding, rest):
             best = _best(finding.candidate, options, design, part)
             if best is not None:

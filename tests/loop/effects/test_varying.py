@@ -66,13 +66,14 @@ def test_a_fan_that_cools_better_the_faster_it_turns(loss, found):
 
 def test_a_hyperbola_takes_the_place_of_a_term_times_another_variable_only():
     """Beside the declared term it begins as that product."""
-    design, scales = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"}).design(), np.full(3, 2.0)
+    design = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"}).design()
+    ranges = Ranges.about_zero(np.full(3, 2.0))
     q, v = variable(0), variable(1)
     square, cube, varying = (Candidate("any", 1, (mul(q, x),)) for x in (q, power(q, 2), v))
-    assert hyperbolas(square, design, scales) == hyperbolas(cube, design, scales) == []
+    assert hyperbolas(square, design, ranges) == hyperbolas(cube, design, ranges) == []
     rows = np.random.default_rng(0).uniform(-2.0, 2.0, (50, 3))
     damped = pse.DeclaredModel({"q": "v", "v": "-c*v"}).design()
-    found = hyperbolas(varying, damped, scales)
+    found = hyperbolas(varying, damped, ranges)
     assert {one.branch for one in found} == {-2, -1, 1, 2}
     for one in found:
         assert min(one.shape.values) * np.exp(-one.shape.reach) > 2.0  # no pole in the range
