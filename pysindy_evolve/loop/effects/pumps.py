@@ -10,24 +10,13 @@ import numpy as np
 from ...terms import Call, Sum
 from ..given.design import Column, Design
 from .candidate import Candidate, CandidateMaker, Shape
-from .modulation import pumping
+from .modulation import ActingTerm, pumping
 from .names import FORCING
-from .periodic import PERIODS_IN_TIME, lines_of, of_line, waves_of, waves_times
+from .periodic import PERIODS_IN_TIME, Signal, of_line, waves_of, waves_times
 from .varying import parts_of
 
 
-def pumped_candidates(
-    state: int,
-    time: int,
-    residual: np.ndarray,
-    part: Sum,
-    values: np.ndarray,
-    drivers: np.ndarray,
-    dt: float,
-    highest: float = np.inf,
-    *,
-    branch: int = 0,
-) -> list[Candidate]:
+def pumped_candidates(state: int, time: int, signal: Signal, term: ActingTerm) -> list[Candidate]:
     """Return a declared term times sines and cosines of time: a stiffness that is pumped.
 
     The residual that lacks such a term has a line once it is multiplied by the term. A pumped
@@ -35,26 +24,25 @@ def pumped_candidates(
 
     Parameters
     ----------
-    state, time, residual, drivers, dt, highest
+    state, time, signal
         As in `periodic_candidates` of `periodic`.
-    part : Sum
-        The term, without its coefficient.
-    values : ndarray of shape (n_samples,)
-        Its values.
-    branch : int
-        Tells the term from the others of its equation.
+    term : ActingTerm
+        The term.
 
     Returns
     -------
     list of Candidate
         One or none.
     """
-    others, length = np.column_stack([drivers, values, values**2]), len(residual) * dt
-    lines = lines_of(residual * values, others, dt, highest, n_peaks=1)
+    values, dt, highest = term.values, signal.dt, signal.highest
+    drivers = np.column_stack([signal.drivers, values, values**2])
+    lines = Signal(signal.values * values, drivers, dt, highest).lines(n_peaks=1)
+    if not lines:
+        found = pumping(signal.values, values, PERIODS_IN_TIME, highest * dt)
+        lines = [cycles / dt for cycles in found]
     return [
-        _pump(state, time, part, of_line(line, length, waves_of(time), branch))
+        _pump(state, time, term.part, of_line(line, signal.length, waves_of(time), term.branch))
         for line in lines
-        or [f / dt for f in pumping(residual, values, PERIODS_IN_TIME, highest * dt)]
     ]
 
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...terms import Sum
 from .candidate import Candidate, CandidateMaker, Shape
-from .modulation import rippling
+from .modulation import ActingTerm, rippling
 from .names import POSITION_FRICTION, RIPPLE
 from .periodic import PERIODS_IN_SPACE, SAMPLES_PER_BIN, WAVE_NUMBER, waves_times
 
@@ -19,12 +18,9 @@ def rippled_candidates(
     state: int,
     position: int,
     residual: np.ndarray,
+    term: ActingTerm,
     q: np.ndarray,
-    part: Sum,
-    values: np.ndarray,
     noise: float = 0.0,
-    *,
-    branch: int = 0,
 ) -> list[Candidate]:
     """Return a term times sine and cosine of a position, at the wave number that explains most.
 
@@ -32,23 +28,21 @@ def rippled_candidates(
     ----------
     state, position : int
         Velocity, in whose equation the term is, and its position.
-    residual, q : ndarray of shape (n_samples,)
-        What the model leaves, and the position.
-    part : Sum
-        The term, without its coefficient.
-    values : ndarray of shape (n_samples,)
-        Its values.
+    residual : ndarray of shape (n_samples,)
+        What the model leaves.
+    term : ActingTerm
+        The term.
+    q : ndarray of shape (n_samples,)
+        Position.
     noise : float
         Standard deviation of the noise of the sensor of the position.
-    branch : int
-        Tells the term from the others of its equation.
 
     Returns
     -------
     list of Candidate
         One or none. None for a term of the position alone: that would be a spring of another shape.
     """
-    n_bins = len(q) // SAMPLES_PER_BIN
+    part, n_bins = term.part, len(q) // SAMPLES_PER_BIN
     if part.variables <= {position} or n_bins < 2 * PERIODS_IN_SPACE or np.ptp(q) == 0.0:
         return []
     finest = 1.0 / (2 * np.pi * noise) if noise > 0.0 else np.inf
@@ -61,10 +55,10 @@ def rippled_candidates(
                 waves_times(part, position),
                 0.5 / (found * float(np.ptp(q))),
                 (WAVE_NUMBER,),
-                branch,
+                term.branch,
             ),
             parents=(part,),
             never_paired=True,
         )
-        for found in rippling(residual, values, q, n_bins, PERIODS_IN_SPACE, finest)
+        for found in rippling(residual, term.values, q, n_bins, PERIODS_IN_SPACE, finest)
     ]

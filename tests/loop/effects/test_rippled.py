@@ -5,7 +5,7 @@ import pytest
 from loop_systems import measured
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.modulation import rippling
+from pysindy_evolve.loop.effects.modulation import ActingTerm, rippling
 from pysindy_evolve.loop.effects.rippled import rippled_candidates
 from pysindy_evolve.terms import constant, variable
 
@@ -32,7 +32,7 @@ def test_noise_does_not_ripple(values):
 )
 def test_what_ripples_is_called_by_what_it_depends_on(part, name):
     residual = FORCE * np.cos(30.0 * PLACE)
-    (one,) = rippled_candidates(1, 0, residual, PLACE, part, FORCE)
+    (one,) = rippled_candidates(1, 0, residual, ActingTerm(part, FORCE), PLACE)
     assert (one.name, one.state, one.parents) == (name, 1, (part,))
     assert len(one.terms) == 2
     assert one.shape.named["wave number"] == pytest.approx(30.0, rel=0.02)
@@ -40,10 +40,12 @@ def test_what_ripples_is_called_by_what_it_depends_on(part, name):
 
 def test_a_spring_does_not_ripple_nor_does_what_stands_still_or_is_finer_than_the_sensor():
     residual = FORCE * np.cos(30.0 * PLACE)
-    assert rippled_candidates(1, 0, residual, PLACE, variable(0), FORCE) == []
-    assert rippled_candidates(1, 0, residual, 0.0 * PLACE, variable(2), FORCE) == []
-    assert rippled_candidates(1, 0, residual, PLACE, variable(2), FORCE, 0.1) == []
-    assert rippled_candidates(1, 0, residual[:9], PLACE[:9], constant(1.0), FORCE[:9]) == []
+    spring, force = ActingTerm(variable(0), FORCE), ActingTerm(variable(2), FORCE)
+    assert rippled_candidates(1, 0, residual, spring, PLACE) == []
+    assert rippled_candidates(1, 0, residual, force, 0.0 * PLACE) == []
+    assert rippled_candidates(1, 0, residual, force, PLACE, 0.1) == []
+    short = ActingTerm(constant(1.0), FORCE[:9])
+    assert rippled_candidates(1, 0, residual[:9], short, PLACE[:9]) == []
 
 
 @pytest.mark.slow
