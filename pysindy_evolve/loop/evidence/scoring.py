@@ -30,7 +30,7 @@ from ..fitting.residual import derivative_grams, residual_on
 from ..fitting.trajectory import Trajectories
 from ..given.design import Column, Design, in_state
 from ..given.ranges import Ranges
-from ..given.rows import variables_of
+from ..given.rows import rows_of, variables_of
 from ..given.segments import Segments
 from .ranking import Ranking, Score
 from .spectral import spectral_grams
@@ -63,8 +63,7 @@ def _coefficients(design: Design, part: Segments) -> np.ndarray:
 def propose(design: Design, equations: Equations, part: Segments) -> list[Candidate]:
     """Return what may be missing: the vocabulary, and waves over time and position."""
     records = part.records
-    variables = np.concatenate([variables_of(record) for record in records])
-    ranges = Ranges.of(variables)
+    ranges = Ranges.of(rows_of(records))
     proposed = candidates(design, ranges)
     if part.by_trajectory:
         proposed = for_trajectories(proposed)

@@ -10,15 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ...signals import Record
 from ..effects.missing import candidates, for_trajectories
 from ..effects.stops import has_two_ends
 from ..fitting.trajectory import followable
 from ..given.design import Design
 from ..given.ranges import Ranges
-from ..given.rows import variables_of
+from ..given.rows import rows_of
 from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
 from .spectral import n_frequencies
@@ -50,8 +48,7 @@ def _says_enough(design: Design, part: Segments) -> bool:
     Effects with two ends are not counted: they hardly differ from those with one end, or with ends
     at the same distance.
     """
-    variables = np.concatenate([variables_of(record) for record in part.records])
-    usual = for_trajectories(candidates(design, Ranges.of(variables)))
+    usual = for_trajectories(candidates(design, Ranges.of(rows_of(part.records))))
     single = [c for c in usual if not has_two_ends(c)]
     offered = [c.state for c in single for _ in c.terms]
     n_columns = len(design.columns) + max(offered.count(state) for state in design.open_states)

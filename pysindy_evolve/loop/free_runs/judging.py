@@ -25,13 +25,21 @@ from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.limits import off_limits
 from ..given.ranges import Ranges
-from ..given.rows import variables_of
+from ..given.rows import rows_of
 from ..given.rules import Rules
 from ..given.segments import segments
 from ..given.sticking import may_rest, noise_of
 from ..memories.reach import exchanged
 from ..twins.chance import draws_for, p_value_of
-from .drift import N_LONG_STRETCHES, Drift, chance_of_models, drift_of, gains_of_models
+from .drift import (
+    N_LONG_STRETCHES,
+    Drift,
+    chance_of_models,
+    chance_of_terms,
+    drift_of,
+    gains_of_models,
+    gains_of_terms,
+)
 from .memory_tuning import tuned_memories
 from .variants import Model, Variant
 
@@ -49,7 +57,7 @@ def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
     return Model(with_columns(declared, findings), memories_in(findings), limits_in(findings))
 
 
-def signs_for(drift: Drift, rules: Rules, rng: np.random.Generator) -> np.ndarray:
+def _signs_for(drift: Drift, rules: Rules, rng: np.random.Generator) -> np.ndarray:
     """Draw signs for the stretches of twins, (n_draws, n_stretches); enough for the level."""
     n_draws = draws_for(rules.level_of_runs, N_SIGNS)
     return rng.choice([-1.0, 1.0], size=(n_draws, len(drift.part.z)))
@@ -88,9 +96,8 @@ def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
 def named_terms(drift: Drift) -> list[Variant]:
     """Return the present model with each of the vocabulary's effects that may enter."""
     design = drift.model.design
-    acted = drift.model.acted(drift.records)
-    variables = np.concatenate([variables_of(record) for record in acted])
-    return variants_of(drift, with_parents(candidates(design, Ranges.of(variables)), design))
+    ranges = Ranges.of(rows_of(drift.model.acted(drift.records)))
+    return variants_of(drift, with_parents(candidates(design, ranges), design))
 
 
 def variants_of(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:
@@ -106,13 +113,13 @@ def variants_of(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:
 def best_of(
     drift: Drift,
     wide: Sequence[Record],
-    tried: Sequence[Variant],
-    gains: np.ndarray,
-    of_terms: np.ndarray,
-    signs: np.ndarray,
+    terms: Sequence[Variant],
+    memories: Sequence[Variant],
     rules: Rules,
+    rng: np.random.Generator,
     *,
     must_be_clear: bool,
+    also_searched: Sequence[Candidate] = (),
 ) -> tuple[Finding, Model] | None:
     """Return the plainest of the variants that gain most, with its p-value.
 
@@ -122,36 +129,42 @@ def best_of(
         The present model.
     wide : sequence of Record
         Training records with a higher cutoff, to check the derivative.
-    tried : sequence of Variant
+    terms, memories : sequence of Variant
         All variants. Of those that differ only in numbers the best is tested, in the twins too;
         variants that pass are tuned.
-    gains : ndarray of shape (n_variants,)
-        Held-out log gain of each on the record.
-    of_terms : ndarray of shape (n_draws,)
-        Largest gain of all terms in each twin.
-    signs : ndarray of shape (n_draws, n_stretches)
-        Signs of the twins' misses.
     rules : Rules
         When an effect counts.
+    rng : numpy.random.Generator
+        Draws the signs of the twins' misses.
     must_be_clear : bool
         Whether a term must halve the squared misses, or leave little more than noise, and must also
         gain on the whitened misses.
+    also_searched : sequence of Candidate
+        Terms that have been left out by now; twins are searched for them as well.
 
     Returns
     -------
     tuple of Finding and Model, or None
         None if nothing gains notably. The caller decides whether the p-value is small enough.
     """
+    signs = _signs_for(drift, rules, rng)
+    by_terms = gains_of_terms(drift, [v.columns for v in terms])
+    by_memories = gains_of_models(drift, [v.model for v in memories])[0]
+    tried, gains = [*terms, *memories], np.append(by_terms, by_memories)
     heads = _heads(tried, gains, rules.notable_gain)
     heads = [(k, variant) for k, variant in heads if not _is_refuted(drift, wide, variant)]
     if must_be_clear:
         heads = [(k, v) for k, v in heads if v.memory is not None or _is_clear(drift, gains[k])]
     if not heads:
         return None
-    models = [v.model for v in tried if v.memory is not None]
+    models = [v.model for v in memories]
     models += [v.model for _, v in heads if must_be_clear and v.memory is None]
     twins = chance_of_models(drift, models, signs)
-    twins[0] = np.maximum(twins[0], of_terms)
+    # Twins need not be searched for terms where no term gains enough on the record.
+    if np.any(by_terms >= rules.notable_gain):
+        left_out = [columns_of(one, drift.model.design) for one in also_searched]
+        searched = [*(v.columns for v in terms), *left_out]
+        twins[0] = np.maximum(twins[0], chance_of_terms(drift, searched, signs))
     variants, head_gains = [v for _, v in heads], gains[[k for k, _ in heads]]
     judged = _judged(drift, variants, head_gains, twins, must_be_clear=must_be_clear)
     passing = [entry for entry in judged if entry[2] <= rules.level_of_runs]

@@ -14,12 +14,11 @@ import numpy as np
 from ...signals import Record
 from ..effects.candidate import Candidate
 from ..evidence.findings import Finding, memories_in, next_step
-from ..evidence.scoring import columns_of
 from ..evidence.step import Look
 from ..given.design import Design
 from ..given.rules import Rules
-from .drift import Drift, chance_of_terms, gains_of_terms
-from .judging import best_of, model_of, named_terms, rejection_of, signs_for, variants_of
+from .drift import Drift, gains_of_terms
+from .judging import best_of, model_of, named_terms, rejection_of, variants_of
 from .leading_terms import leading_terms
 from .state_limits import drift_from
 
@@ -84,9 +83,5 @@ def _leading(
     terms = variants_of(drift, leading_terms(drift, small, least))
     if not terms:
         return None
-    signs = signs_for(drift, rules, rng)
-    sought = [*(v.columns for v in terms), *(columns_of(c, drift.model.design) for c in small)]
-    gains = gains_of_terms(drift, [v.columns for v in terms])
-    in_twins = chance_of_terms(drift, sought, signs)
-    best = best_of(drift, wide, terms, gains, in_twins, signs, rules, must_be_clear=True)
+    best = best_of(drift, wide, terms, [], rules, rng, must_be_clear=True, also_searched=small)
     return None if best is None else best[0]

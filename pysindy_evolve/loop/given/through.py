@@ -13,7 +13,7 @@ from ...signals.zero_order_hold import acting_through
 from ...terms import Product, Sum, add, constant, mul
 from .design import Design
 from .input_errors import is_held
-from .rows import variables_of
+from .rows import rows_of
 
 
 def with_functions(
@@ -78,7 +78,7 @@ def _fitted_sum(design: Design, place: int, train: Sequence[Record]) -> Sum | No
     if len(states) > 1 or len({_other_factors(term, place) for _, term in acting}) > 1:
         return None
     (state,) = states
-    rows = np.concatenate([variables_of(record) for record in train])
+    rows = rows_of(train)
     rates = np.concatenate([record.x_dot[:, state] for record in train])
     sides = [column.parts[state] for column in design.columns if column.parts[state].parts]
     theta = np.array([side.evaluate(rows) for side in sides]).reshape(len(sides), len(rows)).T
