@@ -23,7 +23,7 @@ from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, Shape, bare
 from .hysteresis import rounded_sign
 from .names import COUPLING
-from .varying import parts_of
+from .varying_terms import parts_of
 
 GRIPS = (0.03, 0.1, 0.3, 1.0)  # differences at which a grip saturates, as shares of the largest one
 

@@ -13,7 +13,7 @@ from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
 from .kinks import clipped, magnitude
 from .names import INPUT_GAIN, INPUT_NONLINEARITY, SATURATION
 from .stops import asymmetric_limits
-from .varying import parts_of
+from .varying_terms import parts_of
 
 SATURATIONS = (0.08, 0.2, 0.35, 0.5, 0.7, 0.9)  # limits, as shares of the largest magnitude
 

@@ -11,7 +11,7 @@ from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, Shape
 from .names import VALVE
-from .varying import parts_of
+from .varying_terms import parts_of
 
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, over the largest pressure of the record
 

@@ -23,12 +23,12 @@ from .inputs import of_input, within_terms
 from .joints import at_joints
 from .links import link_couplings, link_weights
 from .names import CONSTANT_OFFSET
-from .radial import radial
-from .saturating import saturating
+from .radial_forces import radial
+from .saturating_rates import saturating
 from .springs import springs
 from .stops import damped_contacts, stops
 from .valves import throttled
-from .varying import drifts, varying
+from .varying_terms import drifts, varying
 from .weights import weights
 
 

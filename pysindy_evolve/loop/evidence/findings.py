@@ -68,7 +68,7 @@ class MemoryFinding(Finding):
     memory : Memory
         What the input goes through.
     interval : tuple of float, optional
-        95 % interval of its first number, once that is polished, see polish.py.
+        95 % interval of its first number, once that is polished, see fine_tuning.py.
     """
 
     memory: Memory = field(kw_only=True)

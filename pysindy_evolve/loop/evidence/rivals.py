@@ -19,10 +19,10 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .drifting_rivals import leads_over, twin_chance
 from .encompassing import chance, explained
+from .held_out_scores import fold_errors
 from .same_model import span
 from .scoring import columns_of
 from .spectral import spectral_grams
-from .trace import fold_errors
 
 ROUNDED = 0.1  # width of a rounded sign, in standard deviations of its argument
 # Share of what an effect explains that a rival must explain in its place. Where much else is

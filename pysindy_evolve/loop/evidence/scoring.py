@@ -21,10 +21,10 @@ from ..effects.periodic import (
     periodic_candidates,
     ripple_candidates,
 )
-from ..effects.pumps import partner_pumps, pumped_candidates
-from ..effects.rippled import rippled_candidates
+from ..effects.pumped_terms import partner_pumps, pumped_candidates
+from ..effects.rippled_terms import rippled_candidates
 from ..effects.stops import begins_within, one_end_each
-from ..effects.varying import parts_of
+from ..effects.varying_terms import parts_of
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams, residual_on
 from ..fitting.trajectory import Trajectories
@@ -32,9 +32,9 @@ from ..given.design import Column, Design, in_state
 from ..given.ranges import Ranges
 from ..given.rows import rows_of, variables_of
 from ..given.segments import Segments
+from .held_out_scores import rank, ranked
 from .ranking import Ranking, Score
 from .spectral import spectral_grams
-from .trace import rank, ranked
 
 EVALUATIONS_PER_NUMBER = 16  # evaluations for each number of a shape
 Proposer = Callable[[Design, Equations, Segments], list[Candidate]]

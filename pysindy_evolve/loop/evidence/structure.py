@@ -27,12 +27,12 @@ from ..given.segments import Segments
 from ..twins.chance import chance_on_twins
 from ..twins.colored import ColoredTwins
 from ..twins.twins import TwinMaker
+from .held_out_scores import are_new, fold_errors
 from .noise_floor import MIN_POWER_OVER_NOISE, NoiseFloor
-from .nulls import chance_of, without_noise_shift
+from .p_values import chance_of, without_noise_shift
 from .scoring import quick_fit
 from .shares import is_exact
 from .spectral import spectral_grams
-from .trace import are_new, fold_errors
 
 MAX_COLUMNS = 60  # of a generic model, in each equation
 LAGS = (1, 2, 4, 8)  # of the inputs, in eighths of the width of the windows

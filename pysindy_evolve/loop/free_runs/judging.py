@@ -29,7 +29,7 @@ from ..given.rows import rows_of
 from ..given.rules import Rules
 from ..given.segments import segments
 from ..given.sticking import may_rest, noise_of
-from ..memories.reach import exchanged
+from ..memories.length_and_kind import exchanged
 from ..twins.chance import draws_for, p_value_of
 from .drift import (
     N_LONG_STRETCHES,

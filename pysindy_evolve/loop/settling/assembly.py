@@ -18,9 +18,9 @@ from ..facts.effect import Effect, Step
 from ..facts.outcome import Outcome
 from ..fitting.fit import refit
 from ..given.held import held_like
-from ..given.resampled import widened
+from ..given.resampling import widened
 from ..search.found import Found
-from .described import described, total
+from .descriptions import described, total
 from .quantities import with_intervals, with_limit, with_memory, with_sensor, with_share_of_runs
 from .stages import Stage, fitted_stages
 

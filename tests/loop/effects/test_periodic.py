@@ -15,7 +15,7 @@ from pysindy_evolve.loop.effects.periodic import (
     ripple_candidates,
     waves_of,
 )
-from pysindy_evolve.loop.effects.pumps import is_partner_pump, other_pumps, partner_pumps
+from pysindy_evolve.loop.effects.pumped_terms import is_partner_pump, other_pumps, partner_pumps
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.terms import mul, variable
 

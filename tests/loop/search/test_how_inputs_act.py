@@ -7,7 +7,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.search.found import Found
-from pysindy_evolve.loop.search.holding import with_holds
+from pysindy_evolve.loop.search.how_inputs_act import with_holds
 
 
 @pytest.mark.parametrize("is_held", [True, False])

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.flexible_mode import flexible_mode
-from pysindy_evolve.loop.effects.flexible import flexible_ways, within_band
+from pysindy_evolve.loop.effects.flexible_modes import flexible_ways, within_band
 from pysindy_evolve.terms import variable
 
 DECLARED = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v + b*F"}, inputs=["F"])

@@ -6,7 +6,7 @@ import pytest
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.effects.missing import candidates
-from pysindy_evolve.loop.effects.varying import hyperbolas
+from pysindy_evolve.loop.effects.varying_terms import hyperbolas
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.terms import mul, power, variable
 

@@ -9,7 +9,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import VESSEL, Memory
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import MemoryFinding
-from pysindy_evolve.loop.settling.doubtful import most_doubtful
+from pysindy_evolve.loop.settling.zero_in_interval import most_doubtful
 
 LEVEL = pse.DeclaredModel({"h": "a*sqrt(u) - b*h"}, inputs=["u"]).design()
 

@@ -6,7 +6,7 @@ from loop_systems import measured
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.modulation import ActingTerm, rippling
-from pysindy_evolve.loop.effects.rippled import rippled_candidates
+from pysindy_evolve.loop.effects.rippled_terms import rippled_candidates
 from pysindy_evolve.terms import constant, variable
 
 RNG = np.random.default_rng(0)

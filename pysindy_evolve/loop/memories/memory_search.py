@@ -23,8 +23,8 @@ from ..given.rules import Rules
 from ..given.segments import Segments
 from .chains import Chain, Traded, chains_in
 from .effect_or_memory import beats_tuned_memories, memory_instead
+from .length_and_kind import chain_of, exchanged, reach_of, settled_memory, trade_of
 from .probes import MemoryCandidate, Probes, grid_of, users_of
-from .reach import chain_of, exchanged, reach_of, settled_memory, trade_of
 
 
 def find_with_memories(

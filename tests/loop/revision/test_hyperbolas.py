@@ -8,8 +8,8 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.revision import bending
-from pysindy_evolve.loop.revision.bending import with_hyperbolas
+from pysindy_evolve.loop.revision import hyperbolas
+from pysindy_evolve.loop.revision.hyperbolas import with_hyperbolas
 from pysindy_evolve.terms import mul, variable
 
 PRODUCT = Candidate("coupling", 1, (mul(variable(0), variable(1)),))
@@ -48,5 +48,5 @@ def test_a_product_that_stands_in_the_model_already_stays():
 
 def test_a_product_stays_where_no_column_is_new(monkeypatch):
     """Such as on a record in which the variable does not move."""
-    monkeypatch.setattr(bending, "score", lambda *_, **__: [])
+    monkeypatch.setattr(hyperbolas, "score", lambda *_, **__: [])
     assert after("- 2*v*q/(2.5 - q)") is PRODUCT

@@ -10,8 +10,8 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.shaping import with_units
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
-from pysindy_evolve.loop.free_runs.comparison import exchanged_by_runs
 from pysindy_evolve.loop.free_runs.contenders import Pool, steady_drift
+from pysindy_evolve.loop.free_runs.one_for_one import exchanged_by_runs
 from pysindy_evolve.loop.free_runs.shape_tuning import Contender
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of

@@ -8,7 +8,7 @@ import sympy
 from scipy.signal import lfilter
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.given.through import with_functions
+from pysindy_evolve.loop.given.input_functions import with_functions
 
 T = np.arange(0.0, 40.0, 0.05)
 RNG = np.random.default_rng(0)

@@ -12,7 +12,7 @@ from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, Shape
 from .names import SATURATING
-from .varying import parts_of
+from .varying_terms import parts_of
 
 HALVES = (0.3, 1.0, 3.0)  # levels at which a rate is half of its largest, over the largest level
 

@@ -7,8 +7,8 @@ from loop_systems import hidden_effects, measured, oscillator
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.effects.missing import terms_in
+from pysindy_evolve.loop.evidence.held_out_scores import fold_errors, rank
 from pysindy_evolve.loop.evidence.scoring import propose, quick_fit, score
-from pysindy_evolve.loop.evidence.trace import fold_errors, rank
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.terms import variable

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.candidate import Candidate
-from ..effects.varying import hyperbolas, parabolas
+from ..effects.varying_terms import hyperbolas, parabolas
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.ranking import Score
 from ..evidence.scoring import EXTRA_LEAD_LOG, score, tuned

@@ -10,7 +10,7 @@ from pysindy_evolve.loop.effects.candidate import CandidateMaker
 from pysindy_evolve.loop.evidence.findings import MemoryFinding, memories_in
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.revision.beginnings import settled_beginning
+from pysindy_evolve.loop.revision.past_inputs import settled_beginning
 from pysindy_evolve.terms import variable
 
 DECLARED = pse.DeclaredModel({"T": "a - b*T + c*u"}, inputs=["u"])

@@ -7,11 +7,11 @@ import pytest
 from loop_systems import equations_of, measured, multisine
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.evidence.nulls import chance_of, without_noise_shift
+from pysindy_evolve.loop.evidence.p_values import chance_of, without_noise_shift
 from pysindy_evolve.loop.evidence.scoring import propose, quick_fit
+from pysindy_evolve.loop.evidence.spectrum_or_trajectory import pieces_to_score
 from pysindy_evolve.loop.evidence.step import _best_score
-from pysindy_evolve.loop.evidence.witness import pieces_to_score
-from pysindy_evolve.loop.given.resampled import widened
+from pysindy_evolve.loop.given.resampling import widened
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.twins.chance import chance_on_twins
 from pysindy_evolve.loop.twins.twins import TwinMaker

@@ -12,7 +12,7 @@ from pysindy_evolve.loop.evidence.findings import Finding, SensorFinding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.limits import Limit
-from pysindy_evolve.loop.settling.worsened import is_further, last_worsened
+from pysindy_evolve.loop.settling.worse_runs import is_further, last_worsened
 from pysindy_evolve.terms import power, variable
 
 SIDES = {"q": "v", "v": "50*q - 2*v + F"}  # a ball on a hill, which a controller holds

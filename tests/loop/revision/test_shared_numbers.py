@@ -10,15 +10,15 @@ from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.partners import are_partners, partnerships, shares_number
 from pysindy_evolve.loop.evidence.findings import Finding, with_columns
 from pysindy_evolve.loop.evidence.scoring import columns_of, tuned
-from pysindy_evolve.loop.free_runs.comparison import exchanged_by_runs
 from pysindy_evolve.loop.free_runs.contenders import Pool
+from pysindy_evolve.loop.free_runs.one_for_one import exchanged_by_runs
 from pysindy_evolve.loop.free_runs.shared_tuning import shared_by_runs
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.revision.sharing import with_shared_numbers
+from pysindy_evolve.loop.revision.shared_numbers import with_shared_numbers
 
 RULES = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
 GAP = 0.02

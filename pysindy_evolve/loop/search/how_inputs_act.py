@@ -10,7 +10,7 @@ from ...signals.zero_order_hold import HALF_SAMPLE, acting_through
 from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in, with_findings
 from ..evidence.offers import after_settling
 from ..given.held import held_where_it_may_be
-from ..given.through import with_functions
+from ..given.input_functions import with_functions
 from ..memories.chains import Traded
 from ..memories.hold_or_memory import (
     free_to_be_held,

@@ -15,11 +15,11 @@ from .declared import DeclaredModel, design_of, with_contradicted
 from .design import Design
 from .held import held_inputs
 from .input_errors import as_held
+from .input_functions import with_functions
 from .record_checks import check_records, doubt_held_out
-from .records import split_records
-from .resampled import at_one_step, undecimated, widened
+from .record_split import split_records
+from .resampling import at_one_step, undecimated, widened
 from .smoothing import with_own_slopes
-from .through import with_functions
 
 
 @dataclass(frozen=True)

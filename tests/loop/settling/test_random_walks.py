@@ -10,7 +10,7 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.facts.effect import Effect
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.settling.wandering import last_wandering
+from pysindy_evolve.loop.settling.random_walks import last_wandering
 from pysindy_evolve.terms import mul, power, variable
 
 COOLING = equations_of({"T": "-0.1*T + 0.01*F"}, ("F",))

@@ -26,8 +26,8 @@ from ..fitting.fit import derivative_intervals, refit
 from ..fitting.linear import solve_gram
 from ..given.design import Column, Design
 from ..given.segments import Segments
+from .length_and_kind import swapped
 from .probes import Probes
-from .reach import swapped
 
 N_ROUNDS = 3  # over all memories, as they affect each other
 RELATIVE_STEP = 0.02  # relative step of a delay or time constant, to take the derivative by it

@@ -20,7 +20,7 @@ from ..evidence.scoring import quick_fit
 from ..fitting.past import with_estimated_past
 from ..given.design import Design
 from ..given.segments import Segments
-from ..memories.find import resettled
+from ..memories.memory_search import resettled
 
 N_ROUNDS = 6  # of estimating past inputs and tuning memories in turn
 

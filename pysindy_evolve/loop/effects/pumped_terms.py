@@ -13,7 +13,7 @@ from .candidate import Candidate, CandidateMaker, Shape
 from .modulation import ActingTerm, pumping
 from .names import FORCING
 from .periodic import PERIODS_IN_TIME, Signal, of_line, waves_of, waves_times
-from .varying import parts_of
+from .varying_terms import parts_of
 
 
 def pumped_candidates(state: int, time: int, signal: Signal, term: ActingTerm) -> list[Candidate]:
