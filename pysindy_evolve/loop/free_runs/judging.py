@@ -152,38 +152,42 @@ def best_of(
     by_memories = gains_of_models(drift, [v.model for v in memories])[0]
     tried, gains = [*terms, *memories], np.append(by_terms, by_memories)
     heads = _heads(tried, gains, rules.notable_gain)
-    heads = [(k, variant) for k, variant in heads if not _is_refuted(drift, wide, variant)]
+    heads = [(v, gain) for v, gain in heads if not _is_refuted(drift, wide, v)]
     if must_be_clear:
-        heads = [(k, v) for k, v in heads if v.memory is not None or _is_clear(drift, gains[k])]
+        heads = [(v, gain) for v, gain in heads if v.memory is not None or _is_clear(drift, gain)]
     if not heads:
         return None
     models = [v.model for v in memories]
-    models += [v.model for _, v in heads if must_be_clear and v.memory is None]
+    models += [v.model for v, _ in heads if must_be_clear and v.memory is None]
     twins = chance_of_models(drift, models, signs)
     # Twins need not be searched for terms where no term gains enough on the record.
     if np.any(by_terms >= rules.notable_gain):
         left_out = [columns_of(one, drift.model.design) for one in also_searched]
-        searched = [*(v.columns for v in terms), *left_out]
-        twins[0] = np.maximum(twins[0], chance_of_terms(drift, searched, signs))
-    variants, head_gains = [v for _, v in heads], gains[[k for k, _ in heads]]
-    judged = _judged(drift, variants, head_gains, twins, must_be_clear=must_be_clear)
+        in_twins = chance_of_terms(drift, [*(v.columns for v in terms), *left_out], signs)
+        twins[0] = np.maximum(twins[0], in_twins)
+    judged = _judged(drift, heads, twins, must_be_clear=must_be_clear)
     passing = [entry for entry in judged if entry[2] <= rules.level_of_runs]
     variant, gain, p_value = _plainest(drift, passing) if passing else judged[0]
-    named, columns, memory = variant.candidate, variant.columns, variant.memory
-    evidence = gain, p_value, twins[0]
-    if memory is None:
-        return Finding(named, columns, *evidence, by_runs=True), variant.model
-    found = MemoryFinding(named, columns, *evidence, by_runs=True, memory=memory)
-    return found, variant.model
+    return _as_finding(variant, gain, p_value, twins[0]), variant.model
 
 
-def _heads(tried: Sequence[Variant], gains: np.ndarray, least: float) -> list[tuple[int, Variant]]:
-    """Return place and best variant of each family that gains half as much as the best of all."""
+def _as_finding(variant: Variant, gain: float, p_value: float, twins: np.ndarray) -> Finding:
+    """Return what a variant has more than the present model, with its evidence."""
+    found = variant.candidate, variant.columns, gain, p_value, twins
+    if variant.memory is None:
+        return Finding(*found, by_runs=True)
+    return MemoryFinding(*found, by_runs=True, memory=variant.memory)
+
+
+def _heads(
+    tried: Sequence[Variant], gains: np.ndarray, least: float
+) -> list[tuple[Variant, float]]:
+    """Return the best variant of each family, with its gain, if that is half of the best of all."""
     found: dict[tuple[object, ...], int] = {}
     for k in np.argsort(-gains).tolist():
         if gains[k] >= max(least, 0.5 * gains.max()):
             found.setdefault(tried[k].family, k)
-    return [(k, tried[k]) for k in found.values()]
+    return [(tried[k], float(gains[k])) for k in found.values()]
 
 
 def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
@@ -223,8 +227,7 @@ def over_noise(drift: Drift) -> float:
 
 def _judged(
     drift: Drift,
-    heads: Sequence[Variant],
-    gains: np.ndarray,
+    heads: Sequence[tuple[Variant, float]],
     twins: np.ndarray,
     *,
     must_be_clear: bool,
@@ -234,13 +237,12 @@ def _judged(
     A variant must also gain on whitened misses, since feedback can imitate it in the plain ones.
     Terms are exempt where they need not be clear.
     """
-    views = gains_of_models(drift, [variant.model for variant in heads])
+    variants, gains = zip(*heads, strict=True)
+    views = gains_of_models(drift, [variant.model for variant in variants])
     views[0] = gains
-    views[1, [variant.memory is None and not must_be_clear for variant in heads]] = np.inf
-    p_values = [
-        max(map(p_value_of, view, twins)) for view in views.T
-    ]  # the larger one of both views
-    return list(zip(heads, gains.tolist(), p_values, strict=True))
+    views[1, [variant.memory is None and not must_be_clear for variant in variants]] = np.inf
+    p_values = [max(map(p_value_of, view, twins)) for view in views.T]  # the larger of both views
+    return list(zip(variants, gains, p_values, strict=True))
 
 
 def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:
