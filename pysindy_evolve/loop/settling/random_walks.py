@@ -17,7 +17,7 @@ from scipy.stats import t as student
 from ...checks import TINY
 from ...equations import Equations
 from ...signals import Record
-from ..evidence.findings import Finding, excluding, is_needed
+from ..evidence.findings import Finding, is_needed
 from ..facts.effect import Effect
 from ..fitting.past import derivative_residual
 from ..fitting.random_force import whitening
@@ -54,7 +54,7 @@ def last_wandering(
     Finding or None
     """
     for finding, effect in reversed(list(zip(findings, effects, strict=True))):
-        if not _uses_time(finding, records[0]) or is_needed(finding, excluding(findings, finding)):
+        if not _uses_time(finding, records[0]) or is_needed(finding, findings):
             continue
         pieces = [_pieces(finding, effect.coefficients, corrected, record) for record in records]
         if all(map(_is_slow, pieces)) and _chance_of_walk(pieces) > significance:

@@ -18,7 +18,7 @@ import numpy as np
 from ...equations import Equations
 from ...hidden_states.memory_equations import as_acting
 from ...signals import Record
-from ..evidence.findings import Finding, SensorFinding, excluding, is_needed
+from ..evidence.findings import Finding, SensorFinding, is_needed
 from ..fitting.past import derivative_residual
 from ..fitting.residual import MAX_GROWTH, jacobian, respond
 from ..fitting.runs import LOST_NRMSE, simulation_errors
@@ -59,7 +59,7 @@ def last_worsened(
         one
         for one in findings
         if not isinstance(one, SensorFinding)  # which changes no equation
-        and not is_needed(one, excluding(findings, one))
+        and not is_needed(one, findings)
     ]
     if not free or declared.n_algebraic:
         return None

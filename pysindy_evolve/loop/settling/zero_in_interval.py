@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed
+from ..evidence.findings import Finding, MemoryFinding, is_needed
 from ..facts.effect import Effect
 from ..given.design import Design
 
@@ -41,7 +41,7 @@ def most_doubtful(
         k: _ratio(effect, _telling(finding))
         for k, (finding, effect) in enumerate(zip(findings, effects, strict=True))
         if (finding.columns or isinstance(finding, MemoryFinding))
-        and not is_needed(finding, excluding(findings, finding))
+        and not is_needed(finding, findings)
         and not _remembers(finding, design)
     }
     worst = min(doubts, key=lambda k: doubts[k], default=None)
