@@ -119,12 +119,11 @@ def _or_grown(
 
 def _exchanged(found: Found) -> Found:
     """Return the findings under the names and with the numbers that fit best by now."""
-    findings = exchange(found.declared, found.findings, found.corrected_pieces)
-    findings = with_hyperbolas(found.declared, findings, found.corrected_pieces)
-    findings = with_numbers(found.declared, findings, found.corrected_pieces)
-    return found.with_findings(
-        with_shared_numbers(found.declared, findings, found.corrected_pieces)
-    )
+    declared, part = found.declared, found.corrected_pieces
+    findings = exchange(declared, found.findings, part)
+    findings = with_hyperbolas(declared, findings, part)
+    findings = with_numbers(declared, findings, part)
+    return found.with_findings(with_shared_numbers(declared, findings, part))
 
 
 def _if_needed(found: Found, known: Found) -> Found:
