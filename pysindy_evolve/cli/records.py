@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..loop import DeclaredModel
-from ..loop.given.records import split_records
+from ..loop.given.record_split import split_records
 from ..signals import Record, prepare, read_csv
 from ..signals.files import column_names
 from ..signals.spectral import Array

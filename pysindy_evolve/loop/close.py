@@ -12,11 +12,11 @@ from ..operators import Operator, resolve
 from ..signals import Record
 from ..threads import one_thread
 from ..warn import warn
-from .evidence.witness import pieces_to_score
+from .evidence.spectrum_or_trajectory import pieces_to_score
 from .fitting.aliases import without_aliases
 from .free_runs.state_limits import may_stop_itself
-from .given.checked import checked_model_and_records
 from .given.declared import DeclaredModel
+from .given.given import checked_model_and_records
 from .given.rules import Rules, generator
 from .growth.genetic_search import OPERATORS
 from .report.report import LoopReport, report_of

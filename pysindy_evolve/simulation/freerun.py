@@ -95,7 +95,7 @@ class FreeRun:
         for time, h, u_here, slope in rows:
             if first or external:
                 try:
-                    self._start(time, h, x, u_here, slope, first, external)
+                    self._start(h, time, x, u_here, slope, first, external)
                     self._weigh(h, time, x, u_here)
                 except _FAILURES as failure:
                     raise Diverged("the right-hand side has no value") from failure
@@ -112,7 +112,7 @@ class FreeRun:
                     x = after
                     yield x
                     continue
-            x = self._interval(time, h, x, u_here, slope)
+            x = self._interval(h, time, x, u_here, slope)
             step = self.program.step(self.sliding)
             yield x
 
@@ -138,7 +138,7 @@ class FreeRun:
         return changed
 
     def _start(
-        self, t: float, h: float, x: Any, u: Any, du: Any, first: bool, external: list[int]
+        self, h: float, t: float, x: Any, u: Any, du: Any, first: bool, external: list[int]
     ) -> None:
         """Set signs at the start of a sample interval: all of them once, external ones always."""
         g, rates = self._slopes(h, t, x, u, du)
@@ -154,7 +154,7 @@ class FreeRun:
     def _slopes(self, h: float, t: float, x: Any, u: Any, du: Any) -> Any:
         return self.program.slopes(h, t, x, u, du, self.signs, self.parameters)
 
-    def _interval(self, t: float, h: float, x: Any, u: Any, du: Any) -> Any:
+    def _interval(self, h: float, t: float, x: Any, u: Any, du: Any) -> Any:
         """Integrate over one sample interval in as many steps as it takes."""
         done, events, substeps = 0.0, 0, self.limits.substeps
         most = self.n_steps + MAX_STEPS

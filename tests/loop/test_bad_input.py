@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.given.resampled import at_one_step
+from pysindy_evolve.loop.given.resampling import at_one_step
 
 HOUSE_FORM = re.compile(r"^\w+.*\(.+=\.\.\.\) must .+; got .+\. .+", re.DOTALL)
 SPRING = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})

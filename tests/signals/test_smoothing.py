@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from pysindy_evolve.signals import integrate
-from pysindy_evolve.signals.smoothing import is_noisy, smooth_states, time_step
+from pysindy_evolve.signals.smoothing import is_noisy, smooth_states
+from pysindy_evolve.signals.time_step import time_step
 
 DT = 0.01
 

@@ -3,7 +3,7 @@
 `vocabulary.py` lists the effects, `missing.py` selects those that a design may lack; the files
 between build them, each those of a kind.
 
-=================  ======================================================================
+=================  ==============================================================================
 basis
 names              the names of all effects, in the order of preference
 vocabulary         all effects with a name that an equation may lack, in their order
@@ -23,23 +23,23 @@ entries            forces that enter through an inverse mass matrix
 links              weights and Coriolis forces of the links of an arm, at several joints
 inertia            inertias that vary with an angle
 angles             forces of rotating bodies, periodic in angles or their difference
-radial             forces along or against a motion in a plane or in space
+radial_forces      forces along or against a motion in a plane or in space
 stops              end stops, contacts, slack ropes
 flows and changes
 differences        flows in proportion to a difference, such as heat between two walls
-varying            declared terms whose coefficient changes, with a variable or time
-saturating         declared rates that saturate with a level
+varying_terms      declared terms whose coefficient changes, with a variable or time
+saturating_rates   declared rates that saturate with a level
 valves             declared inputs that open a valve, whose flow goes with the root of a pressure
 with memory
 hysteresis         hysteresis, and friction with a rounded sign
 relaxation         springs whose force fades, bodies that store heat
-flexible           unmeasured masses on springs
+flexible_modes     unmeasured masses on springs
 followers          both of them: hidden states that follow a measured one
 by frequency
 lines              frequencies at which the spectrum of a signal stands above the noise
 periodic           forcing and ripple at these frequencies
 modulation         frequency at which the strength of a term varies
-pumps              terms of the model times a wave of the time
-rippled            terms of the model times a wave of the position
-=================  ======================================================================
+pumped_terms       terms of the model times a wave of the time
+rippled_terms      terms of the model times a wave of the position
+=================  ==============================================================================
 """

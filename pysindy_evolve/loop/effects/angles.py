@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import numpy as np
-
 from ...operators import BUILTIN
 from ...substitution import substituted
 from ...terms import (
@@ -24,6 +22,7 @@ from ...terms import (
     variable,
 )
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, CandidateMaker
 from .names import COUPLING, INPUT_GAIN
 
@@ -45,23 +44,15 @@ def waves_angles(expression: Sum, design: Design) -> bool:
     return bool(waved) and waved <= angles_of(design)
 
 
-def units_of(
-    design: Design, variable: int, scales: np.ndarray, middle: np.ndarray
-) -> tuple[float, ...]:
+def units_of(design: Design, variable: int, ranges: Ranges) -> tuple[float, ...]:
     """Return the units, in radians, that a variable may be measured in if it is an angle.
 
     Degrees are possible only if it swings by more than 30 of them, as the height of a fall from
     forty metres does not, and if no sine of the model tells the unit.
     """
-    swing = swing_of(variable, scales, middle)
-    if not bends(swing, DEGREE) or variable in angles_of(design):
+    if not bends(ranges.swing_of(variable), DEGREE) or variable in angles_of(design):
         return (RADIAN,)
     return UNITS
-
-
-def swing_of(variable: int, scales: np.ndarray, middle: np.ndarray) -> float:
-    """Return how far a variable goes to each side of its middle."""
-    return float(scales[variable] - abs(middle[variable]))
 
 
 def bends(swing: float, unit: float) -> bool:

@@ -90,7 +90,8 @@ class Candidate:
     free_nodes : int
         Nodes without a price: a declared term inside a grown one is known, and counts as one node.
     of_known_wave : bool
-        Whether it is a term times a wave whose frequency stands in the model already, see pumps.py.
+        Whether it is a term times a wave whose frequency stands in the model already, see
+        pumped_terms.py.
     """
 
     name: str

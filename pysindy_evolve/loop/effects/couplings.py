@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations
 
-import numpy as np
-
 from ...terms import mul, power, sub, variable
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .candidate import OFFSET, Candidate, CandidateMaker
 from .differences import acting_differences
 from .frictions import slips
@@ -35,7 +34,7 @@ def products_of_others(
 
 
 def between(
-    effect: CandidateMaker, design: Design, state: int, other: int, apart: np.ndarray
+    effect: CandidateMaker, design: Design, state: int, other: int, ranges: Ranges
 ) -> Iterator[Candidate]:
     """Yield the forces between two bodies, which depend on their relative motion."""
     position = design.position_of(state)
@@ -43,19 +42,19 @@ def between(
         return
     if design.position_of(other) is not None:
         slip = sub(variable(state), variable(other))
-        yield from slips(effect, slip, float(apart[state, other]))
+        yield from slips(effect, slip, float(ranges.apart[state, other]))
     if design.derivative_of(other) is not None:
         stretch = sub(variable(position), variable(other))
-        yield from stretches(effect, stretch, float(apart[position, other]))
+        yield from stretches(effect, stretch, float(ranges.apart[position, other]))
 
 
 def relative(
-    effect: CandidateMaker, design: Design, state: int, apart: np.ndarray
+    effect: CandidateMaker, design: Design, state: int, ranges: Ranges
 ) -> Iterator[Candidate]:
     """Yield the forces of a motion relative to an input: to the wind, or to a shaken floor."""
     for own, other in acting_differences(design, state):
         motion = sub(variable(own), variable(other))
         if own == state:
-            yield from slips(effect, motion, float(apart[own, other]))
+            yield from slips(effect, motion, float(ranges.apart[own, other]))
         else:
-            yield from stretches(effect, motion, float(apart[own, other]))
+            yield from stretches(effect, motion, float(ranges.apart[own, other]))

@@ -16,21 +16,20 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from ...operators import BUILTIN
 from ...terms import Call, Sum, call, mul, only_term, power, sub, variable
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, Shape, bare
 from .hysteresis import rounded_sign
 from .names import COUPLING
-from .varying import parts_of
+from .varying_terms import parts_of
 
 GRIPS = (0.03, 0.1, 0.3, 1.0)  # differences at which a grip saturates, as shares of the largest one
 
 
 def differences(
-    effect: CandidateMaker, design: Design, state: int, other: int, apart: np.ndarray
+    effect: CandidateMaker, design: Design, state: int, other: int, ranges: Ranges
 ) -> Iterator[Candidate]:
     """Yield what the difference of two positions, or of two states of one kind, does."""
     position, is_position = design.position_of(state), design.derivative_of(other) is not None
@@ -43,7 +42,7 @@ def differences(
             yield from _carried(effect, design, own, other)
             if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
                 slip = sub(variable(other), variable(own))
-                yield from gripping(effect, COUPLING, slip, float(apart[own, other]))
+                yield from gripping(effect, COUPLING, slip, float(ranges.apart[own, other]))
 
 
 def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:
@@ -57,21 +56,19 @@ def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Cand
         yield from _carried(effect, design, effect.state, column)
 
 
-def radiated(
-    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
-) -> Iterator[Candidate]:
+def radiated(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator[Candidate]:
     """Yield radiation where heat is declared to flow: differences of fourth powers.
 
     Both temperatures must always be above zero, as those in kelvin are.
     """
     own, sides = effect.state, design.sides_of(effect.state)
-    above = [v for v in range(design.time) if 2.0 * middle[v] > scales[v]]
+    above = [v for v in range(design.time) if ranges.stays_positive(v)]
     for other in above if own in above else []:
         if other != own and any(_holds_difference(side, own, other) for side in sides):
             yield effect(COUPLING, sub(power(variable(other), 4), power(variable(own), 4)))
 
 
-def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iterator[Candidate]:
+def leveling(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator[Candidate]:
     """Yield declared sums, such as the slip of a tyre, as forces that saturate at a grip.
 
     The same slip may stand in two equations: that of a sideways motion, and that of a rotation.
@@ -81,7 +78,7 @@ def leveling(effect: CandidateMaker, design: Design, scales: np.ndarray) -> Iter
         weights = [(c, v) for c, variables in linear for v in variables]
         is_difference = len(weights) == 2 and weights[0][0] == -weights[1][0]
         if 1 < len(weights) == len(slip.parts) and not is_difference:
-            reach = sum(abs(c) * float(scales[v]) for c, v in weights)
+            reach = sum(abs(c) * float(ranges.largest[v]) for c, v in weights)
             grips = gripping(effect, COUPLING, slip, reach)
             yield from (replace(one, acts_at=((min(slip.variables),), one.terms)) for one in grips)
 

@@ -11,7 +11,7 @@ from ...signals import Record
 from ...terms import Call, variable
 from ..given.design import Design
 from .candidate import Candidate
-from .flexible import flexible_ways, within_band
+from .flexible_modes import flexible_ways, within_band
 from .relaxation import relaxed_ways, within_reach
 
 

@@ -18,6 +18,7 @@ from ...hidden_states.boucwen import yielding
 from ...hidden_states.wen_spring import springing
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
+from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, Shape
 from .names import (
     COULOMB_FRICTION,
@@ -72,11 +73,13 @@ def _slanted(v: Sum, x: Sum, slant: float, middle: float) -> Sum:
     return add(v, mul(constant(slant), sub(x, constant(middle))))
 
 
-def rounded(effect: CandidateMaker, v: int, scales: np.ndarray) -> Iterator[Candidate]:
+def rounded(effect: CandidateMaker, v: int, ranges: Ranges) -> Iterator[Candidate]:
     """Yield frictions whose sign is rounded off."""
     for width in WIDTHS:
         build = partial(rounded_sign, variable(v))
-        smooth = Shape((width * float(scales[v]),), (build,), meanings=("width of the transition",))
+        smooth = Shape(
+            (width * float(ranges.largest[v]),), (build,), meanings=("width of the transition",)
+        )
         yield effect(COULOMB_FRICTION, shape=smooth)
 
 
@@ -108,10 +111,10 @@ class Yield:
 
 
 def yields(
-    effect: CandidateMaker, x: int, v: int, scales: np.ndarray, middle: float
+    effect: CandidateMaker, x: int, v: int, ranges: Ranges, middle: float
 ) -> Iterator[Candidate]:
     """Yield hysteretic frictions of a velocity, led or followed by another variable."""
-    speed, stroke = float(scales[v]), float(scales[x]) - abs(middle)
+    speed, stroke = float(ranges.largest[v]), float(ranges.largest[x]) - abs(middle)
     side = float(np.sign(middle)) if abs(middle) > CENTERED * stroke else 0.0
     places = {"distance of the middle from zero": abs(middle)} if side else {}
     for share in (None, *WIDTHS):

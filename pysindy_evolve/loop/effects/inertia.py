@@ -10,7 +10,6 @@ import numpy as np
 from ...terms import Sum
 from ..given.inertia import InertiaWave
 from ..given.ranges import Ranges
-from .angles import swing_of
 from .candidate import Candidate, Shape
 from .names import INERTIA
 from .periodic import WAVE_NUMBER
@@ -48,7 +47,7 @@ def inertias(
     Only a measured force tells an inertia from other forces of the position: without an input in
     the equation there are none.
     """
-    turns = 2.0 * swing_of(position, ranges.largest, ranges.middle) >= np.pi
+    turns = 2.0 * ranges.swing_of(position) >= np.pi
     if not (turns and rate.variables & set(inputs)):
         return []
     return [

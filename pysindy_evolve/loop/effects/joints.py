@@ -6,10 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from ...terms import mul, variable
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .angles import centripetal
 from .candidate import OFFSET, Candidate, CandidateMaker, bare, rewritten
 from .entries import Entry
@@ -22,17 +21,17 @@ def at_joints(
     effect: CandidateMaker,
     design: Design,
     entries: Sequence[Entry],
-    scales: np.ndarray,
+    ranges: Ranges,
     turning: frozenset[int],
 ) -> Iterator[Candidate]:
     """Yield forces that enter where a declared force does, with a factor that is not constant."""
     for entry in entries:
         forces = [effect(CONSTANT_OFFSET, OFFSET), *centripetal(effect, design, turning)]
         for v in entry.velocities:
-            forces += frictions(effect, variable(v), float(scales[v]))
+            forces += frictions(effect, variable(v), float(ranges.largest[v]))
             q = design.position_of(v)
             if q is not None:
-                forces += springs(effect, variable(q), float(scales[q]))
+                forces += springs(effect, variable(q), float(ranges.largest[q]))
         # Without its sign, the factor -q^2 of a damping makes a spring q the cubic stiffness, which
         # has its name already.
         is_free = len(entry.factor.parts) == 1 and not entry.is_known

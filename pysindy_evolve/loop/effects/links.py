@@ -17,12 +17,11 @@ from dataclasses import replace
 from functools import reduce
 from itertools import combinations, permutations, product
 
-import numpy as np
-
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 from ..given.design import Design
-from .angles import RADIAN, WAVES, bends, swing_of
+from ..given.ranges import Ranges
+from .angles import RADIAN, WAVES, bends
 from .candidate import Candidate, CandidateMaker
 from .entries import Entry
 from .names import COUPLING, GRAVITY
@@ -32,8 +31,7 @@ def link_weights(
     effect: CandidateMaker,
     design: Design,
     entries: Sequence[Entry],
-    scales: np.ndarray,
-    middle: np.ndarray,
+    ranges: Ranges,
     turning: frozenset[int],
 ) -> Iterator[Candidate]:
     """Yield the weights of the links of an arm, in the equation of one joint.
@@ -46,8 +44,8 @@ def link_weights(
         The model so far.
     entries : sequence of Entry
         Where forces enter the equation.
-    scales, middle : ndarray of shape (n_variables,)
-        Largest magnitude and middle of the range of each variable.
+    ranges : Ranges
+        Ranges of the variables.
     turning : frozenset of int
         Variables that are angles, in radians.
 
@@ -57,7 +55,7 @@ def link_weights(
         Only of links that swing so far that their weight is no offset with a spring.
     """
     for angles, places in _chains(design, entries, turning):
-        swing = sum(swing_of(angle, scales, middle) for angle in angles)
+        swing = sum(map(ranges.swing_of, angles))
         if bends(swing, RADIAN):
             direction = reduce(add, map(variable, angles))
             factor = reduce(add, (_torque_factor(entry, design) for entry in places))

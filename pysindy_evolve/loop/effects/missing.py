@@ -49,7 +49,7 @@ def candidates(design: Design, ranges: Ranges) -> list[Candidate]:
     return [
         _without_offset(candidate, design, one_signed)
         for state in design.open_states
-        for candidate in of_equation(design, state, ranges.largest, ranges.apart, ranges.middle)
+        for candidate in of_equation(design, state, ranges)
         if not all((state, bare(term)) in taken for term in candidate.terms)
         and not (candidate.variables & one_signed and _is_idle(candidate, design, ranges))
     ]

@@ -11,16 +11,38 @@ the values, with their squares as weights.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy import fft
 from scipy.stats import binned_statistic
 
 from ...checks import TINY
+from ...terms import Sum
 from .lines import vertex
 
 ROUGHNESS = 2  # grid points per frequency that a record resolves; tuned afterwards
 PUMPED = 0.1  # share of a residual's square that a wave times a term must explain
 SINGULAR = 0.01  # determinant below which cosine and sine are the same on a record
+
+
+@dataclass(frozen=True, eq=False)
+class ActingTerm:
+    """A term of an equation whose strength may vary, and what it was in a record.
+
+    Attributes
+    ----------
+    part : Sum
+        The term, without its coefficient.
+    values : ndarray of shape (n_samples,)
+        Its values.
+    branch : int
+        Tells it from the other terms of its equation.
+    """
+
+    part: Sum
+    values: np.ndarray
+    branch: int = 0
 
 
 def pumping(

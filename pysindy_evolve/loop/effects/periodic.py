@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -26,14 +26,54 @@ MIN_IN_STEP = 0.9  # correlation with a position of what a ripple may repeat wit
 SAMPLES_PER_BIN = 8  # of the stroke, on average: as fine as the record can tell
 
 
-def periodic_candidates(
-    state: int,
-    time: int,
-    residual: np.ndarray,
-    drivers: np.ndarray,
-    dt: float,
-    highest: float = np.inf,
-) -> list[Candidate]:
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """A residual over the time, with the inputs beside it.
+
+    Attributes
+    ----------
+    values : ndarray of shape (n_samples,)
+        On a uniform grid of step dt.
+    drivers : ndarray of shape (n_samples, n_drivers)
+        Inputs, and whatever else has lines that do not count.
+    dt : float
+        Sampling time, units of t.
+    highest : float
+        Frequency up to which to look for lines, cycles per unit of t, such as the cutoff of a
+        low-pass.
+    """
+
+    values: np.ndarray
+    drivers: np.ndarray
+    dt: float
+    highest: float = np.inf
+
+    @property
+    def length(self) -> float:
+        """Its length, units of t."""
+        return len(self.values) * self.dt
+
+    def lines(self, n_peaks: int = N_LINES, n_periods: int = PERIODS_IN_TIME) -> list[float]:
+        """Return the frequencies, cycles per unit of t, of lines that no driver has.
+
+        Parameters
+        ----------
+        n_peaks : int
+            How many to return at most.
+        n_periods : int
+            Periods of a line in the signal, at least.
+
+        Returns
+        -------
+        list of float
+            The clearest first.
+        """
+        highest = self.highest * self.dt
+        found = find_lines(self.values, self.drivers.T, n_periods, n_peaks, highest)
+        return [cycles / self.dt for cycles in found]
+
+
+def periodic_candidates(state: int, time: int, signal: Signal) -> list[Candidate]:
     """Return sines and cosines of time at the strongest frequencies of a residual.
 
     A line that an input has too is left out: it is no forcing, but a response to the input that the
@@ -45,23 +85,17 @@ def periodic_candidates(
         Equation that the residual belongs to.
     time : int
         Column of the variables that holds time.
-    residual : ndarray of shape (n_samples,)
-        On a uniform grid of step dt.
-    drivers : ndarray of shape (n_samples, n_inputs)
-        Inputs.
-    dt : float
-        Sampling time, units of t.
-    highest : float
-        Frequency up to which to look, cycles per unit of t, such as the cutoff of a low-pass.
+    signal : Signal
+        The residual.
 
     Returns
     -------
     list of Candidate
     """
     effect = CandidateMaker(state)
-    lines = lines_of(residual, drivers, dt, highest, n_periods=FEWEST_PERIODS)
+    lines = signal.lines(n_periods=FEWEST_PERIODS)
     return [
-        effect(FORCING, shape=of_line(frequency, len(residual) * dt, waves_of(time), branch))
+        effect(FORCING, shape=of_line(frequency, signal.length, waves_of(time), branch))
         for branch, frequency in enumerate(lines)
     ]
 
@@ -79,35 +113,6 @@ def frequency_of(candidate: Candidate) -> float:
     if candidate.shape is None or FREQUENCY not in candidate.shape.meanings:
         return 0.0
     return candidate.shape.named[FREQUENCY] / (2 * np.pi)
-
-
-def lines_of(
-    residual: np.ndarray,
-    drivers: np.ndarray,
-    dt: float,
-    highest: float = np.inf,
-    *,
-    n_peaks: int = N_LINES,
-    n_periods: int = PERIODS_IN_TIME,
-) -> list[float]:
-    """Return the frequencies, cycles per unit of t, of lines of a residual that no input has.
-
-    Parameters
-    ----------
-    residual, drivers, dt, highest
-        As in `periodic_candidates`.
-    n_peaks : int
-        How many to return at most.
-    n_periods : int
-        Periods of a line in the residual, at least.
-
-    Returns
-    -------
-    list of float
-        The clearest first.
-    """
-    found = find_lines(residual, drivers.T, n_periods, n_peaks, highest * dt)
-    return [cycles / dt for cycles in found]
 
 
 def ripple_candidates(

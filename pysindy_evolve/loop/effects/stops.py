@@ -16,7 +16,7 @@ from ...terms import Call, Product, Sum, add, call, constant, mul, power, sub
 from ..given.design import Design
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, rewritten
 from .names import ASYMMETRIC_STIFFNESS, DEAD_ZONE, NONLINEAR_DAMPING, SATURATION
-from .varying import parts_of
+from .varying_terms import parts_of
 
 PLACES = (-0.6, -0.2, 0.2, 0.6)  # of stops, as shares of half the range from its middle
 ENDS = (0.75, 0.9)  # the same near the ends, where most of the motion is free

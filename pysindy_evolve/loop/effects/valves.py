@@ -5,21 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-import numpy as np
-
 from ...operators import BUILTIN
 from ...terms import Sum, add, call, constant, mul, sub, variable
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, Shape
 from .names import VALVE
-from .varying import parts_of
+from .varying_terms import parts_of
 
 SUPPLIES = (1.2, 2.0, 4.0)  # pressures of a supply, over the largest pressure of the record
 
 
-def throttled(
-    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
-) -> Iterator[Candidate]:
+def throttled(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator[Candidate]:
     """Yield declared inputs as openings of a valve: flow goes with the root of a pressure.
 
     That is the supply less the pressure of the load, or plus it where the valve is reversed. A
@@ -27,15 +24,15 @@ def throttled(
     flow in, and the pressure itself drives it out.
     """
     state, inputs = effect.state, range(len(design.states), design.time)
-    if design.position_of(state) is not None or scales[state] == 0.0:
+    largest = float(ranges.largest[state])
+    if design.position_of(state) is not None or largest == 0.0:
         return
-    is_chamber = 2.0 * middle[state] > scales[state]
-    build = _of_chamber if is_chamber else _of_load
+    build = _of_chamber if ranges.stays_positive(state) else _of_load
     acting = parts_of(design, state)
     for opening in (u for u in map(variable, inputs) if u in acting):
         for share in SUPPLIES:
             supply = Shape(
-                (share * float(scales[state]),),
+                (share * largest,),
                 (partial(build, opening, variable(state)),),
                 meanings=("supply pressure",),
             )

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from ...terms import Sum, variable
 from ..given.design import Design
+from ..given.ranges import Ranges
 from .angles import angles_of, between_angles, centrifugal, centripetal
 from .candidate import OFFSET, Candidate, CandidateMaker
 from .couplings import between, couplings, products_of_others, relative
@@ -24,27 +23,25 @@ from .inputs import of_input, within_terms
 from .joints import at_joints
 from .links import link_couplings, link_weights
 from .names import CONSTANT_OFFSET
-from .radial import radial
-from .saturating import saturating
+from .radial_forces import radial
+from .saturating_rates import saturating
 from .springs import springs
 from .stops import damped_contacts, stops
 from .valves import throttled
-from .varying import drifts, varying
+from .varying_terms import drifts, varying
 from .weights import weights
 
 
-def of_equation(
-    design: Design, state: int, scales: np.ndarray, apart: np.ndarray, middle: np.ndarray
-) -> Iterator[Candidate]:
+def of_equation(design: Design, state: int, ranges: Ranges) -> Iterator[Candidate]:
     """Yield the vocabulary for one equation, simple effects before composed ones.
 
     A term of several effects, such as the square of a position, has the name of the first.
     """
     effect = CandidateMaker(state)
     if design.algebraic:
-        found = _of_target(effect, design, scales, middle)
+        found = _of_target(effect, design, ranges)
     else:
-        found = _of_rate(effect, design, scales, apart, middle)
+        found = _of_rate(effect, design, ranges)
     seen: set[tuple[Sum, ...]] = set()
     for candidate in found:
         if candidate.terms not in seen:
@@ -52,61 +49,84 @@ def of_equation(
             yield candidate
 
 
-def _of_rate(
-    effect: CandidateMaker,
-    design: Design,
-    scales: np.ndarray,
-    apart: np.ndarray,
-    middle: np.ndarray,
-) -> Iterator[Candidate]:
+def _of_rate(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator[Candidate]:
     """Yield the effects in the rate of a state."""
-    state, n_states = effect.state, len(design.states)
-    v, position, turning = variable(state), design.position_of(state), angles_of(design)
+    state, turning = effect.state, angles_of(design)
+    position = design.position_of(state)
     yield effect(CONSTANT_OFFSET, OFFSET)
-    yield from frictions(effect, v, float(scales[state]))
+    yield from frictions(effect, variable(state), float(ranges.largest[state]))
     if position is not None:
-        q = variable(position)
-        yield from springs(effect, q, float(scales[position]))
-        yield from stops(effect, q, float(scales[position]), float(middle[position]))
-        yield from damped_contacts(effect, design, q, v)
-        yield from weights(effect, design, position, scales, middle)
-        yield from frictions_by_position(effect, q, v)
-        yield from centripetal(effect, design, turning)
-        yield from centrifugal(effect, design, position, turning)
-    own = state if position is None else position
-    for other in range(n_states):
-        if other not in (state, position):
-            yield from couplings(effect, state, other)
-            yield from differences(effect, design, state, other, apart)
-            yield from between(effect, design, state, other, apart)
-            if {own, other} <= turning:
-                yield from between_angles(effect, variable(own), variable(other))
-    yield from products_of_others(effect, design, {state, position})
+        yield from _of_position(effect, design, position, turning, ranges)
+    yield from _of_other_states(effect, design, position, turning, ranges)
     if position is None:
-        yield from radiated(effect, design, scales, middle)
-    for column in range(n_states, design.time):
-        states = [v] if position is None else [v, variable(position)]
-        u, reach = variable(column), float(scales[column])
-        yield from of_input(effect, u, states, reach, float(middle[column]))
-        yield from within_terms(effect, design, column, reach)
-        if position is None:
-            yield from losses(effect, design, column)
-    yield from relative(effect, design, state, apart)
-    yield from leveling(effect, design, scales)
+        yield from radiated(effect, design, ranges)
+    yield from _of_inputs(effect, design, position, ranges)
+    yield from relative(effect, design, state, ranges)
+    yield from leveling(effect, design, ranges)
     yield from radial(effect, design, turning)
     entries = entries_of(design, state)
-    yield from at_joints(effect, design, entries, scales, turning)
-    yield from link_weights(effect, design, entries, scales, middle, turning)
+    yield from at_joints(effect, design, entries, ranges, turning)
+    yield from link_weights(effect, design, entries, ranges, turning)
     yield from link_couplings(effect, design, entries, turning)
     yield from varying(effect, design)
-    yield from saturating(effect, design, scales, middle)
-    yield from throttled(effect, design, scales, middle)
+    yield from saturating(effect, design, ranges)
+    yield from throttled(effect, design, ranges)
     yield from drifts(effect, design, variable(design.time))
 
 
-def _of_target(
-    effect: CandidateMaker, design: Design, scales: np.ndarray, middle: np.ndarray
+def _of_position(
+    effect: CandidateMaker,
+    design: Design,
+    position: int,
+    turning: frozenset[int],
+    ranges: Ranges,
 ) -> Iterator[Candidate]:
+    """Yield what the position of a velocity does to it."""
+    q, v = variable(position), variable(effect.state)
+    largest, middle = float(ranges.largest[position]), float(ranges.middle[position])
+    yield from springs(effect, q, largest)
+    yield from stops(effect, q, largest, middle)
+    yield from damped_contacts(effect, design, q, v)
+    yield from weights(effect, design, position, ranges)
+    yield from frictions_by_position(effect, q, v)
+    yield from centripetal(effect, design, turning)
+    yield from centrifugal(effect, design, position, turning)
+
+
+def _of_other_states(
+    effect: CandidateMaker,
+    design: Design,
+    position: int | None,
+    turning: frozenset[int],
+    ranges: Ranges,
+) -> Iterator[Candidate]:
+    """Yield what states do that are neither the own one nor its position."""
+    state = effect.state
+    own = state if position is None else position
+    for other in range(len(design.states)):
+        if other not in (state, position):
+            yield from couplings(effect, state, other)
+            yield from differences(effect, design, state, other, ranges)
+            yield from between(effect, design, state, other, ranges)
+            if {own, other} <= turning:
+                yield from between_angles(effect, variable(own), variable(other))
+    yield from products_of_others(effect, design, {state, position})
+
+
+def _of_inputs(
+    effect: CandidateMaker, design: Design, position: int | None, ranges: Ranges
+) -> Iterator[Candidate]:
+    """Yield what the inputs do."""
+    v = variable(effect.state)
+    own = [v] if position is None else [v, variable(position)]
+    for column in range(len(design.states), design.time):
+        yield from of_input(effect, column, own, ranges)
+        yield from within_terms(effect, design, column, ranges)
+        if position is None:
+            yield from losses(effect, design, column)
+
+
+def _of_target(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator[Candidate]:
     """Yield the effects in a target that is a function of inputs."""
     yield effect(CONSTANT_OFFSET, OFFSET)
     first = len(design.states)
@@ -114,19 +134,19 @@ def _of_target(
     moving: set[int] = set()
     for x, v in design.motions:
         if x in velocities:  # velocity and acceleration
-            yield from yields(effect, v, x, scales, 0.0)  # the zero of an acceleration is known
+            yield from yields(effect, v, x, ranges, 0.0)  # the zero of an acceleration is known
             continue
-        yield from frictions(effect, variable(v), float(scales[v]))
-        yield from springs(effect, variable(x), float(scales[x]))
-        yield from stops(effect, variable(x), float(scales[x]), float(middle[x]))
-        yield from weights(effect, design, x, scales, middle)
+        largest, middle = float(ranges.largest[x]), float(ranges.middle[x])
+        yield from frictions(effect, variable(v), float(ranges.largest[v]))
+        yield from springs(effect, variable(x), largest)
+        yield from stops(effect, variable(x), largest, middle)
+        yield from weights(effect, design, x, ranges)
         yield from frictions_by_position(effect, variable(x), variable(v))
-        yield from rounded(effect, v, scales)
-        yield from yields(effect, x, v, scales, float(middle[x]))
-        yield from remembering(effect, x, v, float(scales[x]) - abs(float(middle[x])))
+        yield from rounded(effect, v, ranges)
+        yield from yields(effect, x, v, ranges, middle)
+        yield from remembering(effect, x, v, ranges.swing_of(x))
         moving |= {x, v}
+    own = [variable(other) for other in sorted(moving)]
     for column in range(first, first + len(design.inputs)):
         if column not in moving:
-            own = [variable(other) for other in sorted(moving)]
-            u, reach = variable(column), float(scales[column])
-            yield from of_input(effect, u, own, reach, float(middle[column]))
+            yield from of_input(effect, column, own, ranges)

@@ -9,17 +9,18 @@ import numpy as np
 from ...operators import BUILTIN
 from ...terms import Sum, call, constant, mul, variable
 from ..given.design import Design
-from .angles import bends, swing_of, units_of
+from ..given.ranges import Ranges
+from .angles import bends, units_of
 from .candidate import OFFSET, Candidate, CandidateMaker
 from .names import GRAVITY, HARMONIC
 
 
 def weights(
-    effect: CandidateMaker, design: Design, position: int, scales: np.ndarray, middle: np.ndarray
+    effect: CandidateMaker, design: Design, position: int, ranges: Ranges
 ) -> Iterator[Candidate]:
     """Yield gravity on an angle, with an arbitrary zero if it swings far."""
-    swing = swing_of(position, scales, middle)
-    for unit in units_of(design, position, scales, middle):
+    swing = ranges.swing_of(position)
+    for unit in units_of(design, position, ranges):
         angle = mul(constant(unit), variable(position))
         across, along = call(BUILTIN["sin"], angle), call(BUILTIN["cos"], angle)
         yield effect(GRAVITY, across)

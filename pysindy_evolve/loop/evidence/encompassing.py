@@ -41,7 +41,7 @@ import numpy as np
 from ...checks import TINY
 from ..fitting.linear import solve
 from ..twins.chance import draws_for, p_value_of
-from .trace import MIN_NEW_SHARE
+from .held_out_scores import MIN_NEW_SHARE
 
 N_SIGNS = 999
 

@@ -68,7 +68,7 @@ class MemoryFinding(Finding):
     memory : Memory
         What the input goes through.
     interval : tuple of float, optional
-        95 % interval of its first number, once that is polished, see polish.py.
+        95 % interval of its first number, once that is polished, see fine_tuning.py.
     """
 
     memory: Memory = field(kw_only=True)
@@ -119,10 +119,11 @@ def excluding(findings: Iterable[Finding], *gone: Finding) -> list[Finding]:
     return [finding for finding in findings if finding not in gone]
 
 
-def is_needed(finding: Finding, others: Iterable[Finding]) -> bool:
+def is_needed(finding: Finding, findings: Iterable[Finding]) -> bool:
     """Tell whether others of its equation have a term of a finding as a parent."""
     terms, state = set(finding.candidate.terms), finding.candidate.state
-    return any(terms & set(f.candidate.parents) for f in others if f.candidate.state == state)
+    others = (f for f in findings if f is not finding and f.candidate.state == state)
+    return any(terms & set(other.candidate.parents) for other in others)
 
 
 def next_step(findings: Iterable[Finding]) -> int:

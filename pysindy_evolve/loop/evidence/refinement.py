@@ -17,7 +17,7 @@ from ..effects.candidate import Candidate
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of, twin_values
+from ..twins.chance import chance_on_twins
 from ..twins.twins import TwinMaker
 from .scoring import MIN_GAIN_LOG, columns_of, quick_fit, score
 
@@ -65,8 +65,7 @@ def justified(
     if observed < MIN_GAIN_LOG:
         return null
     maker = TwinMaker.of(equations, part.records)
-    twins = twin_values(maker, part, lead, observed, rules, rng)
-    p_value = p_value_of(observed, twins)
+    p_value = chance_on_twins(maker, part, lead, observed, rules, rng)[0]
     return candidate if p_value <= rules.level else null
 
 

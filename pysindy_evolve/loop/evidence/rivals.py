@@ -19,10 +19,10 @@ from ..given.design import Design
 from ..given.segments import Segments
 from .drifting_rivals import leads_over, twin_chance
 from .encompassing import chance, explained
+from .held_out_scores import fold_errors
 from .same_model import span
 from .scoring import columns_of
 from .spectral import spectral_grams
-from .trace import fold_errors
 
 ROUNDED = 0.1  # width of a rounded sign, in standard deviations of its argument
 # Share of what an effect explains that a rival must explain in its place. Where much else is
@@ -87,6 +87,15 @@ def rivals_of(
         The best form of each name, the least refuted first; other forms of the effect itself
         count as well.
     """
+    options = _options(candidate, design, part, grown)
+    test = _by_twins if part.by_trajectory else _by_pieces
+    return test(candidate, options, design, part, level, rng)
+
+
+def _options(
+    candidate: Candidate, design: Design, part: Segments, grown: Sequence[Candidate]
+) -> list[Candidate]:
+    """Return the effects that may be tried in the place of another."""
     known = terms_in(design)
     proposed = candidates(design, part.ranges)
     if part.by_trajectory:
@@ -98,9 +107,21 @@ def rivals_of(
         able = [c for c in able if c.state != candidate.state or OFFSET not in c.terms]
         able = [c for c in able if not _hardly_varies(c, part)]
     rest = (c for c in dict.fromkeys(able) if _differs(c, candidate, design))
-    options = [c for c in rest if not _is_form(c, candidate)]
-    if part.by_trajectory:
-        return _by_twins(candidate, options, design, part, level, rng)
+    return [c for c in rest if not _is_form(c, candidate)]
+
+
+def _by_pieces(
+    candidate: Candidate,
+    options: Sequence[Candidate],
+    design: Design,
+    part: Segments,
+    level: float,
+    rng: np.random.Generator,
+) -> tuple[Rival, ...]:
+    """Return the alternatives of an effect, tested on the derivatives of pieces of the records.
+
+    These are the least refuted form of each name.
+    """
     everything = [column for c in (candidate, *options) for column in columns_of(c, design)]
     grams = spectral_grams(part, design, [*design.columns, *everything])
     first = len(design.columns)

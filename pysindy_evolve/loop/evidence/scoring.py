@@ -13,21 +13,28 @@ from ...signals import Record
 from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, terms_in
-from ..effects.periodic import N_LINES, is_same_ripple, periodic_candidates, ripple_candidates
-from ..effects.pumps import partner_pumps, pumped_candidates
-from ..effects.rippled import rippled_candidates
+from ..effects.modulation import ActingTerm
+from ..effects.periodic import (
+    N_LINES,
+    Signal,
+    is_same_ripple,
+    periodic_candidates,
+    ripple_candidates,
+)
+from ..effects.pumped_terms import partner_pumps, pumped_candidates
+from ..effects.rippled_terms import rippled_candidates
 from ..effects.stops import begins_within, one_end_each
-from ..effects.varying import parts_of
+from ..effects.varying_terms import parts_of
 from ..fitting.linear import solve_gram
 from ..fitting.residual import derivative_grams, residual_on
 from ..fitting.trajectory import Trajectories
 from ..given.design import Column, Design, in_state
 from ..given.ranges import Ranges
-from ..given.rows import variables_of
+from ..given.rows import rows_of, variables_of
 from ..given.segments import Segments
+from .held_out_scores import rank, ranked
 from .ranking import Ranking, Score
 from .spectral import spectral_grams
-from .trace import rank, ranked
 
 EVALUATIONS_PER_NUMBER = 16  # evaluations for each number of a shape
 Proposer = Callable[[Design, Equations, Segments], list[Candidate]]
@@ -56,39 +63,41 @@ def _coefficients(design: Design, part: Segments) -> np.ndarray:
 def propose(design: Design, equations: Equations, part: Segments) -> list[Candidate]:
     """Return what may be missing: the vocabulary, and waves over time and position."""
     records = part.records
-    variables = np.concatenate([variables_of(record) for record in records])
-    ranges = Ranges.of(variables)
+    ranges = Ranges.of(rows_of(records))
     proposed = candidates(design, ranges)
     if part.by_trajectory:
         proposed = for_trajectories(proposed)
     by_record = [residual_on(equations, record) for record in records]
     first = int(np.argmax([len(record) for record in records]))
-    longest, time = records[first], design.time
+    longest = records[first]
     drivers = longest.x[:, :0] if longest.u is None else longest.u
-    made = longest.preparation
-    cutoff = np.inf if made is None or made.cutoff is None else made.cutoff
+    cutoff = np.inf if longest.cutoff is None else longest.cutoff
     for state in design.open_states:
-        residual, dt = by_record[first][:, state], longest.dt
-        proposed += periodic_candidates(state, time, residual, drivers, dt, cutoff)
+        residuals = [rows[:, state] for rows in by_record]
+        signal = Signal(residuals[first], drivers, longest.dt, cutoff)
+        proposed += periodic_candidates(state, design.time, signal)
+        proposed += _varying_terms(design, state, signal, longest)
         position = design.position_of(state)
-        sides = (term for term in parts_of(design, state) if time not in term.variables)
-        for branch, side in enumerate(sides, N_LINES):
-            values = side.evaluate(variables_of(longest))
-            proposed += pumped_candidates(
-                state, time, residual, side, values, drivers, dt, cutoff, branch=branch
-            )
-            if position is not None:
-                q, noise = longest.x[:, position], _noise_of(longest, position)
-                proposed += rippled_candidates(
-                    state, position, residual, q, side, values, noise, branch=branch
-                )
         if position is not None:
             if not part.by_trajectory:
-                inputs = range(len(design.states), time)
+                inputs = range(len(design.states), design.time)
                 proposed += inertias(state, position, equations.sums[state], ranges, inputs)
-            residuals = [rows[:, state] for rows in by_record]
             proposed += _ripples(state, position, residuals, records)
     return [*proposed, *partner_pumps(design, len(longest) * longest.dt)]
+
+
+def _varying_terms(design: Design, state: int, signal: Signal, record: Record) -> list[Candidate]:
+    """Return the terms of an equation times waves, of the time and of the position."""
+    time, position = design.time, design.position_of(state)
+    parts = (part for part in parts_of(design, state) if time not in part.variables)
+    found: list[Candidate] = []
+    for branch, part in enumerate(parts, N_LINES):
+        term = ActingTerm(part, part.evaluate(variables_of(record)), branch)
+        found += pumped_candidates(state, time, signal, term)
+        if position is not None:
+            q, noise = record.x[:, position], _noise_of(record, position)
+            found += rippled_candidates(state, position, signal.values, term, q, noise)
+    return found
 
 
 def _ripples(

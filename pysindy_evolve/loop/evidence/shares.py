@@ -13,9 +13,9 @@ from ..fitting.residual import derivative_grams, jacobian, view_grams
 from ..fitting.trajectory import Trajectories
 from ..given.design import Design
 from ..given.segments import Segments
+from .held_out_scores import fold_errors
 from .ranking import Score
 from .scoring import columns_of, quick_fit
-from .trace import fold_errors
 
 EXACT = 3e-4  # derivative error, in standard deviations, below which no sensor sees a difference
 

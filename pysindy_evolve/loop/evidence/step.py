@@ -11,12 +11,12 @@ import numpy as np
 from ...terms import Sum
 from ..effects.candidate import Candidate
 from ..effects.missing import offsets_setting_zeros, terms_in
-from ..effects.pumps import is_partner_pump
+from ..effects.pumped_terms import is_partner_pump
 from ..given.design import Column, Design
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .findings import Finding
-from .nulls import chance_of
+from .p_values import chance_of
 from .plainest import plainest, without_number
 from .ranking import Score
 from .refinement import justified

@@ -24,15 +24,15 @@ from ..fitting.linear import log_ratio
 from ..given.design import Column, Design, in_state
 from ..given.rules import Rules
 from ..given.segments import Segments
-from ..twins.chance import p_value_of, twin_values
+from ..twins.chance import chance_on_twins
 from ..twins.colored import ColoredTwins
 from ..twins.twins import TwinMaker
+from .held_out_scores import are_new, fold_errors
 from .noise_floor import MIN_POWER_OVER_NOISE, NoiseFloor
-from .nulls import chance_of, without_noise_shift
+from .p_values import chance_of, without_noise_shift
 from .scoring import quick_fit
 from .shares import is_exact
 from .spectral import spectral_grams
-from .trace import are_new, fold_errors
 
 MAX_COLUMNS = 60  # of a generic model, in each equation
 LAGS = (1, 2, 4, 8)  # of the inputs, in eighths of the width of the windows
@@ -101,8 +101,8 @@ def structure_chance(
     colored = ColoredTwins.of(equations, part.records) if chance <= rules.level else None
     if colored is None:
         return chance
-    others = twin_values(colored, part, statistic, observed, rules, rng.spawn(1)[0])
-    return max(chance, p_value_of(observed, others))
+    other = chance_on_twins(colored, part, statistic, observed, rules, rng.spawn(1)[0])[0]
+    return max(chance, other)
 
 
 def may_have_structure(design: Design, part: Segments) -> bool:

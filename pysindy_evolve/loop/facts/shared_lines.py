@@ -12,7 +12,7 @@ import numpy as np
 
 from ...signals import Record
 from ..effects.lines import FEWEST_FREQUENCIES
-from ..effects.periodic import lines_of
+from ..effects.periodic import Signal
 from .outcome import Outcome
 from .residuals import residual_of
 
@@ -86,7 +86,7 @@ def _share(frequency: float, t: np.ndarray, residual: np.ndarray) -> float:
 def _lines_of(record: Record, residual: np.ndarray) -> list[float]:
     inputs = record.x[:, :0] if record.u is None else record.u
     highest = np.inf if record.cutoff is None else NEAR_CUTOFF * record.cutoff
-    return [line for line in lines_of(residual, inputs, record.dt) if line < highest]
+    return [line for line in Signal(residual, inputs, record.dt).lines() if line < highest]
 
 
 def _has_surroundings(record: Record) -> bool:

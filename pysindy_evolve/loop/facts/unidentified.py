@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ...signals import Record
 from ..given.design import Design
-from ..given.rows import variables_of
+from ..given.rows import rows_of
 
 COLLINEAR = 1e-7  # singular value of the normalized terms, relative to the largest, taken as zero
 PARTICIPATES = 1e-3  # entry of the projector on their null space from which terms are coupled
@@ -34,7 +34,7 @@ def unidentified(design: Design, records: Sequence[Record]) -> list[tuple[str, .
     """
     if not design.columns:
         return []
-    variables = np.concatenate([variables_of(record) for record in records])
+    variables = rows_of(records)
     terms = np.column_stack([column.evaluate(variables).ravel() for column in design.columns])
     norm = np.linalg.norm(terms, axis=0)
     is_zero = norm == 0.0

@@ -5,11 +5,11 @@
 ===============  =======================================================================
 searches
 named_effects    memories, limits and named effects that only free runs show
-unnamed          small terms without a name that only free runs show
+unnamed_terms    small terms without a name that only free runs show
 sensor_limits    sensors that clip
 state_limits     states that stop at a limit
 exchanges
-comparison       replaces an effect by a similar one whose runs are closer to the record
+one_for_one      replaces an effect by a similar one whose runs are closer to the record
 one_for_several  replaces several effects by one
 two_for_one      replaces one effect by two
 contenders       which effects and terms may replace an effect

@@ -13,7 +13,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.names import EVOLVED
 from ..effects.periodic import other_ripples
-from ..effects.pumps import other_pumps
+from ..effects.pumped_terms import other_pumps
 from ..evidence.plainest import is_as_good
 from ..evidence.scoring import columns_of, score, sharpened
 from ..fitting.fit import refit

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...checks import TINY
-from ..evidence.trace import are_new
+from ..evidence.held_out_scores import are_new
 from ..fitting.linear import solve_many
 from ..fitting.trial import Trial
 from .whitening import Whitener

@@ -25,13 +25,21 @@ from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.limits import off_limits
 from ..given.ranges import Ranges
-from ..given.rows import variables_of
+from ..given.rows import rows_of
 from ..given.rules import Rules
 from ..given.segments import segments
 from ..given.sticking import may_rest, noise_of
-from ..memories.reach import exchanged
+from ..memories.length_and_kind import exchanged
 from ..twins.chance import draws_for, p_value_of
-from .drift import N_LONG_STRETCHES, Drift, chance_of_models, drift_of, gains_of_models
+from .drift import (
+    N_LONG_STRETCHES,
+    Drift,
+    chance_of_models,
+    chance_of_terms,
+    drift_of,
+    gains_of_models,
+    gains_of_terms,
+)
 from .memory_tuning import tuned_memories
 from .variants import Model, Variant
 
@@ -49,7 +57,7 @@ def model_of(declared: Design, findings: Sequence[Finding]) -> Model:
     return Model(with_columns(declared, findings), memories_in(findings), limits_in(findings))
 
 
-def signs_for(drift: Drift, rules: Rules, rng: np.random.Generator) -> np.ndarray:
+def _signs_for(drift: Drift, rules: Rules, rng: np.random.Generator) -> np.ndarray:
     """Draw signs for the stretches of twins, (n_draws, n_stretches); enough for the level."""
     n_draws = draws_for(rules.level_of_runs, N_SIGNS)
     return rng.choice([-1.0, 1.0], size=(n_draws, len(drift.part.z)))
@@ -88,9 +96,8 @@ def share_of_miss(finding: Finding, declared: Design, drift: Drift) -> float:
 def named_terms(drift: Drift) -> list[Variant]:
     """Return the present model with each of the vocabulary's effects that may enter."""
     design = drift.model.design
-    acted = drift.model.acted(drift.records)
-    variables = np.concatenate([variables_of(record) for record in acted])
-    return variants_of(drift, with_parents(candidates(design, Ranges.of(variables)), design))
+    ranges = Ranges.of(rows_of(drift.model.acted(drift.records)))
+    return variants_of(drift, with_parents(candidates(design, ranges), design))
 
 
 def variants_of(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:
@@ -106,13 +113,13 @@ def variants_of(drift: Drift, terms: Iterable[Candidate]) -> list[Variant]:
 def best_of(
     drift: Drift,
     wide: Sequence[Record],
-    tried: Sequence[Variant],
-    gains: np.ndarray,
-    of_terms: np.ndarray,
-    signs: np.ndarray,
+    terms: Sequence[Variant],
+    memories: Sequence[Variant],
     rules: Rules,
+    rng: np.random.Generator,
     *,
     must_be_clear: bool,
+    also_searched: Sequence[Candidate] = (),
 ) -> tuple[Finding, Model] | None:
     """Return the plainest of the variants that gain most, with its p-value.
 
@@ -122,55 +129,65 @@ def best_of(
         The present model.
     wide : sequence of Record
         Training records with a higher cutoff, to check the derivative.
-    tried : sequence of Variant
+    terms, memories : sequence of Variant
         All variants. Of those that differ only in numbers the best is tested, in the twins too;
         variants that pass are tuned.
-    gains : ndarray of shape (n_variants,)
-        Held-out log gain of each on the record.
-    of_terms : ndarray of shape (n_draws,)
-        Largest gain of all terms in each twin.
-    signs : ndarray of shape (n_draws, n_stretches)
-        Signs of the twins' misses.
     rules : Rules
         When an effect counts.
+    rng : numpy.random.Generator
+        Draws the signs of the twins' misses.
     must_be_clear : bool
         Whether a term must halve the squared misses, or leave little more than noise, and must also
         gain on the whitened misses.
+    also_searched : sequence of Candidate
+        Terms that have been left out by now; twins are searched for them as well.
 
     Returns
     -------
     tuple of Finding and Model, or None
         None if nothing gains notably. The caller decides whether the p-value is small enough.
     """
+    signs = _signs_for(drift, rules, rng)
+    by_terms = gains_of_terms(drift, [v.columns for v in terms])
+    by_memories = gains_of_models(drift, [v.model for v in memories])[0]
+    tried, gains = [*terms, *memories], np.append(by_terms, by_memories)
     heads = _heads(tried, gains, rules.notable_gain)
-    heads = [(k, variant) for k, variant in heads if not _is_refuted(drift, wide, variant)]
+    heads = [(v, gain) for v, gain in heads if not _is_refuted(drift, wide, v)]
     if must_be_clear:
-        heads = [(k, v) for k, v in heads if v.memory is not None or _is_clear(drift, gains[k])]
+        heads = [(v, gain) for v, gain in heads if v.memory is not None or _is_clear(drift, gain)]
     if not heads:
         return None
-    models = [v.model for v in tried if v.memory is not None]
-    models += [v.model for _, v in heads if must_be_clear and v.memory is None]
+    models = [v.model for v in memories]
+    models += [v.model for v, _ in heads if must_be_clear and v.memory is None]
     twins = chance_of_models(drift, models, signs)
-    twins[0] = np.maximum(twins[0], of_terms)
-    variants, head_gains = [v for _, v in heads], gains[[k for k, _ in heads]]
-    judged = _judged(drift, variants, head_gains, twins, must_be_clear=must_be_clear)
+    # Twins need not be searched for terms where no term gains enough on the record.
+    if np.any(by_terms >= rules.notable_gain):
+        left_out = [columns_of(one, drift.model.design) for one in also_searched]
+        in_twins = chance_of_terms(drift, [*(v.columns for v in terms), *left_out], signs)
+        twins[0] = np.maximum(twins[0], in_twins)
+    judged = _judged(drift, heads, twins, must_be_clear=must_be_clear)
     passing = [entry for entry in judged if entry[2] <= rules.level_of_runs]
     variant, gain, p_value = _plainest(drift, passing) if passing else judged[0]
-    named, columns, memory = variant.candidate, variant.columns, variant.memory
-    evidence = gain, p_value, twins[0]
-    if memory is None:
-        return Finding(named, columns, *evidence, by_runs=True), variant.model
-    found = MemoryFinding(named, columns, *evidence, by_runs=True, memory=memory)
-    return found, variant.model
+    return _as_finding(variant, gain, p_value, twins[0]), variant.model
 
 
-def _heads(tried: Sequence[Variant], gains: np.ndarray, least: float) -> list[tuple[int, Variant]]:
-    """Return place and best variant of each family that gains half as much as the best of all."""
+def _as_finding(variant: Variant, gain: float, p_value: float, twins: np.ndarray) -> Finding:
+    """Return what a variant has more than the present model, with its evidence."""
+    found = variant.candidate, variant.columns, gain, p_value, twins
+    if variant.memory is None:
+        return Finding(*found, by_runs=True)
+    return MemoryFinding(*found, by_runs=True, memory=variant.memory)
+
+
+def _heads(
+    tried: Sequence[Variant], gains: np.ndarray, least: float
+) -> list[tuple[Variant, float]]:
+    """Return the best variant of each family, with its gain, if that is half of the best of all."""
     found: dict[tuple[object, ...], int] = {}
     for k in np.argsort(-gains).tolist():
         if gains[k] >= max(least, 0.5 * gains.max()):
             found.setdefault(tried[k].family, k)
-    return [(k, tried[k]) for k in found.values()]
+    return [(tried[k], float(gains[k])) for k in found.values()]
 
 
 def _is_refuted(drift: Drift, wide: Sequence[Record], variant: Variant) -> bool:
@@ -210,8 +227,7 @@ def over_noise(drift: Drift) -> float:
 
 def _judged(
     drift: Drift,
-    heads: Sequence[Variant],
-    gains: np.ndarray,
+    heads: Sequence[tuple[Variant, float]],
     twins: np.ndarray,
     *,
     must_be_clear: bool,
@@ -221,13 +237,12 @@ def _judged(
     A variant must also gain on whitened misses, since feedback can imitate it in the plain ones.
     Terms are exempt where they need not be clear.
     """
-    views = gains_of_models(drift, [variant.model for variant in heads])
+    variants, gains = zip(*heads, strict=True)
+    views = gains_of_models(drift, [variant.model for variant in variants])
     views[0] = gains
-    views[1, [variant.memory is None and not must_be_clear for variant in heads]] = np.inf
-    p_values = [
-        max(map(p_value_of, view, twins)) for view in views.T
-    ]  # the larger one of both views
-    return list(zip(heads, gains.tolist(), p_values, strict=True))
+    views[1, [variant.memory is None and not must_be_clear for variant in variants]] = np.inf
+    p_values = [max(map(p_value_of, view, twins)) for view in views.T]  # the larger of both views
+    return list(zip(variants, gains, p_values, strict=True))
 
 
 def _plainest(drift: Drift, passing: Sequence[Judged]) -> Judged:

@@ -20,8 +20,8 @@ from ..evidence.step import Look
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import segments
-from .drift import Drift, chance_of_terms, gains_of_models, gains_of_terms
-from .judging import best_of, model_of, named_terms, rejection_of, signs_for
+from .drift import Drift
+from .judging import best_of, model_of, named_terms, rejection_of
 from .state_limits import drift_from, needed, stops_of
 from .variants import Model, Pasts, Variant, memories_beside
 
@@ -104,17 +104,9 @@ def _memory_or_term(
     must_be_clear: bool,
 ) -> tuple[Finding, Model] | None:
     """Return the plainest memory or term of those that gain most, and the model with it."""
-    signs = signs_for(drift, rules, rng)
     memories = memories_beside(drift.model, segments(drift.records))
     terms = [v for v in named_terms(drift) if not must_be_clear or _is_of_motion(v, drift)]
-    by_terms = gains_of_terms(drift, [v.columns for v in terms])
-    # Twins need not be searched for terms where no term gains enough on the record.
-    sought = [v.columns for v in terms] if np.any(by_terms >= rules.notable_gain) else []
-    in_twins = chance_of_terms(drift, sought, signs)
-    gains = np.append(by_terms, gains_of_models(drift, [v.model for v in memories])[0])
-    return best_of(
-        drift, wide, [*terms, *memories], gains, in_twins, signs, rules, must_be_clear=must_be_clear
-    )
+    return best_of(drift, wide, terms, memories, rules, rng, must_be_clear=must_be_clear)
 
 
 def _is_of_motion(variant: Variant, drift: Drift) -> bool:

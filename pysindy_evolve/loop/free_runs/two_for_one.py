@@ -24,8 +24,8 @@ from ..fitting.trial import converged
 from ..given.design import Design
 from ..given.rules import Rules
 from ..given.segments import Segments
-from .comparison import is_closer
 from .contenders import steady_drift, trial_with
+from .one_for_one import is_closer
 from .variants import Model
 
 N_PAIRS = 3

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 
@@ -37,19 +38,20 @@ def motions_of(records: Sequence[Record], n_states: int) -> tuple[tuple[int, int
     tuple of (int, int)
         Position and velocity.
     """
-    first = records[0]
-    n = first.n_inputs
-    found = []
-    for position in range(n):
-        for velocity in (k for k in range(n) if k != position):
-            pairs = [
-                (np.gradient(r.u[:, position], r.t), r.u[:, velocity])
-                for r in records
-                if r.u is not None
-            ]
-            slope, given = (np.concatenate(side) for side in zip(*pairs, strict=True))
-            if slope.std() > 0.0 and given.std() > 0.0:
-                is_slope = np.corrcoef(slope, given)[0, 1] > MIN_SLOPE_CORRELATION
-                if is_slope and np.isclose(slope.std(), given.std(), rtol=0.2):
-                    found.append((n_states + position, n_states + velocity))
-    return tuple(found)
+    return tuple(
+        (n_states + position, n_states + velocity)
+        for position, velocity in permutations(range(records[0].n_inputs), 2)
+        if _is_slope(velocity, position, records)
+    )
+
+
+def _is_slope(velocity: int, position: int, records: Sequence[Record]) -> bool:
+    """Tell whether one input is the derivative of another."""
+    pairs = [
+        (np.gradient(r.u[:, position], r.t), r.u[:, velocity]) for r in records if r.u is not None
+    ]
+    slope, given = (np.concatenate(side) for side in zip(*pairs, strict=True))
+    if slope.std() == 0.0 or given.std() == 0.0:
+        return False
+    is_alike = np.corrcoef(slope, given)[0, 1] > MIN_SLOPE_CORRELATION
+    return bool(is_alike and np.isclose(slope.std(), given.std(), rtol=0.2))

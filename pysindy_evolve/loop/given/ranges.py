@@ -28,6 +28,14 @@ class Ranges:
     apart: np.ndarray
     middle: np.ndarray
 
+    def swing_of(self, variable: int) -> float:
+        """Return how far a variable goes to each side of its middle."""
+        return float(self.largest[variable] - abs(self.middle[variable]))
+
+    def stays_positive(self, variable: int) -> bool:
+        """Tell whether a variable is above zero in all rows."""
+        return bool(2.0 * self.middle[variable] > self.largest[variable])
+
     @classmethod
     def of(cls, variables: np.ndarray) -> Ranges:
         """Return the ranges of rows of variables, (n_samples, n_variables)."""

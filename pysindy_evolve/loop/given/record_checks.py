@@ -11,10 +11,10 @@ from ...checks import SIZES
 from ...signals import Record
 from ...warn import warn
 from .design import Design
-from .records import HELD_OUT
-from .resampled import TOLERANCE
+from .input_functions import with_functions
+from .record_split import HELD_OUT
+from .resampling import TOLERANCE
 from .rows import MAX_TERM_VALUE, variables_of
-from .through import with_functions
 
 MIN_SAMPLES = 32
 MAX_START_IN_LENGTHS = 100.0  # largest start time without a warning, in lengths of all records

@@ -18,6 +18,11 @@ def variables_of(record: Record) -> np.ndarray:
     return stack(record.x, record.u, record.t)
 
 
+def rows_of(records: Sequence[Record]) -> np.ndarray:
+    """Return the variables of several records, one record below the other."""
+    return np.concatenate([variables_of(record) for record in records])
+
+
 def have_values(expressions: Sequence[Sum], records: Sequence[Record]) -> bool:
     """Tell whether expressions have a finite value, and no huge one, on every row of records."""
     rows = [variables_of(record) for record in records]

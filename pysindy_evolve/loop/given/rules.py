@@ -36,7 +36,8 @@ class Rules:
     refine : {"auto", "derivative", "simulation"}
         Error that final coefficients minimize.
     by_trajectory : bool
-        Whether candidates are scored by the trajectories of the records, see witness.py.
+        Whether candidates are scored by the trajectories of the records, see
+        spectrum_or_trajectory.py.
     n_looks : float
         Number of looks that share the significance equally; it may be fractional.
 

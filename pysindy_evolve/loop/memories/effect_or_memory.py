@@ -19,8 +19,8 @@ from ..evidence.offers import leading
 from ..evidence.scoring import MIN_GAIN_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
+from .length_and_kind import best_of_kinds, exchanged, reach_of
 from .probes import MemoryCandidate, Probes
-from .reach import best_of_kinds, exchanged, reach_of
 
 WORTH_IT = 0.5  # share of the effect's gain that input and memory together must reach to be tuned
 

@@ -23,7 +23,7 @@ from ..evidence.scoring import EXTRA_LEAD_LOG, MIN_GAIN_LOG, propose, quick_fit,
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
 from ..given.segments import Segments, segments
-from .reach import exchanged, plainest, reach_of
+from .length_and_kind import exchanged, plainest, reach_of
 
 # Share of a sampling time by which records that are sampled alike may differ.
 MAX_TIME_STEP_SPREAD = 0.01

@@ -19,9 +19,9 @@ from ...signals import Record
 from ...substitution import substituted
 from ...terms import Sum, sub, variable
 from ..effects.candidate import Candidate, rewritten
+from ..evidence.held_out_scores import fold_errors
 from ..evidence.scoring import Proposer
 from ..evidence.spectral import spectral_grams
-from ..evidence.trace import fold_errors
 from ..fitting.linear import log_ratio, summed
 from ..given.design import Column, Design
 from ..given.segments import Segments

@@ -5,11 +5,11 @@
 ================  =================================================================
 exchanged
 revise            exchanges, merges and drops effects
-bending           hyperbolas in the place of coefficients that vary in proportion
+hyperbolas        hyperbolas in the place of coefficients that vary in proportion
 tuned again
 hidden_numbers    the numbers of a hysteresis or a relaxation
-sharing           one number where effects in two equations are the same expression
-beginnings        the inputs before a record began, for memories of inputs
+shared_numbers    one number where effects in two equations are the same expression
+past_inputs       the inputs before a record began, for memories of inputs
 dropped
 marginality       effects that only had to precede another one, such as an offset
 thinning          effects that a term replaces once its numbers are tuned

@@ -12,6 +12,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.stops import begun_at_same
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
+from ..evidence.ranking import Score
 from ..evidence.scoring import EXTRA_LEAD_LOG, MIN_GAIN_LOG, PRICE_PER_NODE_LOG, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
@@ -69,17 +70,31 @@ def _in_place_of(
     first: Finding, second: Finding, declared: Design, findings: Sequence[Finding], part: Segments
 ) -> Finding | None:
     """Return the effect that does as well as two together; None if there is none."""
-    pair = (first.candidate, second.candidate)
     rest = excluding(findings, first, second)
     if (
         isinstance(first, MemoryFinding)
         or isinstance(second, MemoryFinding)
-        or pair[0].state != pair[1].state
+        or first.candidate.state != second.candidate.state
         or is_needed(first, rest)
         or is_needed(second, rest)
     ):
         return None
     design = with_columns(declared, rest)
+    best = _best_for_pair((first.candidate, second.candidate), design, part)
+    if best is None:
+        return None
+    weaker = max(first, second, key=lambda f: f.p_value)
+    merged_finding = weaker.with_candidate(best.group[0], design)
+    return replace(merged_finding, score=best.value, step=min(first.step, second.step))
+
+
+def _best_for_pair(
+    pair: tuple[Candidate, Candidate], design: Design, part: Segments
+) -> Score | None:
+    """Return the score of the best single effect, if a pair together does hardly better.
+
+    `design` is the model without the pair.
+    """
     excluded = [c for c in pair if not c.contains_parents]
     # Refinements have to pass a test of their own, and a stop brings its position as a number.
     offered = candidates(design, part.ranges)
@@ -98,18 +113,10 @@ def _in_place_of(
     best = max(singles, key=lambda s: s.value, default=None)
     if best is None:
         return None
-    (candidate,) = best.group
     # A filter rounds a kink, and an offset makes up for a part of that.
-    least = (
-        PRICE_PER_NODE_LOG
-        if any(candidate.terms == mirror.terms for mirror in mirrors)
-        else MIN_GAIN_LOG
-    )
-    if best.value < pair_score - least:
-        return None
-    weaker = max(first, second, key=lambda f: f.p_value)
-    merged_finding = weaker.with_candidate(candidate, design)
-    return replace(merged_finding, score=best.value, step=min(first.step, second.step))
+    is_mirror = any(best.group[0].terms == mirror.terms for mirror in mirrors)
+    least = PRICE_PER_NODE_LOG if is_mirror else MIN_GAIN_LOG
+    return None if best.value < pair_score - least else best
 
 
 def _is_single(

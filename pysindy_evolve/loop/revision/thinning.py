@@ -16,9 +16,9 @@ import numpy as np
 from ..effects.names import EVOLVED, HYSTERESIS
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, MemoryFinding, excluding, is_needed, with_columns
+from ..evidence.held_out_scores import fold_errors
 from ..evidence.scoring import MIN_GAIN_LOG, tuned
 from ..evidence.spectral import spectral_grams
-from ..evidence.trace import fold_errors
 from ..given.design import Design
 from ..given.segments import Segments
 

@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..effects.names import EVOLVED
-from ..free_runs.comparison import exchanged_by_runs
 from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of
+from ..free_runs.one_for_one import exchanged_by_runs
 from ..free_runs.one_for_several import one_for_several
 from ..free_runs.sensor_limits import clipped_sensors
 from ..free_runs.shared_tuning import shared_by_runs
 from ..free_runs.two_for_one import two_for_one
-from ..free_runs.unnamed import find_unnamed
+from ..free_runs.unnamed_terms import find_unnamed
 from ..revision.errors_in_inputs import without_errors_in_inputs
 from ..revision.hidden_numbers import needed_by_runs, with_numbers_of_runs
 from ..revision.noise_in_runs import without_noise_in_runs

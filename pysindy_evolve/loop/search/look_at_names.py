@@ -10,14 +10,14 @@ import numpy as np
 from ..evidence.findings import Finding, excluding, memories_in
 from ..evidence.offers import after_settling
 from ..memories.chains import with_trades_done
-from ..memories.find import find_with_memories, resettled
-from ..revision.beginnings import settled_beginning
-from ..revision.bending import with_hyperbolas
+from ..memories.memory_search import find_with_memories, resettled
 from ..revision.hidden_numbers import filter_like_paths, needed_by_runs, with_numbers
+from ..revision.hyperbolas import with_hyperbolas
+from ..revision.past_inputs import settled_beginning
 from ..revision.revise import exchange, merged, prune
-from ..revision.sharing import with_shared_numbers
+from ..revision.shared_numbers import with_shared_numbers
 from .found import Found
-from .holding import without_holds
+from .how_inputs_act import without_holds
 
 
 def find_named(found: Found, rng: np.random.Generator) -> Iterator[Found]:
@@ -119,12 +119,11 @@ def _or_grown(
 
 def _exchanged(found: Found) -> Found:
     """Return the findings under the names and with the numbers that fit best by now."""
-    findings = exchange(found.declared, found.findings, found.corrected_pieces)
-    findings = with_hyperbolas(found.declared, findings, found.corrected_pieces)
-    findings = with_numbers(found.declared, findings, found.corrected_pieces)
-    return found.with_findings(
-        with_shared_numbers(found.declared, findings, found.corrected_pieces)
-    )
+    declared, part = found.declared, found.corrected_pieces
+    findings = exchange(declared, found.findings, part)
+    findings = with_hyperbolas(declared, findings, part)
+    findings = with_numbers(declared, findings, part)
+    return found.with_findings(with_shared_numbers(declared, findings, part))
 
 
 def _if_needed(found: Found, known: Found) -> Found:

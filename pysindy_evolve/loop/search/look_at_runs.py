@@ -10,10 +10,10 @@ from ..evidence.offers import after_settling
 from ..free_runs.named_effects import find_by_runs
 from ..free_runs.shared_tuning import numbers_by_runs
 from ..memories.chains import with_trades_done
-from ..memories.find import with_kinds_rechosen
+from ..memories.memory_search import with_kinds_rechosen
 from ..revision.revise import merged
 from .found import Found
-from .holding import without_holds
+from .how_inputs_act import without_holds
 
 
 def find_in_runs(found: Found, rng: np.random.Generator) -> Iterator[Found]:

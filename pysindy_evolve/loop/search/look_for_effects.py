@@ -8,7 +8,7 @@ import numpy as np
 
 from .found import Found
 from .hold_against_runs import hold_against_runs
-from .holding import through_functions, with_holds
+from .how_inputs_act import through_functions, with_holds
 from .look_at_grown_terms import grow_terms
 from .look_at_names import find_named, tune_memories
 from .look_at_runs import find_in_runs

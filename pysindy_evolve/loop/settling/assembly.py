@@ -18,9 +18,9 @@ from ..facts.effect import Effect, Step
 from ..facts.outcome import Outcome
 from ..fitting.fit import refit
 from ..given.held import held_like
-from ..given.resampled import widened
+from ..given.resampling import widened
 from ..search.found import Found
-from .described import described, total
+from .descriptions import described, total
 from .quantities import with_intervals, with_limit, with_memory, with_sensor, with_share_of_runs
 from .stages import Stage, fitted_stages
 
@@ -53,7 +53,7 @@ def assembled(
     ]
     return Outcome(
         verdict,
-        _numbered(effects, len(declared.columns), last, train, judged, rng),
+        _numbered(effects, stages, train, judged, rng),
         before=first.errors,
         after=last.errors,
         steps=steps,
@@ -73,8 +73,7 @@ def _is_near_cutoff(findings: Sequence[Finding], records: Sequence[Record]) -> b
 
     It is a function of time, not of what was measured, so it did not pass the same filter.
     """
-    made = [record.preparation for record in records]
-    cutoff = min((one.cutoff for one in made if one is not None and one.cutoff), default=np.inf)
+    cutoff = min((record.cutoff for record in records if record.cutoff), default=np.inf)
     return any(frequency_of(finding.candidate) > FLAT_CUTOFF_SHARE * cutoff for finding in findings)
 
 
@@ -94,14 +93,15 @@ def _described(
 
 def _numbered(
     effects: Sequence[Effect],
-    place: int,
-    last: Stage,
+    stages: Sequence[Stage],
     train: Sequence[Record],
     test: Sequence[Record],
     rng: np.random.Generator,
 ) -> list[Effect]:
-    """Return effects, whose columns begin at a place, with the numbers of the corrected model."""
+    """Return effects with the numbers of the corrected model, whose last columns are theirs."""
+    first, last = stages[0], stages[-1]
     coef, intervals, numbered = last.fitted.coef, last.fitted.intervals, []
+    place = len(first.design.columns)
     for effect, finding in zip(effects, last.findings, strict=True):
         own = slice(place, place + len(finding.columns))
         place = own.stop

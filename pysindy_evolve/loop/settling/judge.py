@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...hidden_states.memory import Memory, all_with_memories, with_memories_applied
+from ...hidden_states.memory import all_with_memories, with_memories_applied
 from ...hidden_states.memory_equations import with_memories
 from ...signals import Record, choose_windows
+from ..evidence.findings import Finding, memories_in
 from ..facts.effect import Errors
 from ..fitting.fit import Fit, derivative_errors, fit
 from ..fitting.past import rates_on, with_estimated_past
@@ -25,26 +26,26 @@ MIN_ERROR_RATIO = 1.2
 
 def judge(
     design: Design,
+    findings: Sequence[Finding],
     train: Sequence[Record],
     test: Sequence[Record],
     rules: Rules,
     rng: np.random.Generator,
-    memories: Sequence[Memory] = (),
     *,
-    final: bool = False,
-    by_runs: bool = False,
+    final: bool,
 ) -> tuple[Fit, Errors]:
-    """Fit a design on all training rows and take both errors on held-out records.
+    """Fit a design with findings on all training rows, and take both errors on held-out records.
 
     The bias of the coefficients is taken off a final model only: that of a model which lacks
     something is of no interest. Memories are what the inputs go through before they act. What only
     free runs showed is also fitted to them, as the derivative does not know it.
     """
+    memories = memories_in(findings)
     train = all_with_memories(train, memories)
     fitted = fit(design, train, rng, rules.criterion)
     if fitted.criterion == "trajectory":
         fitted = _unless_beaten(design, fitted, train, rng)
-    if by_runs:
+    if needs_runs(findings):
         fitted = fit_by_runs(design, fitted, train, rng)
     elif final and fitted.criterion != "trajectory":
         fitted = unbiased(design, fitted, train, rng, rules.n_jobs)
@@ -58,6 +59,11 @@ def judge(
     valued = [np.isfinite(rates_on(equations, record)).all(axis=1) for record in test]
     undefined = 1.0 - float(np.mean(np.concatenate(valued)))
     return fitted, Errors(derivative, simulation, whole, undefined=undefined)
+
+
+def needs_runs(findings: Sequence[Finding]) -> bool:
+    """Tell whether only free runs know the number of a finding."""
+    return any(finding.by_runs and not finding.columns for finding in findings)
 
 
 def _unless_beaten(

@@ -19,7 +19,7 @@ from ..free_runs.memory_tuning import intervals_by_runs
 from ..free_runs.variants import Model
 from ..given.limits import Limit
 from ..given.sensor import limits_of_states, shown
-from ..memories.polish import row_interval
+from ..memories.fine_tuning import row_interval
 from .stages import Stage
 
 

@@ -16,16 +16,16 @@ from ..facts.outcome import Outcome
 from ..facts.record_differences import offsets_by_record
 from ..facts.shared_lines import shared_lines
 from ..given.limits import off_limits
-from ..memories.polish import polished
+from ..memories.fine_tuning import polished
 from ..search.found import Found
 from .assembly import assembled
 from .contest import with_rivals, without_refuted_rivals
-from .doubtful import most_doubtful
 from .other_names import renamed
+from .random_walks import last_wandering
 from .shape_intervals import with_numbers_known
 from .transfer import last_untransferred
-from .wandering import last_wandering
-from .worsened import last_worsened
+from .worse_runs import last_worsened
+from .zero_in_interval import most_doubtful
 
 
 def settled(

@@ -16,7 +16,7 @@ from ..facts.unidentified import unidentified
 from ..fitting.fit import Fit
 from ..given.design import Design
 from ..search.found import Found
-from .judge import judge
+from .judge import judge, needs_runs
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class Stage:
     @property
     def has_memories_of_runs(self) -> bool:
         """Whether runs tell memories and coefficients together, so that no interval is its own."""
-        return _needs_runs(self.findings) and bool(self.memories)
+        return needs_runs(self.findings) and bool(self.memories)
 
 
 def fitted_stages(
@@ -81,26 +81,19 @@ def fitted_stages(
     """
     declared, rules, is_complete = found.declared, found.rules, found.verdict == "complete"
     unknown = {name for group in unidentified(declared, train) for name in group}
-    fitted, errors = judge(declared, train, test, rules, rng, final=is_complete)
+    fitted, errors = judge(declared, (), train, test, rules, rng, final=is_complete)
     first = Stage((), (), declared, fitted, errors)
     stages = [_with_parameters(first, declared, unknown, sure=is_complete)]
     for _, group in groupby(findings, key=lambda finding: finding.step):
         new = tuple(group)
         known = (*stages[-1].findings, *new)
-        design, memories = with_findings(stages[-1].design, new), memories_in(known)
-        is_last, by_runs = known[-1] is findings[-1], _needs_runs(known)
-        fitted, errors = judge(
-            design, train, test, rules, rng, memories, final=is_last, by_runs=by_runs
-        )
+        design, is_last = with_findings(stages[-1].design, new), known[-1] is findings[-1]
+        fitted, errors = judge(design, known, train, test, rules, rng, final=is_last)
         stage = Stage(new, known, design, fitted, errors)
         # Intervals that take memories as given would be too narrow where runs tell these as well.
         sure = is_last and not stage.has_memories_of_runs
         stages.append(_with_parameters(stage, declared, unknown, sure=sure))
     return stages
-
-
-def _needs_runs(findings: Sequence[Finding]) -> bool:
-    return any(finding.by_runs and not finding.columns for finding in findings)
 
 
 def _with_parameters(stage: Stage, declared: Design, unknown: Set[str], *, sure: bool) -> Stage:

@@ -42,19 +42,20 @@ def draws_for(level: float, usual: int) -> int:
     return max(usual, int(np.ceil(1.0 / level - 1e-9)) - 1)
 
 
-def twin_values(
+def chance_on_twins(
     maker: Maker,
     part: Segments,
     statistic: Statistic,
     observed: float,
     rules: Rules,
     rng: np.random.Generator,
-) -> np.ndarray:
-    """Return a statistic of each twin: what the same search finds where nothing is missing.
+) -> tuple[float, np.ndarray]:
+    """Return the p-value of a statistic, and its value on each twin.
 
-    Twins come in batches. No more are made once so many of them reach the observed value that it
-    fails (Besag and Clifford 1991, DOI 10.1093/biomet/78.2.301), or once there are enough for it to
-    pass and none comes near it.
+    The values are what the same search finds where nothing is missing. Twins come in batches. No
+    more are made once so many of them reach the observed value that it fails (Besag and Clifford
+    1991, DOI 10.1093/biomet/78.2.301), or once there are enough for it to pass and none comes near
+    it.
     """
     children = rng.spawn(rules.n_twins)
     allowed = rules.level * (rules.n_twins + 1) - 1.0
@@ -70,7 +71,7 @@ def twin_values(
             passes = len(found) >= enough and observed > MIN_RATIO_TO_TWINS * max(found)
             if fails or passes:
                 break
-    return np.array(found)
+    return p_value_of(observed, found), np.array(found)
 
 
 @one_thread()

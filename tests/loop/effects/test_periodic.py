@@ -9,13 +9,13 @@ from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.modulation import pumping
 from pysindy_evolve.loop.effects.names import FORCING
 from pysindy_evolve.loop.effects.periodic import (
-    lines_of,
+    Signal,
     other_ripples,
     periodic_candidates,
     ripple_candidates,
     waves_of,
 )
-from pysindy_evolve.loop.effects.pumps import is_partner_pump, other_pumps, partner_pumps
+from pysindy_evolve.loop.effects.pumped_terms import is_partner_pump, other_pumps, partner_pumps
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.terms import mul, variable
 
@@ -27,7 +27,7 @@ def test_frequency_of_a_periodic_residual_is_proposed_within_a_percent(omega):
     t = np.arange(0.0, 20.0, 0.02)
     noise = 0.5 * np.random.default_rng(0).standard_normal(len(t))
     residual = 3.0 + np.cos(omega * t + 0.3) + noise
-    first, *_ = periodic_candidates(1, 3, residual, STILL, 0.02)
+    first, *_ = periodic_candidates(1, 3, Signal(residual, STILL, 0.02))
     assert first.name == "periodic forcing"
     assert first.state == 1
     assert first.terms[0].constants[0] == pytest.approx(omega, rel=0.01)
@@ -39,7 +39,7 @@ def test_frequency_of_a_periodic_residual_is_proposed_within_a_percent(omega):
 def test_a_forcing_may_be_tuned_by_what_the_record_resolves_and_tells_its_frequency():
     t = np.arange(0.0, 20.0, 0.02)
     residual = np.cos(11.3 * t) + 0.5 * np.cos(23.0 * t)
-    one, other = (c.shape for c in periodic_candidates(1, 3, residual, STILL, 0.02))
+    one, other = (c.shape for c in periodic_candidates(1, 3, Signal(residual, STILL, 0.02)))
     assert list(one.named) == ["angular frequency"]
     assert one.reach == pytest.approx(0.5 * 2.0 * np.pi / (11.3 * 20.0), rel=0.01)
     assert one.branch != other.branch
@@ -50,7 +50,7 @@ def test_line_of_the_input_is_no_forcing_of_its_own():
     rng = np.random.default_rng(0)
     residual = np.cos(7.0 * t) + 0.5 * np.sin(19.0 * t) + 0.1 * rng.standard_normal(len(t))
     force = 3.0 * np.sin(7.0 * t + 0.2)[:, None]
-    (found,) = periodic_candidates(0, 1, residual, force, 0.02)
+    (found,) = periodic_candidates(0, 1, Signal(residual, force, 0.02))
     assert found.terms[0].constants[0] == pytest.approx(19.0, rel=0.01)
 
 
@@ -63,10 +63,10 @@ def test_a_response_to_an_input_of_many_lines_is_no_forcing_either(seed):
     slow = waves @ (0.2 / (1.0 + (frequencies / 0.5) ** 2))  # what a model gets wrong at low ones
     residual = slow + 0.002 * rng.standard_normal(len(t))
     force = waves.sum(axis=1)[:, None]
-    assert periodic_candidates(0, 1, residual, STILL, 0.02) != []
-    assert periodic_candidates(0, 1, residual, force, 0.02) == []
+    assert periodic_candidates(0, 1, Signal(residual, STILL, 0.02)) != []
+    assert periodic_candidates(0, 1, Signal(residual, force, 0.02)) == []
     omega = np.pi * (frequencies[3] + frequencies[4])  # midway between two of them
-    found = periodic_candidates(0, 1, residual + 0.2 * np.sin(omega * t), force, 0.02)
+    found = periodic_candidates(0, 1, Signal(residual + 0.2 * np.sin(omega * t), force, 0.02))
     assert found[0].terms[0].constants[0] == pytest.approx(omega, rel=0.01)
 
 
@@ -79,8 +79,8 @@ def test_a_resonance_that_a_dense_input_drives_is_no_forcing(seed):
     sharp = 1.0 / (1.0 - (frequencies / 4.9) ** 2 + 0.1j * frequencies / 4.9)
     waves = np.exp(1j * (2 * np.pi * np.outer(t, frequencies) + phases))
     residual = (waves @ sharp).imag + 2.0 * rng.standard_normal(len(t))
-    assert periodic_candidates(0, 1, residual, STILL, 0.01) != []
-    assert periodic_candidates(0, 1, residual, waves.imag.sum(axis=1)[:, None], 0.01) == []
+    assert periodic_candidates(0, 1, Signal(residual, STILL, 0.01)) != []
+    assert periodic_candidates(0, 1, Signal(residual, waves.imag.sum(axis=1)[:, None], 0.01)) == []
 
 
 def test_line_beside_one_of_the_input_is_a_forcing():
@@ -88,31 +88,31 @@ def test_line_beside_one_of_the_input_is_a_forcing():
     apart = 2 * np.pi * 1.7 / 40.0  # nearer than the two skirts are wide, but another frequency
     noise = 0.1 * np.random.default_rng(0).standard_normal(len(t))
     force = 3.0 * np.sin(7.0 * t + 0.2)[:, None]
-    (found,) = periodic_candidates(0, 1, np.cos((7.0 + apart) * t) + noise, force, 0.02)
+    (found,) = periodic_candidates(0, 1, Signal(np.cos((7.0 + apart) * t) + noise, force, 0.02))
     assert found.terms[0].constants[0] == pytest.approx(7.0 + apart, rel=0.003)
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_noise_has_no_line(seed):
     noise = np.random.default_rng(seed).standard_normal(1000)
-    assert periodic_candidates(0, 1, noise, STILL, 0.02) == []
+    assert periodic_candidates(0, 1, Signal(noise, STILL, 0.02)) == []
 
 
 def test_two_frequencies_are_both_proposed():
     t = np.arange(0.0, 20.0, 0.02)
     residual = np.cos(7.0 * t) + 0.5 * np.sin(19.0 * t)
-    found = periodic_candidates(0, 1, residual, STILL, 0.02)
+    found = periodic_candidates(0, 1, Signal(residual, STILL, 0.02))
     assert sorted(c.terms[0].constants[0] for c in found) == pytest.approx([7.0, 19.0], rel=0.01)
 
 
 @pytest.mark.parametrize("residual", [np.zeros(200), np.ones(200), np.zeros(5)])
 def test_residual_without_any_frequency_proposes_none(residual):
-    assert periodic_candidates(0, 1, residual, STILL, 0.02) == []
+    assert periodic_candidates(0, 1, Signal(residual, STILL, 0.02)) == []
 
 
 def test_slow_drift_is_no_periodic_forcing():
     t = np.arange(0.0, 20.0, 0.02)
-    for candidate in periodic_candidates(0, 1, 0.3 * t, STILL, 0.02):
+    for candidate in periodic_candidates(0, 1, Signal(0.3 * t, STILL, 0.02)):
         periods = candidate.terms[0].constants[0] * t[-1] / (2 * np.pi)
         assert periods > 2.5
 
@@ -208,9 +208,9 @@ def test_a_stiffness_that_is_pumped_is_found_with_its_frequency():
 def test_a_signal_without_a_value_somewhere_has_no_lines():
     t = np.arange(1000)
     signal, driver = np.sin(0.3 * t), np.cos(0.05 * t)[:, None]
-    assert lines_of(signal, driver, 1.0)
+    assert Signal(signal, driver, 1.0).lines()
     signal[500] = np.nan
-    assert lines_of(signal, driver, 1.0) == []
+    assert Signal(signal, driver, 1.0).lines() == []
 
 
 T = np.arange(1500) * 0.02
@@ -227,7 +227,7 @@ def test_what_pumps_a_population_that_has_its_line_is_found_all_the_same():
 
 def test_a_forcing_may_be_a_term_that_is_pumped_at_its_frequency():
     design = pse.DeclaredModel({"N": "r*N - a*N*P", "P": "b*N*P - m*P*t"}).design()
-    wave, *_ = periodic_candidates(0, 2, np.cos(7.0 * T), np.empty((len(T), 0)), 0.02)
+    wave, *_ = periodic_candidates(0, 2, Signal(np.cos(7.0 * T), np.empty((len(T), 0)), 0.02))
     plain, *pumped = other_pumps(wave, design)
     product = mul(variable(0), variable(1))
     assert plain == wave
@@ -239,7 +239,7 @@ def test_a_forcing_may_be_a_term_that_is_pumped_at_its_frequency():
 def test_what_is_pumped_in_one_equation_may_be_in_another():
     design = pse.DeclaredModel({"N": "r*N - a*N*P", "P": "b*N*P - m*P*t"}).design()
     assert partner_pumps(design, 30.0) == []
-    wave, *_ = periodic_candidates(0, 2, np.cos(7.0 * T), np.empty((len(T), 0)), 0.02)
+    wave, *_ = periodic_candidates(0, 2, Signal(np.cos(7.0 * T), np.empty((len(T), 0)), 0.02))
     with_it = design.adding(columns_of(wave, design))
     found = [(one.state, *one.parents) for one in partner_pumps(with_it, 30.0)]
     product = mul(variable(0), variable(1))

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.evidence.drifting_rivals import twin_chance
-from pysindy_evolve.loop.evidence.witness import pieces_to_score
+from pysindy_evolve.loop.evidence.spectrum_or_trajectory import pieces_to_score
 from pysindy_evolve.loop.fitting.random_force import NOISES, drift_size, whitening
 from pysindy_evolve.loop.fitting.trajectory import MAX_ROWS, Trajectories, followable
 from pysindy_evolve.loop.given.declared import design_of

@@ -23,7 +23,7 @@ from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.given.limits import limited, limits_of
-from pysindy_evolve.loop.given.resampled import widened
+from pysindy_evolve.loop.given.resampling import widened
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.revision.revise import prune

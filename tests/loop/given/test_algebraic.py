@@ -6,7 +6,7 @@ from loop_systems import equations_of
 
 import pysindy_evolve as pse
 from pysindy_evolve.export import format_equations
-from pysindy_evolve.loop.given.resampled import at_one_step, undecimated
+from pysindy_evolve.loop.given.resampling import at_one_step, undecimated
 from pysindy_evolve.signals import as_target
 
 DECLARED = pse.DeclaredModel({"F": "c*v + k*x + F0"}, inputs=["x", "v"], algebraic=True)

@@ -8,7 +8,7 @@ from test_memory import close, record_with
 
 import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory
-from pysindy_evolve.loop.memories import reach
+from pysindy_evolve.loop.memories import length_and_kind
 from pysindy_evolve.loop.memories.chains import Chain, Traded, with_trade, with_trades_done
 
 T = np.arange(0.0, 20.0, 0.01)
@@ -41,10 +41,10 @@ def test_only_a_longer_memory_of_the_other_kind_gives_way():
 
 def test_nothing_gives_way_by_more_than_there_is_of_it(monkeypatch):
     """Then it changes nothing, which may be the least that a search finds."""
-    monkeypatch.setattr(reach, "_least", lambda loss, start: (0.1, 0.299))
+    monkeypatch.setattr(length_and_kind, "_least", lambda loss, start: (0.1, 0.299))
     began = Traded("actuator lag", 0, (0.1,), 0.3, 0.1)
     assert not replace(began, given=0.299).leaves_some
-    assert reach.trade_of(began, None, None) is began
+    assert length_and_kind.trade_of(began, None, None) is began
 
 
 @pytest.mark.slow

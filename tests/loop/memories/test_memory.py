@@ -11,8 +11,8 @@ import pysindy_evolve as pse
 from pysindy_evolve.hidden_states.memory import Memory, with_memories_applied
 from pysindy_evolve.hidden_states.memory_equations import MemoryEquations, with_memories
 from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.memories.length_and_kind import settled_memory
 from pysindy_evolve.loop.memories.probes import Probes
-from pysindy_evolve.loop.memories.reach import settled_memory
 
 T = np.arange(0.0, 20.0, 0.01)
 OSCILLATOR = {"q": "v", "v": "-40*q - 0.8*v + F"}

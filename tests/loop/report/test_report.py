@@ -23,8 +23,8 @@ from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.effect_text import evidence, with_sign
 from pysindy_evolve.loop.report.number_text import interval, percent, value_within
 from pysindy_evolve.loop.report.text import as_text, note_on_shared_terms, table_cells
-from pysindy_evolve.loop.settling.doubtful import most_doubtful
 from pysindy_evolve.loop.settling.quantities import with_share_of_runs
+from pysindy_evolve.loop.settling.zero_in_interval import most_doubtful
 from pysindy_evolve.terms import add, constant, mul, power, variable
 
 FRICTION = oscillator("friction and offset", "- 2*sgn(v) + 1.5")

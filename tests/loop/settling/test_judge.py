@@ -23,7 +23,7 @@ def filmed(sides, start, t, noise, seed):
 
 def judged(sides, train, test):
     design = design_of(pse.DeclaredModel(sides), [train])
-    return judge(design, [train], [test], RULES, np.random.default_rng(0), final=True)
+    return judge(design, (), [train], [test], RULES, np.random.default_rng(0), final=True)
 
 
 @pytest.mark.parametrize("seed", [0, 1])

@@ -14,9 +14,9 @@ from pysindy_evolve.loop.given.limits import Limit
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.search.found import Found
-from pysindy_evolve.loop.settling import worsened
+from pysindy_evolve.loop.settling import worse_runs
 from pysindy_evolve.loop.settling.settle import settled
-from pysindy_evolve.loop.settling.worsened import last_worsened, runs_away
+from pysindy_evolve.loop.settling.worse_runs import last_worsened, runs_away
 from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import call, constant, mul, power, variable
 
@@ -57,7 +57,7 @@ def test_the_declared_model_is_run_only_where_the_corrected_one_is_lost(record, 
         assert equations is LINEAR, "the declared model was run"
         return np.array([5.0])
 
-    monkeypatch.setattr(worsened, "simulation_errors", errors)
+    monkeypatch.setattr(worse_runs, "simulation_errors", errors)
     assert not runs_away(WILD, LINEAR, [record])
 
 
