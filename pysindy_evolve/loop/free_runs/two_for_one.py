@@ -22,6 +22,7 @@ from ..evidence.plainest import is_as_good
 from ..evidence.scoring import MIN_GAIN_LOG, score
 from ..fitting.trial import converged
 from ..given.design import Design
+from ..given.rows import have_values
 from ..given.rules import Rules
 from ..given.segments import Segments
 from .contenders import steady_drift, trial_with
@@ -92,6 +93,8 @@ def _closest(
     rules: Rules,
 ) -> tuple[Candidate, ...]:
     """Return the pair whose runs come closest to the record; () if the effect is to stay."""
+    acted = model.acted(records)
+    pairs = [pair for pair in pairs if all(have_values(one.terms, acted) for one in pair)]
     drift = steady_drift(model, [finding.candidate], records) if pairs else None
     if drift is None:
         return ()

@@ -21,6 +21,7 @@ from ..free_runs.contenders import steady_drift, trial_with
 from ..free_runs.judging import MAX_SQUARES_OVER_NOISE, model_of, over_noise
 from ..free_runs.shape_tuning import Contender, tuned_by_runs
 from ..given.design import Design
+from ..given.rows import have_values
 from ..given.segments import Segments
 
 # Share of the significance at which a rival is refuted. One that stays costs another measurement,
@@ -80,7 +81,10 @@ def with_plainest_effect(finding: Finding, design: Design, significance: float) 
 def without_refuted_rivals(
     declared: Design, findings: Sequence[Finding], records: Sequence[Record]
 ) -> list[Finding]:
-    """Return findings with the alternatives only that runs over records do not refute."""
+    """Return findings with the alternatives only that runs over records do not refute.
+
+    An alternative without a value on a row, such as the root of a negative number, is none.
+    """
     return [_without_refuted_rivals(declared, findings, one, records) for one in findings]
 
 
@@ -93,11 +97,13 @@ def _without_refuted_rivals(
     drift = steady_drift(rest, [finding.candidate], records)
     if drift is None or over_noise(drift) > MAX_SQUARES_OVER_NOISE:
         return finding
-    rivals = [rival.candidate for rival in finding.rivals]
+    acted = rest.acted(records)
+    offered = [one for one in finding.rivals if have_values(one.candidate.terms, acted)]
+    rivals = [rival.candidate for rival in offered]
     started = [trial_with(rest, [rival], drift) for rival in rivals]
     own, *trials = converged([drift.trial, *started])
     fitted = [Contender(rival, trial) for rival, trial in zip(rivals, trials, strict=True)]
     tuned = tuned_by_runs(fitted, rest, drift)
-    pairs = zip(finding.rivals, tuned, strict=True)
+    pairs = zip(offered, tuned, strict=True)
     kept = [rival for rival, one in pairs if one.error <= MAX_SQUARES_RATIO * own.error]
     return replace(finding, rivals=tuple(kept))

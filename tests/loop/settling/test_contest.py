@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from loop_systems import equations_of
+from loop_systems import equations_of, oscillator
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
@@ -12,8 +12,9 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import Rival
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
-from pysindy_evolve.loop.settling.contest import with_plainest_effect
-from pysindy_evolve.terms import mul, power, variable
+from pysindy_evolve.loop.settling.contest import with_plainest_effect, without_refuted_rivals
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import call, constant, mul, power, sub, variable
 
 H, V, T = variable(0), variable(1), variable(2)
 COUPLING = Candidate("coupling", 1, (mul(H, V),))
@@ -74,3 +75,18 @@ def test_of_a_constant_and_what_cannot_be_told_from_it_the_constant_is_named():
 def test_a_constant_takes_no_place(design):
     kept = found(COUPLING, design, (CONSTANT, 0.9))
     assert with_plainest_effect(kept, design, 0.05) is kept
+
+
+def test_an_alternative_without_a_value_on_some_rows_is_none():
+    machine = oscillator("cubic stiffness", "- 9*q**3")
+    record = machine.record()
+    design = design_of(machine.model, [record])
+    highest = record.x[:, 0].max()
+    below = sub(constant(0.99 * highest), variable(0))  # has no root where q is highest
+    root = Candidate("valve flow", 1, (call(BUILTIN["sqrt"], below),))
+    cubic = Candidate("cubic stiffness", 1, (power(variable(0), 3),))
+    similar = Candidate("quintic stiffness", 1, (power(variable(0), 5),))
+    (kept,) = without_refuted_rivals(
+        design, [found(cubic, design, (root, 0.5), (similar, 0.5))], [record]
+    )
+    assert "valve flow" not in [rival.name for rival in kept.rivals]
