@@ -12,7 +12,7 @@ from ..given.design import Column, Design
 from .candidate import Candidate, CandidateMaker, Shape
 from .modulation import ActingTerm, pumping
 from .names import FORCING
-from .periodic import PERIODS_IN_TIME, Signal, of_line, waves_of, waves_times
+from .periodic import PERIODS_IN_TIME, Signal, frequency_of, of_line, waves_of, waves_times
 from .varying_terms import parts_of
 
 
@@ -70,6 +70,35 @@ def other_pumps(forcing: Candidate, design: Design) -> list[Candidate]:
         CandidateMaker(forcing.state)(FORCING, shape=plain),
         *_pumped(forcing.state, design, plain),
     ]
+
+
+def pumps_between(forcings: Sequence[Candidate], design: Design, length: float) -> list[Candidate]:
+    """Return the pumped terms whose sidebands two forcings of one equation may be.
+
+    A wave of frequency f that multiplies a narrow resonance at g acts at f + g and at the
+    difference of f and g.
+
+    Parameters
+    ----------
+    forcings : sequence of Candidate
+        The list is empty unless these are two forcings.
+    design : Design
+        The model without them.
+    length : float
+        Of the longest record, units of t.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    lines = [frequency_of(one) for one in forcings if one.name == FORCING]
+    if len(lines) != 2 or len(forcings) != 2 or not all(lines):
+        return []
+    low, high = sorted(lines)
+    waves = waves_of(design.time)
+    pumps = (0.5 * (high + low), 0.5 * (high - low))
+    shapes = [of_line(pump, length, waves, branch) for branch, pump in enumerate(pumps) if pump]
+    return [one for shape in shapes for one in _pumped(forcings[0].state, design, shape)]
 
 
 def partner_pumps(design: Design, length: float) -> list[Candidate]:

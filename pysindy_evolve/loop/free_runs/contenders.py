@@ -13,7 +13,7 @@ from ..effects.candidate import Candidate
 from ..effects.missing import candidates
 from ..effects.names import EVOLVED
 from ..effects.periodic import other_ripples
-from ..effects.pumped_terms import other_pumps
+from ..effects.pumped_terms import other_pumps, pumps_between
 from ..evidence.plainest import is_as_good
 from ..evidence.scoring import columns_of, score, sharpened
 from ..fitting.fit import refit
@@ -101,13 +101,15 @@ class Pool:
         leading = [one for one in leading if have_values(one.terms, acted)]
         closest = _closest(model, own.candidate, usable, self.part)
         members = [replace(one, name=EVOLVED, parents=()) for one in group[1:]]
+        length = max(float(np.ptp(record.t)) for record in drift.records)
+        pumps = pumps_between(group, model.design, length)
         forms = [
             form
             for candidate in (own.candidate, *closest, *members)
             for form in other_forms(candidate, model.design, self.part, self.operators)
         ]
         forms = [one for one in forms if have_values(one.terms, acted)]
-        usable = _as_named([*closest, *leading, *forms, *members], model.design, self.part)
+        usable = _as_named([*closest, *leading, *forms, *members, *pumps], model.design, self.part)
         rivals = [c for c in dict.fromkeys(usable) if c != own.candidate]
         started = [trial_with(model, [rival], drift) for rival in rivals]
         # The effect was fitted in other units of the errors, so it is fitted again.

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 import sympy
-from loop_systems import measured, oscillator
+from loop_systems import Hidden, measured, oscillator
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate, CandidateMaker
 from pysindy_evolve.loop.effects.missing import candidates
+from pysindy_evolve.loop.effects.names import FORCING
+from pysindy_evolve.loop.effects.periodic import of_line, waves_of
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.free_runs.contenders import Pool
@@ -183,3 +185,25 @@ def test_one_term_replaces_two_names_only_where_its_runs_are_clearly_closer(forc
     left = one_for_several(model, found, Pool((root,), (root,), part, 0.05), [record])
     wanted = [(ROOT,)] if "sqrt" in force else [f.candidate.terms for f in found]
     assert [f.candidate.terms for f in left] == wanted
+
+
+def forcing(cycles, time, branch):
+    waves = waves_of(time)
+    return CandidateMaker(1)(FORCING, shape=of_line(cycles, 40.0, waves, branch))
+
+
+def test_a_pumped_spring_takes_the_place_of_its_two_sidebands():
+    machine = Hidden(
+        "pumped",
+        {"q": "v", "v": "-40*q - 0.1*v + 0.02*F - 4*q*cos(9*t + 0.4)"},
+        {"q": "v", "v": "-k*q - c*v + b*F"},
+        options={"x0": (1.0, 0.0)},
+    )
+    record = machine.record()
+    time = design_of(machine.model, [record]).time
+    own = np.sqrt(40.0)
+    bands = [forcing(band / (2.0 * np.pi), time, k) for k, band in enumerate((9 - own, 9 + own))]
+    model, record, part, found = planted(machine, *bands)
+    (left,) = one_for_several(model, found, Pool((), (), part, 0.05), [record])
+    assert left.candidate.parents == (Q,)
+    assert left.candidate.shape.values == pytest.approx([9.0], rel=1e-3)
