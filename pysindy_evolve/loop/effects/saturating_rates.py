@@ -41,18 +41,19 @@ def saturating(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterat
             crowded = (_crowded,) if any(level not in one.variables for one in below) else ()
             inhibited = (_inhibited,) if any(level in one.variables for one in below) else ()
             for build in (_over, _hiding, *crowded, *inhibited):
-                yield from _sated(effect, partial(build, part, level), level, float(largest[level]))
+                form, size = FORMS.index(build), float(largest[level])
+                yield from _sated(effect, partial(build, part, level), level, size, form)
         for level, other in combinations(levels, 2):
-            ratio = float(largest[other] / largest[level])
-            yield from _sated(effect, partial(_for_each, part, level, other), level, ratio)
+            ratio, form = float(largest[other] / largest[level]), FORMS.index(_for_each)
+            yield from _sated(effect, partial(_for_each, part, level, other), level, ratio, form)
 
 
 def _sated(
-    effect: CandidateMaker, build: Callable[[float], Sum], level: int, size: float
+    effect: CandidateMaker, build: Callable[[float], Sum], level: int, size: float, form: int
 ) -> Iterator[Candidate]:
-    """Yield a rate with several half-saturation constants."""
+    """Yield a rate with several half-saturation constants; each form is tuned by itself."""
     for share in HALVES:
-        half = Shape((share * size,), (build,), meanings=("half-saturation",))
+        half = Shape((share * size,), (build,), meanings=("half-saturation",), branch=form)
         candidate = effect(SATURATING, shape=half, never_paired=True)
         yield replace(candidate, acts_at=((level,), candidate.terms))
 
@@ -97,6 +98,9 @@ def _inhibited(part: Sum, level: int, half: float) -> Sum:
         return add(below, square) if level in below.variables else None
 
     return _with_denominators(part, change)
+
+
+FORMS = (_over, _hiding, _crowded, _inhibited, _for_each)
 
 
 def _denominators(part: Sum) -> list[Sum]:

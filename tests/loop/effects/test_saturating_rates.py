@@ -57,6 +57,19 @@ def test_too_much_of_what_a_rate_saturates_with_may_inhibit_it():
     assert any(term.evaluate(rows) == pytest.approx(wanted) for term in found)
 
 
+def test_each_form_of_a_rate_is_tuned_by_itself():
+    """The best form may be the worst of all with the numbers of the grid."""
+    design = pse.DeclaredModel({"X": "m*S*X/(1 + S) - a*X", "S": "-y*S*X/(1 + S)"}).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
+    found = [c for c in candidates(design, ranges) if c.name == SATURATING and c.state == 0]
+    on_one_branch: dict[int, set] = {}
+    for one in found:
+        terms = tuple(one.at([0.7]).terms[0].parts)
+        on_one_branch.setdefault(one.branch, set()).add(terms)
+    assert len(on_one_branch) == 5
+    assert all(len(forms) <= 2 for forms in on_one_branch.values())  # with X, and with S
+
+
 def test_no_force_saturates_so():
     design = pse.DeclaredModel({"q": "v", "v": "-k*q - c*q**2*v"}).design()
     ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
@@ -95,3 +108,22 @@ def test_who_grows_by_what_it_eats_is_sated_in_both_equations():
     assert [effect.name for effect in report.effects] == [SATURATING, SATURATING]
     for effect in report.effects:
         assert effect.numbers["half-saturation"] == pytest.approx(0.8, rel=0.05)
+
+
+@pytest.mark.slow
+def test_what_inhibits_its_own_uptake_is_found_in_both_equations():
+    """A chemostat after Haldane, declared after Monod."""
+    t, rng = np.arange(0.0, 400.0, 0.2), np.random.default_rng(0)
+    stairs = [np.repeat(rng.uniform(*ends, 20), 100) for ends in ((0.05, 0.3), (6.0, 14.0))]
+    inputs = np.column_stack([np.convolve(u, np.ones(15) / 15.0, "same") for u in stairs])
+    inputs = inputs[15:-15]
+    uptake = "0.5*S*X/(1.2 + S + S^2/9)"
+    chemostat = {"X": f"{uptake} - D*X", "S": f"D*(F - S) - 2*{uptake}"}
+    x = pse.simulate(equations_of(chemostat, ("D", "F")), [3.0, 3.0], t[: len(inputs)], inputs)
+    y = x + 0.01 * x.std(axis=0) * rng.standard_normal(x.shape)
+    declared = {"X": "m*S/(1.2 + S)*X - D*X", "S": "D*(F - S) - y*S/(1.2 + S)*X"}
+    model = pse.DeclaredModel(declared, inputs=["D", "F"])
+    record = pse.prepare(t[: len(inputs)], y, inputs, order=1)
+    report = pse.close_loop(model, record, operators=(), random_state=0)
+    assert [effect.name for effect in report.effects] == [SATURATING, SATURATING]
+    assert (report.after.simulation_error < 2.0).all()
