@@ -29,7 +29,8 @@ def has_pole(
     """Tell whether a denominator within an expression crosses zero, or comes close.
 
     The few values near a pole would only fit the noise there. A sum of squares never crosses zero,
-    as in 1 / (c^2 + v^2), so its square root is tested instead.
+    as in 1 / (c^2 + v^2), nor do terms of one sign on these rows, as in 1 / (c + S + S^2). So the
+    square root of such a sum is tested instead.
 
     Parameters
     ----------
@@ -54,11 +55,12 @@ def has_pole(
 
 
 def _length(atom: Atom, rows: np.ndarray) -> np.ndarray:
-    """Return the values of a denominator; of a sum of squares, its root."""
+    """Return the values of a denominator; of a positive sum with a square in it, its root."""
     values = atom.evaluate(rows)
     parts = atom.parts if isinstance(atom, Sum) else ()
-    squares = [c > 0.0 and all(n % 2 == 0 for _, n in term.factors) for c, term in parts]
-    return np.sqrt(values) if parts and all(squares) else values
+    has_square = any(n == 2 for _, term in parts for _, n in term.factors)
+    positive = (bool((c * term.evaluate(rows) >= 0.0).all()) for c, term in parts)
+    return np.sqrt(values) if has_square and all(positive) else values
 
 
 def _holds_pole(atom: Atom, rows: np.ndarray, may_divide: Callable[[np.ndarray], bool]) -> bool:

@@ -27,6 +27,8 @@ ROWS = np.column_stack([np.linspace(0.5, 1.5, 200), np.linspace(-2.0, 2.01, 200)
         (mul(SPEED, power(add(power(SPEED, 2), constant(0.1)), -1)), False),
         (mul(SPEED, power(add(power(SPEED, 2), constant(1e-3)), -1)), True),
         (mul(SPEED, power(sub(power(SPEED, 2), constant(0.1)), -1)), True),
+        (power(add(constant(0.1), add(GAP, power(GAP, 2))), -1), False),
+        (power(add(constant(-0.49), add(GAP, power(GAP, 2))), -1), True),
     ],
 )
 def test_a_term_that_divides_by_what_crosses_zero_has_a_pole(term, expected):

@@ -84,8 +84,8 @@ def tuned_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape 
 
 
 def _kind(atom: Atom) -> str:
-    """Return what a number in a function means: in a softsign, it is printed as a denominator."""
-    if isinstance(atom, Call) and atom.operator.name == "softsign" and len(atom.args[0].parts) == 1:
+    """Return what a number in a function means: in x/(c + |x|), it is printed as a denominator."""
+    if isinstance(atom, Call) and atom.operator.name == "softsign" and len(atom.constants) == 1:
         return HALF_SATURATION
     return INNER
 

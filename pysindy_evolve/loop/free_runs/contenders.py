@@ -100,6 +100,7 @@ class Pool:
         leading = stand_ins(drift, replace(own.candidate, terms=terms), self.small, least)
         leading = [one for one in leading if have_values(one.terms, acted)]
         closest = _closest(model, own.candidate, usable, self.part)
+        closest = [one for one in closest if have_values(one.terms, acted)]
         members = [replace(one, name=EVOLVED, parents=()) for one in group[1:]]
         length = max(float(np.ptp(record.t)) for record in drift.records)
         pumps = pumps_between(group, model.design, length)

@@ -26,8 +26,9 @@ from .contenders import Pool, plainest, steady_drift, trial_with
 from .shape_tuning import Contender
 from .variants import Model
 
-MANY = 3  # named effects in one equation that a single effect may replace
-PAIR_LEAD_LOG = 0.05  # log error by which one term must be closer than two effects with other names
+# Log of the squared error by which one term must be closer than two effects of different names; a
+# lead of `MIN_GAIN_LOG` counts as none.
+PAIR_LEAD_LOG = 0.07
 
 
 def one_for_several(
@@ -84,7 +85,7 @@ def _is_pair_of_names(group: Sequence[Finding]) -> bool:
     A grown term may be one of two parts of a curve, and three names seldom are three effects.
     """
     names = {finding.candidate.name for finding in group}
-    return EVOLVED not in names and len(names) == len(group) < MANY
+    return EVOLVED not in names and len(names) == len(group) == 2
 
 
 def _single(

@@ -1,8 +1,8 @@
 """Curves with a number or two that no product of operators is, and lengths of vectors.
 
 A law of nature is often one of them: pipes rub with |v|^1.75, a gene answers with x^n/(c^n + x^n),
-a substrate inhibits its own uptake, a wing stalls at an angle, a resonance is a bell, the drag of a
-body depends on the length of its velocity. A genetic search rarely hits both numbers at once, so
+a substrate inhibits its own uptake, a wing stalls at an angle, the drag of a body depends on the
+length of its velocity. A genetic search rarely hits both numbers at once, so
 the factors of a grown term are exchanged for these curves afterwards.
 """
 
@@ -17,10 +17,11 @@ import numpy as np
 from ...operators import BUILTIN, Operator
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 
-EXPONENTS = (0.3, 0.7, 1.5, 2.5)  # of powers; whole ones and the root are products of operators
+EXPONENTS = (0.7, 1.5, 2.5)  # of powers; whole ones and the root are products of operators
 HILL_EXPONENTS = (2.0, 4.0)
 LEVELS = (0.15, 0.35, 0.5, 0.65, 0.85)  # places within the range of a variable, as shares of it
-WIDTHS = (0.1, 0.3)  # of steps and bells, as shares of the range
+WIDTHS = (0.1, 0.3)  # of steps, as shares of the range
+FARTHEST = 2.0  # places of steps, over the range: tanh(2.5 T - 752) has no number that can be tuned
 SCALES = (0.5, 1.0, 2.0)  # levels of a Hill function, over the RMS of its variable
 INHIBITION = ((0.2, 0.5), (0.2, 2.0), (0.6, 2.0))  # levels of half a rate and of its inhibition
 MOST_AXES = 3  # of a vector
@@ -28,7 +29,7 @@ NEEDED = {"mul", "exp", "log", "abs", "tanh", "div", "softsign", "sqrt"}
 
 
 def curves(operators: Sequence[Operator], x: np.ndarray, n_states: int) -> list[Sum]:
-    """Return powers, Hill functions, inhibited rates, steps, bells and lengths.
+    """Return powers, Hill functions, inhibited rates, steps and lengths.
 
     Parameters
     ----------
@@ -66,13 +67,11 @@ def _rates(i: int, column: np.ndarray) -> Iterator[Sum]:
 
 
 def _places(i: int, column: np.ndarray) -> Iterator[Sum]:
-    """Yield steps and bells at places within the range of a variable."""
+    """Yield steps at places within the range of a variable, unless that is far from zero."""
     x, low, span = variable(i), float(column.min()), float(np.ptp(column))
     for place in (low + share * span for share in LEVELS):
-        for width in (share * span for share in WIDTHS):
-            away = mul(constant(1.0 / width), sub(x, constant(place)))
-            yield call(BUILTIN["tanh"], away)
-            yield call(BUILTIN["exp"], mul(constant(-0.5), power(away, 2)))
+        for width in (share * span for share in WIDTHS if abs(place) < FARTHEST * span):
+            yield call(BUILTIN["tanh"], mul(constant(1.0 / width), sub(x, constant(place))))
 
 
 def _power(magnitude: Sum, exponent: float) -> Sum:

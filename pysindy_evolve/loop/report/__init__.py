@@ -20,7 +20,7 @@ missed              the model misses the records by more than noise explains
 unexplained         derivatives whose residual sensor noise does not explain
 slow_states         a drift or the residual may be a state too slow for the loop to look for
 extrapolation       held-out data is outside the range of the training data
-fast_motion         the low-pass took out motion that the free run has
+fast_motion         an error of the free run that is faster than the low-pass
 dilution            noise makes a parameter too small, as its terms hardly vary
 exchangeable_poles  a lag and a first-order equation may have exchanged their poles
 one_force           effects in several equations are the same force

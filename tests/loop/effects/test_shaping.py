@@ -31,6 +31,12 @@ def test_each_of_several_numbers_has_its_own_meaning():
     assert set(shape.meanings) == {"first inner constant", "second half-saturation constant"}
 
 
+def test_the_exponent_of_a_hill_function_is_no_level():
+    power = call(BUILTIN["exp"], mul(constant(3.0), call(BUILTIN["log"], call(BUILTIN["abs"], Q))))
+    shape = tuned_shape(grown("softsign", mul(constant(0.3), power)))
+    assert list(shape.named) == ["first inner constant", "second inner constant"]
+
+
 def test_a_number_that_nobody_tuned_is_not_told():
     assert tuned_shape(grown("sin", Q)) is None
     assert tuned_shape(Candidate("viscous damping", 1, (Q,))) is None

@@ -1,4 +1,4 @@
-"""Curves that no product of operators is: powers, Hill functions, steps, bells, lengths."""
+"""Curves that no product of operators is: powers, Hill functions, steps, lengths."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def test_curves_have_values_wherever_the_variables_were():
     rng = np.random.default_rng(0)
     x = np.column_stack([rng.standard_normal(50), rng.uniform(1.0, 3.0, 50), np.ones(50)])
     found = curves(KNOWN, x, n_states=2)
-    assert len(found) == len(set(found)) > 40
+    assert len(found) == len(set(found)) > 30
     assert all(np.isfinite(curve.evaluate(x)).all() for curve in found)
     assert not any(2 in curve.variables for curve in found)  # which never varied
 

@@ -1,4 +1,4 @@
-"""Motion that the low-pass took out of the records is no error of the model."""
+"""Motion that the low-pass took out of a record is told from what the record shows."""
 
 import numpy as np
 import pytest
@@ -38,11 +38,11 @@ def test_records_of_slow_motion_set_the_low_pass_of_a_fast_one(slow_and_fast):
     alone = report.simulate(test) - test.x
     errors = 100.0 * np.sqrt(np.mean(alone**2, axis=0)) / test.x.std(axis=0)
     assert (errors < 0.5 * report.after.simulation_error).all()
-    assert "Most of the free runs' error is motion faster than" in said
+    assert "Most of the free run's error in v is motion faster than" in said
 
 
 def test_an_error_of_the_model_is_not_blamed_on_the_low_pass(slow_and_fast):
     wrong = pse.DeclaredModel(SIDES, inputs=["u"], known={"n": 8000.0})
     report, said = report_of(wrong, *slow_and_fast)
     assert 5.0 < report.after.simulation_error.max() < 100.0
-    assert "Most of the free runs' error" not in said
+    assert "Most of the free run's error" not in said
