@@ -2,8 +2,8 @@
 
 A law of nature is often one of them: pipes rub with |v|^1.75, a gene answers with x^n/(c^n + x^n),
 a substrate inhibits its own uptake, a wing stalls at an angle, the drag of a body depends on the
-length of its velocity. A genetic search rarely hits both numbers at once, so
-the factors of a grown term are exchanged for these curves afterwards.
+length of its velocity. A genetic search seldom hits such numbers, so the factors of a grown term
+are exchanged for these curves afterwards.
 """
 
 from __future__ import annotations

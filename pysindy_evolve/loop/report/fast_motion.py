@@ -25,7 +25,7 @@ def fast_motion(outcome: Outcome) -> list[str]:
     fast motion is low-passed as those of slow motion are, where they are brought to one step.
     """
     model, errors = outcome.after.model, outcome.after.simulation_error
-    has_memory = isinstance(model, MemoryEquations) and bool(model.memories or model.n_algebraic)
+    has_memory = isinstance(model, MemoryEquations) and bool(model.memories)
     if has_memory or model.n_algebraic or not NOTABLE < errors.max() < LOST_NRMSE:
         return []
     cutoffs = [record.cutoff for record in outcome.test if record.cutoff is not None]
