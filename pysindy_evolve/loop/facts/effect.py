@@ -138,7 +138,7 @@ class Effect:
     entry : str
         Where it acts, if a declared force enters the equation by the same factor, which is not
         constant: such as "as if F were larger by this times sgn(v)", or "where the damping of w
-        does, with the factor that stands beside it", or "where M1 and M2 act, as this number times
+        does, multiplied by the same factor", or "where M1 and M2 act, as this number times
         cos(q1 + q2)".
     written : tuple of Sum
         Terms to print beside the coefficients where `expressions` hold the whole equation: the

@@ -15,7 +15,7 @@ from ...signals import Record
 from ...terms import Sum, mul
 from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT, entered
-from ..effects.names import INERTIA
+from ..effects.names import INERTIA, SATURATING
 from ..evidence.findings import Finding, memories_in
 from ..evidence.rivals import Rival
 from ..facts.effect import Alternative, Effect
@@ -82,14 +82,14 @@ def _entry(design: Design, finding: Finding) -> str:
     if finding.candidate.acts_at is not None and len(finding.candidate.acts_at[0]) > 1:
         return _at_several(design, *finding.candidate.acts_at)
     place = entered(design, state, terms[0]) if len(terms) == 1 and finding.columns else None
-    if place is None:
+    if place is None or finding.candidate.name == SATURATING:  # a rate is no force that enters
         return ""
     entry, force = place
     name = design.names[entry.beside]
     if entry.beside < len(design.states):
-        return f"where the damping of {name} does, with the factor that stands beside it"
+        return f"where the damping of {name} does, multiplied by the same factor"
     if mul(entry.factor, force) != terms[0] or not entry.is_known:
-        return f"where {name} does, with the factor that stands beside it"
+        return f"where {name} does, multiplied by the same factor"
     number = f"{AS_INPUT} {name} were larger by this number"
     if force == OFFSET:
         return number
