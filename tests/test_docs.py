@@ -85,9 +85,9 @@ def test_python_blocks_of_the_readme_run(blocks, tmp_path, monkeypatch, capsys):
         if language == "python":
             runpy.run_path(_saved(code, tmp_path))
     printed = capsys.readouterr().out
-    for language, output in blocks:
-        if language == "text":
-            assert output.strip() in printed
+    shown = [output.strip() for language, output in blocks if language == "text"]
+    assert all(output in printed for output in shown)
+    assert printed.strip().endswith(shown[-1])  # the README leaves out nothing at the end
 
 
 @pytest.mark.slow

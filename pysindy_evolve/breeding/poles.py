@@ -58,7 +58,7 @@ def _length(atom: Atom, rows: np.ndarray) -> np.ndarray:
     """Return the values of a denominator; of a positive sum with a square in it, its root."""
     values = atom.evaluate(rows)
     parts = atom.parts if isinstance(atom, Sum) else ()
-    has_square = any(n == 2 for _, term in parts for _, n in term.factors)
+    has_square = any(n % 2 == 0 for _, term in parts for _, n in term.factors)
     positive = (bool((c * term.evaluate(rows) >= 0.0).all()) for c, term in parts)
     return np.sqrt(values) if has_square and all(positive) else values
 

@@ -92,7 +92,7 @@ def pumps_between(forcings: Sequence[Candidate], design: Design, length: float) 
     list of Candidate
     """
     lines = [frequency_of(one) for one in forcings if one.name == FORCING]
-    if len(lines) != 2 or len(forcings) != 2 or not all(lines):
+    if len(forcings) != 2 or len(lines) != 2 or not all(lines):
         return []
     low, high = sorted(lines)
     waves = waves_of(design.time)

@@ -41,19 +41,19 @@ def saturating(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterat
             crowded = (_crowded,) if any(level not in one.variables for one in below) else ()
             inhibited = (_inhibited,) if any(level in one.variables for one in below) else ()
             for build in (_over, _hiding, *crowded, *inhibited):
-                form, size = FORMS.index(build), float(largest[level])
-                yield from _sated(effect, partial(build, part, level), level, size, form)
+                yield from _sated(effect, partial(build, part, level), level, float(largest[level]))
         for level, other in combinations(levels, 2):
-            ratio, form = float(largest[other] / largest[level]), FORMS.index(_for_each)
-            yield from _sated(effect, partial(_for_each, part, level, other), level, ratio, form)
+            ratio = float(largest[other] / largest[level])
+            yield from _sated(effect, partial(_for_each, part, level, other), level, ratio)
 
 
 def _sated(
-    effect: CandidateMaker, build: Callable[[float], Sum], level: int, size: float, form: int
+    effect: CandidateMaker, build: partial[Sum], level: int, scale: float
 ) -> Iterator[Candidate]:
     """Yield a rate with several half-saturation constants; each form is tuned by itself."""
+    form = FORMS.index(build.func)
     for share in HALVES:
-        half = Shape((share * size,), (build,), meanings=("half-saturation",), branch=form)
+        half = Shape((share * scale,), (build,), meanings=("half-saturation",), branch=form)
         candidate = effect(SATURATING, shape=half, never_paired=True)
         yield replace(candidate, acts_at=((level,), candidate.terms))
 

@@ -15,7 +15,7 @@ from ..given.band import Band, driven
 from .number_text import percent
 
 MAX_LEFT = 0.5  # share of an error: below it, most of the error is motion that was taken out
-NOTABLE = 0.3  # percent of the standard deviation: a smaller error needs no reason
+NOTABLE = 1.0  # percent of the standard deviation: a smaller error needs no reason
 
 
 def fast_motion(outcome: Outcome) -> list[str]:
