@@ -24,7 +24,7 @@ def saturating(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterat
       compressed. Beside it the declared rate may vanish.
     - The rate times x / (K^2 + x^2), which begins with the square of x: prey hides.
     - A rate that saturates already, with one more level in its denominator: predators are sated,
-      and also keep each other from eating.
+      and also keep each other from eating, or another substance competes for the same enzyme.
     - A rate that saturates with its level, with the square of that: too much of it inhibits.
     - The rate over K x + y: what counts is how much there is for each.
 
@@ -36,12 +36,15 @@ def saturating(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterat
     for part in parts_of(design, effect.state):
         acting = sorted(part.variables - {design.time}) if len(part.variables) > 1 else []
         levels = [level for level in acting if ranges.stays_positive(level)]
+        below = _denominators(part)
         for level in levels:
-            below = _denominators(part)
             crowded = (_crowded,) if any(level not in one.variables for one in below) else ()
             inhibited = (_inhibited,) if any(level in one.variables for one in below) else ()
             for build in (_over, _hiding, *crowded, *inhibited):
                 yield from _sated(effect, partial(build, part, level), level, float(largest[level]))
+        others = set(range(len(largest))) - part.variables - {design.time}
+        for level in (one for one in sorted(others) if below and ranges.stays_positive(one)):
+            yield from _sated(effect, partial(_crowded, part, level), level, float(largest[level]))
         for level, other in combinations(levels, 2):
             ratio = float(largest[other] / largest[level])
             yield from _sated(effect, partial(_for_each, part, level, other), level, ratio)

@@ -86,7 +86,7 @@ def _winner(
     if drift is None:
         return finding
     tuned = pool.contenders(model, Contender(present, drift.trial, tied), drift)
-    best = _best(tuned, pool.matter, rules.significance / max(len(tuned) - 1, 1))
+    best = best_of(tuned, pool.matter, rules.significance / max(len(tuned) - 1, 1))
     plain = with_units(best.candidate)
     if plain is not None:  # sin(q) replaces sin(0.99 q), unless that does clearly better
         (trial,) = converged([trial_with(model, [plain], drift)])
@@ -94,7 +94,7 @@ def _winner(
     return finding.with_candidate(beside(best.candidate, model.design), model.design)
 
 
-def _best(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
+def best_of(tuned: Sequence[Contender], matter: float, level: float) -> Contender:
     """Return the first contender, or the best of those that are clearly closer to the record.
 
     A grown term must also be clearly closer than the best named effect. Among contenders as good as

@@ -11,6 +11,7 @@ from ..free_runs.contenders import Pool
 from ..free_runs.judging import model_of
 from ..free_runs.one_for_one import exchanged_by_runs
 from ..free_runs.one_for_several import one_for_several
+from ..free_runs.one_in_two_equations import one_in_two_equations
 from ..free_runs.sensor_limits import clipped_sensors
 from ..free_runs.shared_tuning import shared_by_runs
 from ..free_runs.two_for_one import two_for_one
@@ -89,6 +90,7 @@ def _held_against_rivals(found: Found, rng: np.random.Generator) -> Found:
     pool = Pool(grown, found.small_terms(), part, rules.notable_gain, found.operators)
     findings = one_for_several(model, findings, pool, records)
     findings = two_for_one(model, findings, records, part, rules)
+    findings = one_in_two_equations(model, findings, pool, records, rules)
     findings = exchanged_by_runs(model, findings, pool, records, rules)
     findings = shared_by_runs(model, findings, records)  # what won may have partners
     return found.with_findings(prune(declared, findings, part))

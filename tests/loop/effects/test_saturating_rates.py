@@ -31,6 +31,16 @@ def test_what_saturates_already_may_do_so_with_a_further_level():
     assert crowded in {term.name(("N", "P", "t")) for term in rates}
 
 
+def test_another_substance_may_compete_for_what_saturates_already():
+    """Of a declared rate that does not saturate yet, only its own levels are tried."""
+    for rate, is_offered in (("S/(2 + S)", True), ("S", False)):
+        design = pse.DeclaredModel({"S": f"a*F - m*{rate}"}, inputs=["F", "I"]).design()
+        ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 4)))
+        found = {c.at([3.0]).terms[0] for c in candidates(design, ranges) if c.name == SATURATING}
+        names = {term.name(("S", "F", "I", "t")) for term in found}
+        assert ("S/(3 + 1.5 S + I)" in names) is is_offered
+
+
 def test_what_hides_is_eaten_by_the_square_of_it_where_there_is_little():
     design = pse.DeclaredModel({"N": "r*N - g*N*P"}, inputs=["P"]).design()
     ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
@@ -111,8 +121,9 @@ def test_who_grows_by_what_it_eats_is_sated_in_both_equations():
 
 
 @pytest.mark.slow
-def test_what_inhibits_its_own_uptake_is_found_in_both_equations():
-    """A chemostat after Haldane, declared after Monod."""
+@pytest.mark.parametrize("loss", ["y", "2*m"])
+def test_what_inhibits_its_own_uptake_is_found_in_both_equations(loss):
+    """A chemostat after Haldane, declared after Monod; both equations may share a coefficient."""
     t, rng = np.arange(0.0, 400.0, 0.2), np.random.default_rng(0)
     stairs = [np.repeat(rng.uniform(*ends, 20), 100) for ends in ((0.05, 0.3), (6.0, 14.0))]
     inputs = np.column_stack([np.convolve(u, np.ones(15) / 15.0, "same") for u in stairs])
@@ -121,10 +132,12 @@ def test_what_inhibits_its_own_uptake_is_found_in_both_equations():
     chemostat = {"X": f"{uptake} - D*X", "S": f"D*(F - S) - 2*{uptake}"}
     x = pse.simulate(equations_of(chemostat, ("D", "F")), [3.0, 3.0], t[: len(inputs)], inputs)
     y = x + 0.01 * x.std(axis=0) * rng.standard_normal(x.shape)
-    declared = {"X": "m*S/(1.2 + S)*X - D*X", "S": "D*(F - S) - y*S/(1.2 + S)*X"}
+    declared = {"X": "m*S/(1.2 + S)*X - D*X", "S": f"D*(F - S) - {loss}*S/(1.2 + S)*X"}
     model = pse.DeclaredModel(declared, inputs=["D", "F"])
     record = pse.prepare(t[: len(inputs)], y, inputs, order=1)
     report = pse.close_loop(model, record, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == [SATURATING, SATURATING]
-    assert (report.after.simulation_error < 2.0).all()
+    for effect in report.effects:  # over its constant, the denominator is 1 + S/1.2 + S^2/10.8
+        assert effect.numbers["half-saturation"] == pytest.approx(10.8**0.5, rel=0.02)
+    assert (report.after.simulation_error < 1.0).all()
     assert "it acts where" not in str(report)  # D multiplies X too, but a rate is no force
