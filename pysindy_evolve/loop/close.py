@@ -125,7 +125,8 @@ def close_loop(
     n_sought = max_effects if given.shows_motion else 0
     rules = replace(rules, by_trajectory=segments.by_trajectory, max_effects=n_sought)
     basis = resolve(operators, "close_loop") if operators else ()
-    start = Found(given.design, given.train, segments, rules, basis)
+    told = any(record.held for record in given.train)
+    start = Found(given.design, given.train, segments, rules, basis, holds_are_told=told)
     found, interrupted = _search(start, rng)
     outcome = settled(found, given.test, rng, finished=found.has_room and not interrupted)
     return report_of(replace(outcome, shows_motion=given.shows_motion, interrupted=interrupted))

@@ -66,7 +66,8 @@ def one_in_two_equations(
             continue
         without = replace(model, design=with_columns(model.design, rest))
         present = [finding.candidate for finding in both]
-        for place, effect in zip(pair, _closest(present, without, pool, records, rules), strict=True):
+        closest = _closest(present, without, pool, records, rules)
+        for place, effect in zip(pair, closest, strict=True):
             own = beside(effect, without.design)
             kept[place] = kept[place].with_candidate(own, without.design)
     return kept
@@ -110,9 +111,7 @@ def _shared(present: Sequence[Candidate], design: Design, pool: Pool) -> list[Ca
     return _best_forms(best, design, pool.part)[:N_RIVALS]
 
 
-def _best_forms(
-    options: Sequence[Candidate], design: Design, part: Segments
-) -> list[Candidate]:
+def _best_forms(options: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
     """Return the best of the candidates that differ only in their numbers, best first."""
     scores = score(design, part, list(dict.fromkeys(options)), pairs=False)
     best: dict[object, Candidate] = {}

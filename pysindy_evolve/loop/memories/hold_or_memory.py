@@ -12,13 +12,14 @@ may hide that.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...hidden_states.memory import DELAY, Memory
 from ...signals import Record
 from ...signals.zero_order_hold import HALF_SAMPLE
+from ..effects.candidate import Candidate
 from ..evidence.scoring import EXTRA_LEAD_LOG, MIN_GAIN_LOG, propose, quick_fit, score
 from ..given.design import Design
 from ..given.input_errors import jumps_at_once, may_be_held, may_be_steps
@@ -121,6 +122,51 @@ def free_to_be_held(records: Sequence[Record]) -> list[int]:
         for column in range(records[0].n_inputs)
         if all(may_be_held(record, column) and column not in record.held for record in records)
     ]
+
+
+def smooth_inputs(records: Sequence[Record]) -> set[int]:
+    """Return the inputs that do not show whether they are held, and are declared as held in none.
+
+    Their records are raw: what a user has filtered may be late by that.
+    """
+    return {
+        column
+        for column in range(records[0].n_inputs)
+        if all(
+            record.has_raw_inputs and column not in record.held and not may_be_held(record, column)
+            for record in records
+        )
+    }
+
+
+def is_late_like_hold(memory: Memory, records: Sequence[Record]) -> bool:
+    """Tell whether a memory is a delay by about half a sampling time."""
+    shares = (memory.values[0] / record.raw_dt for record in records)
+    return memory.kind == DELAY and all(SHORTEST < share < LONGEST for share in shares)
+
+
+def hold_replaces(effect: Candidate, column: int, design: Design, part: Segments) -> bool:
+    """Tell whether a smooth input explains as much if it is held as an effect does.
+
+    Parameters
+    ----------
+    effect : Candidate
+        In place of which the input may be held.
+    column : int
+        The input.
+    design : Design
+        The model without the effect.
+    part : Segments
+        Pieces of the training records.
+
+    Returns
+    -------
+    bool
+    """
+    late = Memory(DELAY, column, (HALF_SAMPLE * part.records[0].raw_dt,))
+    (exchange,) = exchanged([late], design, part)
+    scores = score(design, part, [replace(effect, parents=())], pairs=False)
+    return bool(scores) and exchange.gain > scores[0].value - MIN_GAIN_LOG
 
 
 def in_pieces(part: Segments) -> Segments:

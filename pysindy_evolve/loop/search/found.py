@@ -69,6 +69,8 @@ class Found:
         p-value of the test for structure in the final residual.
     relaxing : bool
         Whether relaxations, and springs that remember, are still looked for.
+    holds_are_told : bool
+        Whether the user said which inputs are held.
     grown : Grown
         Terms that grew on the records as they are read now.
     """
@@ -83,6 +85,7 @@ class Found:
     rejected: Rejected | None = None
     chance_left: float = 1.0
     relaxing: bool = True
+    holds_are_told: bool = False
     grown: Grown = field(default_factory=Grown)
 
     @property

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...signals import Record
-from ...signals.zero_order_hold import HALF_SAMPLE, acting_through
+from ...signals.zero_order_hold import HALF_SAMPLE, acting_through, hold
 from ..evidence.findings import Finding, MemoryFinding, excluding, memories_in, with_findings
 from ..evidence.offers import after_settling
 from ..given.held import held_where_it_may_be
@@ -15,9 +15,12 @@ from ..memories.chains import Traded
 from ..memories.hold_or_memory import (
     free_to_be_held,
     hold_beside_another,
+    hold_replaces,
     holds_alone,
     in_pieces,
+    is_late_like_hold,
     memory_beside_hold,
+    smooth_inputs,
 )
 from .found import Found
 
@@ -38,7 +41,10 @@ def with_holds(found: Found) -> Found | None:
     if found.declared.algebraic:
         return None
     late = holds_alone(found.design, found.corrected_pieces) or _hidden_holds(found)
-    return found.with_held(late, held_where_it_may_be).without_findings() if late else None
+    if late:
+        return found.with_held(late, held_where_it_may_be).without_findings()
+    late = _holds_beside_others(found)
+    return found.with_held(late, hold).without_findings() if late else None
 
 
 def without_holds(found: Found, new: list[Finding]) -> tuple[Found, list[Finding]]:
@@ -87,6 +93,27 @@ def _hidden_holds(found: Found) -> dict[int, float]:
         if any(hold_beside_another(column, design, part, held) for design in designs):
             late[column] = HALF_SAMPLE
     return late
+
+
+def _holds_beside_others(found: Found) -> dict[int, float]:
+    """Return holds of smooth inputs that do as well as an effect, where another input is held.
+
+    One computer mostly sets all inputs. Whether a smooth one is held does not show in its samples,
+    and in the equations half a sample may look like an offset. A hold has no number to tune, so it
+    seldom does as well by chance. What the user said about holds is not doubted.
+    """
+    records, memories = found.records, memories_in(found.findings)
+    late = {one.column for one in memories if is_late_like_hold(one, records)}
+    if found.holds_are_told or not late | set(found.held):
+        return {}
+    free = smooth_inputs(records) - {one.column for one in memories}
+    part = in_pieces(found.corrected_pieces)
+    for finding in (one for one in found.findings if one.columns):
+        design = with_findings(found.declared, excluding(found.findings, finding))
+        holds = [k for k in sorted(free) if hold_replaces(finding.candidate, k, design, part)]
+        if holds:
+            return dict.fromkeys(holds, HALF_SAMPLE)
+    return {}
 
 
 def through_functions(found: Found) -> Found | None:
