@@ -28,6 +28,7 @@ stops              end stops, contacts, slack ropes
 flows and changes
 differences        flows in proportion to a difference, such as heat between two walls
 varying_terms      declared terms whose coefficient changes, with a variable or time
+slips              declared sums, such as the slip of a tyre, as forces that level off
 saturating_rates   declared rates that saturate with a level
 valves             declared inputs that open a valve, whose flow goes with the root of a pressure
 with memory

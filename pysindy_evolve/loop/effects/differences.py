@@ -7,25 +7,20 @@ says as much.
 Between first-order states, flows may also be nonlinear: a turbulent one through a valve goes with
 the root of the difference, a draft with its square, radiation with fourth powers. What a measured
 flow carries, such as the air of a fan, goes with flow times difference. And a declared force by a
-difference, such as that of a slipping tyre, may saturate at a grip.
+difference may saturate at a grip.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from functools import partial
 
 from ...operators import BUILTIN
 from ...terms import Call, Sum, call, mul, only_term, power, sub, variable
 from ..given.design import Design
 from ..given.ranges import Ranges
-from .candidate import Candidate, CandidateMaker, Shape, bare
-from .hysteresis import rounded_sign
+from .candidate import Candidate, CandidateMaker, bare
 from .names import COUPLING
-from .varying_terms import parts_of
-
-GRIPS = (0.03, 0.1, 0.3, 1.0)  # differences at which a grip saturates, as shares of the largest one
+from .slips import gripping
 
 
 def differences(
@@ -66,30 +61,6 @@ def radiated(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator
     for other in above if own in above else []:
         if other != own and any(_holds_difference(side, own, other) for side in sides):
             yield effect(COUPLING, sub(power(variable(other), 4), power(variable(own), 4)))
-
-
-def leveling(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator[Candidate]:
-    """Yield declared sums, such as the slip of a tyre, as forces that saturate at a grip.
-
-    The same slip may stand in two equations: that of a sideways motion, and that of a rotation.
-    """
-    for slip in parts_of(design, effect.state):
-        linear = [(c, term.variables) for c, term in slip.parts if term.size == 1]
-        weights = [(c, v) for c, variables in linear for v in variables]
-        is_difference = len(weights) == 2 and weights[0][0] == -weights[1][0]
-        if 1 < len(weights) == len(slip.parts) and not is_difference:
-            reach = sum(abs(c) * float(ranges.largest[v]) for c, v in weights)
-            grips = gripping(effect, COUPLING, slip, reach)
-            yield from (replace(one, acts_at=((min(slip.variables),), one.terms)) for one in grips)
-
-
-def gripping(effect: CandidateMaker, name: str, slip: Sum, reach: float) -> Iterator[Candidate]:
-    """Yield forces by a difference that saturate; `reach` is the largest difference."""
-    if reach == 0.0:  # one is a copy of the other
-        return
-    for share in GRIPS:
-        build, meanings = partial(rounded_sign, slip), ("difference where it levels off",)
-        yield effect(name, shape=Shape((share * reach,), (build,), meanings=meanings))
 
 
 def _flows(effect: CandidateMaker, own: int, other: int) -> Iterator[Candidate]:

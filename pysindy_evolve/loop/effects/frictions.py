@@ -12,7 +12,6 @@ from ...operators import BUILTIN
 from ...substitution import substituted
 from ...terms import Call, Sum, as_sum, call, constant, mul, power
 from .candidate import OFFSET, Candidate, CandidateMaker, Shape, bare, rewritten
-from .differences import gripping
 from .kinks import magnitude, sign
 from .names import (
     ASYMMETRIC_FRICTION,
@@ -24,6 +23,7 @@ from .names import (
     STRIBECK_FRICTION,
     VISCOUS_DAMPING,
 )
+from .slips import gripping
 
 # Speed of an exponential over the width of the bell that comes closest to it beside an offset and a
 # line, by least squares over ten times that speed. It is tuned from there.

@@ -76,9 +76,7 @@ def _is_idle(candidate: Candidate, design: Design, ranges: Ranges) -> bool:
         return design.position_of(candidate.state) is None
     if candidate.name != SATURATION or candidate.shape is None or candidate.contains_parents:
         return False
-    own = clipped_input(candidate)
-    least = 2.0 * abs(ranges.middle[own]) - ranges.largest[own]  # smallest magnitude
-    return bool(candidate.shape.values[0] <= least)
+    return candidate.shape.values[0] <= ranges.smallest(clipped_input(candidate))
 
 
 def _without_offset(candidate: Candidate, design: Design, one_signed: set[int]) -> Candidate:

@@ -3,7 +3,8 @@
 A force between two bodies acts on both of them, and one input may drive several states. A number
 inside such an expression, such as the gap of a clutch, is one number and not two. Tuned one after
 the other, each of two would make up for the error of the other: a step along either leads uphill
-where a step along both leads down.
+where a step along both leads down. The equations may multiply it by different variables, as the
+grip of a tyre turns a car, and over its speed turns its path.
 """
 
 from __future__ import annotations
@@ -11,17 +12,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ...terms import Sum
 from .candidate import Candidate, bare
 
 
 def are_partners(one: Candidate, other: Candidate) -> bool:
-    """Tell whether effects of two equations are one expression, up to a factor and its numbers."""
+    """Tell whether effects of two equations are one expression, up to factors and its numbers."""
     if one.state == other.state or one.shape is None or other.shape is None:
         return False
     if len(one.shape.values) != len(other.shape.values):
         return False
     aligned = other.at(one.shape.values)
-    return [bare(term) for term in one.terms] == [bare(term) for term in aligned.terms]
+    pairs = list(zip(one.terms, aligned.terms, strict=False))
+    return len(one.terms) == len(aligned.terms) and all(_is_one(*pair) for pair in pairs)
+
+
+def _is_one(term: Sum, other: Sum) -> bool:
+    """Tell whether two terms are one expression, or hold the same functions with all numbers."""
+    tuned, of_other = _with_numbers(term), _with_numbers(other)
+    return bare(term) == bare(other) or (all(tuned) and tuned == of_other)
+
+
+def _with_numbers(term: Sum) -> list[frozenset[tuple[object, int]]]:
+    """Return the factors with numbers in them, of each product of a term."""
+    return [
+        frozenset((atom, n) for atom, n in product.factors if atom.constants)
+        for _, product in term.parts
+    ]
 
 
 def shares_number(one: Candidate, other: Candidate) -> bool:

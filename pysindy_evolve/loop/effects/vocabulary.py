@@ -15,7 +15,7 @@ from ..given.ranges import Ranges
 from .angles import angles_of, between_angles, centrifugal, centripetal
 from .candidate import OFFSET, Candidate, CandidateMaker
 from .couplings import between, couplings, products_of_others, relative
-from .differences import differences, leveling, losses, radiated
+from .differences import differences, losses, radiated
 from .entries import entries_of
 from .frictions import frictions, frictions_by_position
 from .hysteresis import remembering, rounded, yields
@@ -25,6 +25,7 @@ from .links import link_couplings, link_weights
 from .names import CONSTANT_OFFSET
 from .radial_forces import radial
 from .saturating_rates import saturating
+from .slips import leveling
 from .springs import springs
 from .stops import damped_contacts, stops
 from .valves import throttled

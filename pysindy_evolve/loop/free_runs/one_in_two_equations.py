@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 
 from tqdm.auto import tqdm
 
@@ -19,7 +19,7 @@ from ...signals import Record
 from ..effects.candidate import Candidate, bare
 from ..effects.missing import beside, candidates, with_parents
 from ..effects.names import EVOLVED
-from ..effects.partners import joined
+from ..effects.partners import joined, shares_number
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.scoring import MIN_GAIN_LOG, score, tuned
@@ -121,13 +121,16 @@ def _best_forms(options: Sequence[Candidate], design: Design, part: Segments) ->
     return list(best.values())
 
 
-def _in_both(offered: Iterable[Candidate], first: int, second: int) -> Iterator[Candidate]:
-    """Yield the named effects that are offered with the same terms in two equations."""
-    there = {(one.name, *map(bare, one.terms)): one for one in offered if one.state == second}
-    for one in (one for one in offered if one.state == first):
-        partner = there.get((one.name, *map(bare, one.terms)))
-        if partner is not None:
-            yield joined([one, partner])
+def _in_both(offered: Sequence[Candidate], first: int, second: int) -> Iterator[Candidate]:
+    """Yield the named effects that are offered in two equations, with the same numbers in them."""
+    here, there = ([c for c in offered if c.state == state] for state in (first, second))
+    for one, other in product(here, there):
+        if one.name == other.name and (shares_number(one, other) or _is_same(one, other)):
+            yield joined([one, other])
+
+
+def _is_same(one: Candidate, other: Candidate) -> bool:
+    return [bare(term) for term in one.terms] == [bare(term) for term in other.terms]
 
 
 def _grown_in_both(

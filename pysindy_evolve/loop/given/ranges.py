@@ -32,6 +32,10 @@ class Ranges:
         """Return how far a variable goes to each side of its middle."""
         return float(self.largest[variable] - abs(self.middle[variable]))
 
+    def smallest(self, variable: int) -> float:
+        """Return the smallest magnitude of a variable that keeps its sign."""
+        return float(2.0 * abs(self.middle[variable]) - self.largest[variable])
+
     def stays_positive(self, variable: int) -> bool:
         """Tell whether a variable is above zero in all rows."""
         return bool(2.0 * self.middle[variable] > self.largest[variable])

@@ -175,11 +175,20 @@ def test_what_is_warm_radiates_where_heat_is_declared_to_flow(side, warm, expect
 
 
 @pytest.mark.parametrize(
-    ("side", "expected"), [("a*(d - (v + 2*r)/20)", 4), ("a*(d - v)", 4), ("a*d - b*v", 0)]
+    ("side", "expected"),
+    [
+        ("a*(d - (v + 2*r)/20)", 4),
+        ("a*(d - v)", 4),
+        ("a*d - b*v", 0),
+        ("a*(2*d - v - 2*r/V)", 4),  # v is an angle here
+        ("a*(2*d - v - 2*r/V)/V", 4),
+        ("a*(2*d - v - 2*r/w)", 0),  # w passes zero
+        ("a*(2*d - v*r)", 0),
+    ],
 )
 def test_a_declared_sum_may_pull_no_more_than_it_grips(side, expected):
-    ranges = [(-1.0, 1.0), (-1.0, 1.0), (-0.1, 0.1), (0.0, 9.0)]
-    found = offered({"v": side, "r": "e*v - f*r"}, ["d"], ranges)
+    ranges = [(-1.0, 1.0), (-1.0, 1.0), (-0.1, 0.1), (3.0, 18.0), (-2.0, 2.0), (0.0, 9.0)]
+    found = offered({"v": side, "r": "e*v - f*r"}, ["d", "V", "w"], ranges)
     assert len([name for name in found if "tanh" in name and "d" in name]) == expected
 
 
@@ -203,6 +212,30 @@ def test_a_front_tyre_that_slips_is_one_force_in_two_equations():
     report = pse.close_loop(pse.DeclaredModel(declared, inputs=["d"]), record, random_state=0)
     found = sorted(report.effects, key=lambda one: one.state, reverse=True)
     assert [(one.name, one.state) for one in found] == [("coupling", "v"), ("coupling", "r")]
+    for one, grip in zip(found, (5.0, 4.0), strict=True):
+        assert abs(one.coefficients[0]) == pytest.approx(grip, rel=0.03)
+        assert list(one.numbers.values()) == pytest.approx([1.0 / 12.0], rel=0.03)
+
+
+@pytest.mark.slow
+def test_the_slip_of_a_tyre_may_be_over_a_speed_that_varies():
+    """The speed is in the slip, and in how fast the path of the car turns."""
+    t = 0.01 * np.arange(8000)
+    speed = 20.0 + 6.0 * np.sin(0.3 * t)
+    steer = np.column_stack([multisine(0.15, seed=3, band=(0.1, 1.2))(t), speed])
+    slip = "(d - b - 1.2*r/V)"
+    rates = {
+        "b": f"5*tanh(12*{slip})/V - 70*(b - 1.4*r/V)/V - r",
+        "r": f"4*tanh(12*{slip}) + 65*(b - 1.4*r/V)",
+    }
+    x = pse.simulate(equations_of(rates, ("d", "V")), [0.0, 0.0], t, steer)
+    noise = 5e-3 * x.std(axis=0) * np.random.default_rng(0).standard_normal(x.shape)
+    record = pse.prepare(t, x + noise, steer, order=1)
+    declared = {"b": f"a*{slip}/V - c*(b - 1.4*r/V)/V - r", "r": f"e*{slip} + h*(b - 1.4*r/V)"}
+    model = pse.DeclaredModel(declared, inputs=["d", "V"])
+    report = pse.close_loop(model, record, random_state=0)
+    found = sorted(report.effects, key=lambda one: one.state)
+    assert [(one.name, one.state) for one in found] == [("coupling", "b"), ("coupling", "r")]
     for one, grip in zip(found, (5.0, 4.0), strict=True):
         assert abs(one.coefficients[0]) == pytest.approx(grip, rel=0.03)
         assert list(one.numbers.values()) == pytest.approx([1.0 / 12.0], rel=0.03)

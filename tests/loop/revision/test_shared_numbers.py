@@ -80,6 +80,19 @@ def test_a_force_between_two_bodies_has_partners_of_any_number(clutch):
     assert not shares_number(one.at([3.0]), other.at([2.0]))
 
 
+def test_a_grip_is_shared_though_one_equation_divides_it_by_a_speed():
+    slip = "(d - b - 1.2*r/V)"
+    sides = {"b": f"a*{slip}/V - r", "r": f"e*{slip}"}
+    design = pse.DeclaredModel(sides, inputs=["d", "V"]).design()
+    low, high = np.array([-1.0, -1.0, -0.1, 3.0, 0.0]), np.array([1.0, 1.0, 0.1, 18.0, 9.0])
+    ranges = Ranges.of(np.random.default_rng(0).uniform(low, high, (500, 5)))
+    grips = [c for c in candidates(design, ranges) if len(c.variables) == 4 and c.shape]
+    one, other = (next(c for c in grips if c.state == state) for state in (0, 1))
+    assert one.terms != other.terms
+    assert are_partners(one, other)
+    assert shares_number(one.at([0.2]), other.at([0.2]))
+
+
 def test_a_gap_is_found_along_both_equations_and_along_neither_of_them(clutch):
     record, design, (one, other) = clutch
     part = segments([record], design.velocities)
