@@ -9,11 +9,13 @@ grip of a tyre turns a car, and over its speed turns its path.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ...terms import Sum
+from ..given.design import Design
 from .candidate import Candidate, bare
+from .missing import terms_in
 
 
 def are_partners(one: Candidate, other: Candidate) -> bool:
@@ -61,7 +63,63 @@ def partnerships(candidates: Sequence[Candidate]) -> list[list[int]]:
     return [group for group in groups if len(group) > 1]
 
 
+def acting_in(states: Sequence[int], offered: Sequence[Candidate]) -> Iterator[Candidate]:
+    """Yield the effects that are offered in several equations, with the same numbers in them."""
+    first, *others = ([one for one in offered if one.state == state] for state in states)
+    for one in first:
+        partners = [next((c for c in there if _is_same(one, c)), None) for there in others]
+        found = [partner for partner in partners if partner is not None]
+        if len(found) == len(partners):
+            yield joined([one, *found])
+
+
+def shared_effects(design: Design, offered: Sequence[Candidate]) -> list[Candidate]:
+    """Return the effects that change declared terms with one coefficient in several equations.
+
+    What one species loses another gains at one rate. An effect of one of these equations alone
+    would change the rate in the others as well.
+
+    Parameters
+    ----------
+    design : Design
+        The model.
+    offered : sequence of Candidate
+        Effects of single equations.
+
+    Returns
+    -------
+    list of Candidate
+        Effects whose terms hold all variables of such a term, in all of its equations.
+    """
+    present, found = terms_in(design), list[Candidate]()
+    for column in design.columns:
+        states = [state for state in design.open_states if column.parts[state].parts]
+        if len(states) > 1:
+            acting = column.parts[states[0]].variables
+            able = [
+                one
+                for one in offered
+                if acting
+                and acting <= one.variables
+                and not one.must_beat
+                and {(one.state, parent) for parent in one.parents} <= present
+            ]
+            found += acting_in(states, able)
+    return list(dict.fromkeys(found))
+
+
+def _is_same(one: Candidate, other: Candidate) -> bool:
+    """Tell whether two effects have one name and one expression, up to factors."""
+    equal = [bare(term) for term in one.terms] == [bare(term) for term in other.terms]
+    return one.name == other.name and (equal or shares_number(one, other))
+
+
 def joined(candidates: Sequence[Candidate]) -> Candidate:
     """Return partners as one effect of several equations, tuned together from where they are."""
     first, *others = candidates
-    return replace(first, parents=(), partners=tuple(others))
+    return replace(first, parents=(), partners=tuple(others), never_paired=True)
+
+
+def apart(shared: Candidate) -> tuple[Candidate, ...]:
+    """Return an effect of several equations as one of each."""
+    return replace(shared, partners=()), *shared.partners

@@ -21,7 +21,7 @@ def saturating(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterat
     """Yield declared products that saturate with a level x of theirs, which stays above zero.
 
     - The rate over K + x: a predator is sated, a reaction inhibited, the gain of a laser
-      compressed. Beside it the declared rate may vanish.
+      compressed. Beside it the declared rate may vanish. What inhibits may be no factor of it.
     - The rate times x / (K^2 + x^2), which begins with the square of x: prey hides.
     - A rate that saturates already, with one more level in its denominator: predators are sated,
       and also keep each other from eating, or another substance competes for the same enzyme.
@@ -42,9 +42,11 @@ def saturating(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterat
             inhibited = (_inhibited,) if any(level in one.variables for one in below) else ()
             for build in (_over, _hiding, *crowded, *inhibited):
                 yield from _sated(effect, partial(build, part, level), level, float(largest[level]))
-        others = set(range(len(largest))) - part.variables - {design.time}
-        for level in (one for one in sorted(others) if below and ranges.stays_positive(one)):
-            yield from _sated(effect, partial(_crowded, part, level), level, float(largest[level]))
+        others = sorted(set(range(len(largest))) - part.variables - {design.time})
+        inhibiting = others if acting or below else []
+        for level in (one for one in inhibiting if ranges.stays_positive(one)):
+            for build in (_over, *((_crowded,) if below else ())):
+                yield from _sated(effect, partial(build, part, level), level, float(largest[level]))
         for level, other in combinations(levels, 2):
             ratio = float(largest[other] / largest[level])
             yield from _sated(effect, partial(_for_each, part, level, other), level, ratio)

@@ -34,7 +34,8 @@ def as_good_as_best(gains: Sequence[float] | np.ndarray) -> list[int]:
 def plainest(scores: Sequence[Score]) -> Score:
     """Return the smallest of the groups that do as well as the first, to one percent.
 
-    Of equally small ones, that with fewer variables, and then the first in the vocabulary.
+    Of equally small ones, that in fewer equations, then that with fewer variables, and then the
+    first in the vocabulary.
     """
     equal = [
         s
@@ -42,11 +43,12 @@ def plainest(scores: Sequence[Score]) -> Score:
         if s.value >= EQUAL * scores[0].value and len(s.group) == len(scores[0].group)
     ]
 
-    def plainness(score: Score) -> tuple[int, int, int]:
+    def plainness(score: Score) -> tuple[int, int, int, int]:
+        n_partners = sum(len(candidate.partners) for candidate in score.group)
         size = sum(candidate.size for candidate in score.group)
         n_variables = sum(len(term.variables) for one in score.group for term in one.terms)
         order = sum(order_of(candidate.name) for candidate in score.group)
-        return size, n_variables, order
+        return size, n_partners, n_variables, order
 
     return min(equal, key=plainness)
 

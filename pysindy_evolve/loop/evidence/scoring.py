@@ -14,6 +14,7 @@ from ..effects.candidate import Candidate
 from ..effects.inertia import InertiaCandidate, inertias
 from ..effects.missing import candidates, for_trajectories, terms_in
 from ..effects.modulation import ActingTerm
+from ..effects.partners import shared_effects
 from ..effects.periodic import (
     N_LINES,
     Signal,
@@ -83,7 +84,8 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
                 inputs = range(len(design.states), design.time)
                 proposed += inertias(state, position, equations.sums[state], ranges, inputs)
             proposed += _ripples(state, position, residuals, records)
-    return [*proposed, *partner_pumps(design, len(longest) * longest.dt)]
+    shared = shared_effects(design, proposed)
+    return [*proposed, *shared, *partner_pumps(design, len(longest) * longest.dt)]
 
 
 def _varying_terms(design: Design, state: int, signal: Signal, record: Record) -> list[Candidate]:
@@ -161,11 +163,11 @@ def sharpened(design: Design, part: Segments, proposed: Sequence[Candidate]) -> 
     """
     scores = score(design, part, [_by_itself(c) for c in proposed], pairs=False)
     best_value = scores[0].value if scores else 0.0
-    best_shapes: dict[tuple[str, int, int], Candidate] = {}
+    best_shapes: dict[tuple[str, int, int, int], Candidate] = {}
     for s in scores:
         (c,) = s.group
         if c.shape is not None and s.value > max(MIN_GAIN_LOG, best_value / 2):
-            best_shapes.setdefault((c.name, c.state, c.shape.branch), c)
+            best_shapes.setdefault((c.name, c.state, c.shape.branch, len(c.partners)), c)
     parents = {_by_itself(c): c.parents for c in proposed}
     sharp = [replace(tuned(c, design, part), parents=parents[c]) for c in best_shapes.values()]
     return [*proposed, *sharp, *(end for c in sharp for end in one_end_each(c))]

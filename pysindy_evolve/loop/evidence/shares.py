@@ -54,8 +54,8 @@ class Shares:
         return min(self._of_effect(score, k) for k in range(len(score.group)))
 
     def _of_effect(self, score: Score, k: int) -> float:
-        start = sum(len(candidate.terms) for candidate in score.group[:k])
-        own = score.places[start : start + len(score.group[k].terms)]
+        start = sum(candidate.n_columns for candidate in score.group[:k])
+        own = score.places[start : start + score.group[k].n_columns]
         exchange = score.group[k].is_exchange
         explainable = self._of_present if exchange else self._of_declared
         others = tuple(place for place in score.places if place not in own)

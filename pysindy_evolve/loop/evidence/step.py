@@ -11,6 +11,7 @@ import numpy as np
 from ...terms import Sum
 from ..effects.candidate import Candidate
 from ..effects.missing import offsets_setting_zeros, terms_in
+from ..effects.partners import apart
 from ..effects.pumped_terms import is_partner_pump
 from ..given.design import Column, Design
 from ..given.rules import Rules
@@ -85,7 +86,8 @@ def find(
         return Look(rejected=tested)
     group = _tuned_group(best, design, scored.proposed, part, rules, rng)
     evidence = best.value, p_value, twins
-    return Look(tuple(Finding(c, columns_of(c, design), *evidence) for c in group))
+    alone = [each for one in group for each in apart(one)]
+    return Look(tuple(Finding(one, columns_of(one, design), *evidence) for one in alone))
 
 
 @dataclass(frozen=True, eq=False)

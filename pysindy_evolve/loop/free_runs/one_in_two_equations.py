@@ -11,15 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import combinations, product
+from itertools import combinations
 
 from tqdm.auto import tqdm
 
 from ...signals import Record
-from ..effects.candidate import Candidate, bare
+from ..effects.candidate import Candidate
 from ..effects.missing import beside, candidates, with_parents
 from ..effects.names import EVOLVED
-from ..effects.partners import joined, shares_number
+from ..effects.partners import acting_in, apart, joined
 from ..effects.shaping import shape_of
 from ..evidence.findings import Finding, excluding, is_needed, with_columns
 from ..evidence.scoring import MIN_GAIN_LOG, score, tuned
@@ -94,7 +94,7 @@ def _closest(
     shared = tuned_by_runs(list(map(Contender, rivals, fitted)), model, drift)
     contenders = [Contender(present[0], separate, tied=True), *shared]
     best = best_of(contenders, pool.matter, rules.significance / max(len(rivals), 1)).candidate
-    return tuple(present) if best is present[0] else _apart(best)
+    return tuple(present) if best is present[0] else _in_each(best)
 
 
 def _shared(present: Sequence[Candidate], design: Design, pool: Pool) -> list[Candidate]:
@@ -106,7 +106,7 @@ def _shared(present: Sequence[Candidate], design: Design, pool: Pool) -> list[Ca
     first, second = (effect.state for effect in present)
     offered = with_parents(candidates(design, pool.part.ranges), design)
     grown = [one for one in (*present, *pool.grown) if one.name == EVOLVED]
-    options = [*_in_both(offered, first, second), *_grown_in_both(grown, first, second, design)]
+    options = [*acting_in((first, second), offered), *_grown_in_both(grown, first, second, design)]
     best = [tuned(one, design, pool.part) for one in _best_forms(options, design, pool.part)]
     return _best_forms(best, design, pool.part)[:N_RIVALS]
 
@@ -121,18 +121,6 @@ def _best_forms(options: Sequence[Candidate], design: Design, part: Segments) ->
     return list(best.values())
 
 
-def _in_both(offered: Sequence[Candidate], first: int, second: int) -> Iterator[Candidate]:
-    """Yield the named effects that are offered in two equations, with the same numbers in them."""
-    here, there = ([c for c in offered if c.state == state] for state in (first, second))
-    for one, other in product(here, there):
-        if one.name == other.name and (shares_number(one, other) or _is_same(one, other)):
-            yield joined([one, other])
-
-
-def _is_same(one: Candidate, other: Candidate) -> bool:
-    return [bare(term) for term in one.terms] == [bare(term) for term in other.terms]
-
-
 def _grown_in_both(
     grown: Iterable[Candidate], first: int, second: int, design: Design
 ) -> Iterator[Candidate]:
@@ -142,7 +130,6 @@ def _grown_in_both(
         yield joined([replace(shaped, state=state) for state in (first, second)])
 
 
-def _apart(shared: Candidate) -> tuple[Candidate, ...]:
+def _in_each(shared: Candidate) -> tuple[Candidate, ...]:
     """Return an effect of two equations as one of each; the numbers of grown terms lie in them."""
-    both = (replace(shared, partners=()), *shared.partners)
-    return tuple(replace(one, shape=None) if one.name == EVOLVED else one for one in both)
+    return tuple(replace(c, shape=None) if c.name == EVOLVED else c for c in apart(shared))
