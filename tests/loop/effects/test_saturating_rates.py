@@ -141,3 +141,29 @@ def test_what_inhibits_its_own_uptake_is_found_in_both_equations(loss):
         assert effect.numbers["half-saturation"] == pytest.approx(10.8**0.5, rel=0.02)
     assert (report.after.simulation_error < 1.0).all()
     assert "it acts where" not in str(report)  # D multiplies X too, but a rate is no force
+
+
+@pytest.mark.slow
+def test_a_product_that_inhibits_its_reaction_is_found_in_three_equations_at_once():
+    """They share a coefficient: an effect in one of them alone would change it in the others."""
+    t, rng = np.arange(0.0, 200.0, 0.2), np.random.default_rng(0)
+    stairs = [
+        np.repeat(rng.uniform(*ends, 25), 40) for ends in ((0.1, 1.0), (0.5, 4.0), (0.0, 3.0))
+    ]
+    inputs = np.column_stack([np.convolve(u, np.ones(11) / 11.0, "same") for u in stairs])
+    t, inputs = t[:-20], inputs[10:-10]
+    reaction = "0.8*A*B/(1 + 0.6*C)"
+    flows = {"A": "D*(3 - A) - {0}", "B": "D*(E - B) - {0}", "C": "D*(G - C) + {0}"}
+    reactor = {state: side.format(reaction) for state, side in flows.items()}
+    x = pse.simulate(equations_of(reactor, ("D", "E", "G")), [1.0, 1.0, 1.0], t, inputs)
+    y = x + 0.003 * x.std(axis=0) * rng.standard_normal(x.shape)
+    declared = {state: side.format("k*A*B") for state, side in flows.items()}
+    model = pse.DeclaredModel(declared, inputs=["D", "E", "G"])
+    record = pse.prepare(t, y, inputs, order=1)
+    report = pse.close_loop(model, record, operators=(), random_state=0)
+    assert {effect.state: effect.name for effect in report.effects} == dict.fromkeys(
+        "ABC", SATURATING
+    )
+    for effect in report.effects:
+        assert effect.numbers["half-saturation"] == pytest.approx(1.0 / 0.6, rel=0.02)
+    assert (report.after.simulation_error < 0.05 * report.before.simulation_error).all()

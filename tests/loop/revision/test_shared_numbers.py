@@ -7,7 +7,13 @@ from loop_systems import measured
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.missing import candidates
-from pysindy_evolve.loop.effects.partners import are_partners, partnerships, shares_number
+from pysindy_evolve.loop.effects.partners import (
+    apart,
+    are_partners,
+    partnerships,
+    shared_effects,
+    shares_number,
+)
 from pysindy_evolve.loop.evidence.findings import Finding, with_columns
 from pysindy_evolve.loop.evidence.scoring import columns_of, tuned
 from pysindy_evolve.loop.free_runs.contenders import Pool
@@ -148,3 +154,18 @@ def test_a_gap_between_two_bodies_is_found_with_one_width_and_no_spring_inside()
     assert found["va"].coefficients == pytest.approx([-100.0], rel=0.02)
     assert found["vb"].coefficients == pytest.approx([-40.0], rel=0.02)
     assert max(report.after.simulation_error) < 1.0
+
+
+@pytest.mark.parametrize(("rate_of_loss", "is_shared"), [("k", True), ("m", False)])
+def test_what_changes_terms_with_one_coefficient_is_offered_in_all_their_equations(
+    rate_of_loss, is_shared
+):
+    sides = {"A": "F - k*A*B", "B": f"c*F - {rate_of_loss}*A*B", "C": "k*A*B - d*C"}
+    design = pse.DeclaredModel(sides, inputs=["F"]).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 5)))
+    names = (*design.names, "t")
+    shared = shared_effects(design, candidates(design, ranges))
+    found = {one.terms[0].name(names): [c.state for c in apart(one)] for one in shared}
+    inhibited = next(states for name, states in found.items() if "A B/(" in name and "C" in name)
+    assert inhibited == ([0, 1, 2] if is_shared else [0, 2])
+    assert not any(name == "A^2" for name in found)  # it says nothing about the shared rate

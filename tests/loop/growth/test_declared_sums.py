@@ -1,0 +1,66 @@
+"""A declared sum times a function of a variable is found as a whole, with the function's number."""
+
+import numpy as np
+import pytest
+from loop_systems import equations_of
+
+import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.names import EVOLVED
+from pysindy_evolve.loop.given.declared import design_of
+from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.growth.declared_sums import sums_times_functions
+from pysindy_evolve.loop.growth.genetic_search import OPERATORS
+from pysindy_evolve.operators import resolve
+
+COOLED = pse.DeclaredModel({"T": "b*P - h*(T - A)"}, inputs=["P", "n", "A"])
+
+
+def cooled(exponent):
+    """Record a heated fin in a breeze: its loss grows with a power of the speed of a fan."""
+    t, rng = np.arange(0.0, 4000.0, 4.0), np.random.default_rng(0)
+    heater, fan = (
+        np.convolve(np.repeat(rng.uniform(*ends, 40), 26), np.ones(5) / 5.0, "same")[20:-20]
+        for ends in ((5.0, 40.0), (5.0, 60.0))
+    )
+    inputs = np.column_stack([heater, fan, 22.0 + 3.0 * np.sin(0.003 * t)])
+    truth = {"T": f"0.08*P - (0.004 + 0.0012*exp({exponent}*log(n)))*(T - A)"}
+    x = pse.simulate(equations_of(truth, ("P", "n", "A")), [50.0], t, inputs)
+    y = x + 1e-3 * x.std() * rng.standard_normal(x.shape)
+    return pse.prepare(t, y, inputs, order=1)
+
+
+def best(record, operators):
+    design, part = design_of(COOLED, [record]), segments([record])
+    variables = np.column_stack([record.x, record.u])
+    return sums_times_functions(design, 0, part, resolve(operators, "test"), variables)
+
+
+@pytest.mark.parametrize("exponent", [0.5, 0.8])
+def test_the_loss_to_the_surroundings_grows_with_a_power_of_a_fan(exponent):
+    record = cooled(exponent)
+    found = best(record, OPERATORS)
+    (term,) = found[0].terms
+    rows = np.column_stack([record.x, record.u, record.t])
+    whole = term.evaluate(rows) / (rows[:, 0] - rows[:, 3])
+    slopes = np.diff(np.log(np.abs(whole))) / np.diff(np.log(rows[:, 2]))
+    assert np.median(slopes) == pytest.approx(exponent, rel=0.03)
+    assert (found[0].name, found[0].state) == (EVOLVED, 0)
+    assert found[0].size < 12  # the sum counts as one node
+
+
+def test_there_are_none_without_products_or_declared_sums():
+    record = cooled(0.5)
+    assert best(record, ("sin", "exp")) == []
+    single = pse.DeclaredModel({"T": "b*P - h*T"}, inputs=["P", "n", "A"])
+    variables = np.column_stack([record.x, record.u])
+    operators = resolve(OPERATORS, "test")
+    design = design_of(single, [record])
+    assert sums_times_functions(design, 0, segments([record]), operators, variables) == []
+
+
+@pytest.mark.slow
+def test_the_fan_is_found_though_it_acts_nowhere_in_the_declared_model():
+    report = pse.close_loop(COOLED, cooled(0.8), random_state=0)
+    assert len(report.effects) == 1
+    assert report.verdict == "traced"
+    assert report.after.simulation_error[0] < 0.01 * report.before.simulation_error[0]
