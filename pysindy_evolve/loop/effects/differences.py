@@ -7,7 +7,7 @@ says as much.
 Between first-order states, flows may also be nonlinear: a turbulent one through a valve goes with
 the root of the difference, a draft with its square, radiation with fourth powers. What a measured
 flow carries, such as the air of a fan, goes with flow times difference. And a declared force by a
-difference may saturate at a grip.
+difference may saturate at a grip, as that of a clutch between two shafts does.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ def differences(
         if position is None:
             yield from _flows(effect, own, other)
             yield from _carried(effect, design, own, other)
-            if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
-                slip = sub(variable(other), variable(own))
-                yield from gripping(effect, COUPLING, slip, float(ranges.apart[own, other]))
+        if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
+            slip = sub(variable(other), variable(own))
+            yield from gripping(effect, COUPLING, slip, float(ranges.apart[own, other]))
 
 
 def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:

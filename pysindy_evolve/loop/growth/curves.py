@@ -17,7 +17,7 @@ import numpy as np
 from ...operators import BUILTIN, Operator
 from ...terms import Sum, add, call, constant, mul, power, sub, variable
 
-EXPONENTS = (0.7, 1.5, 2.5)  # of powers; whole ones and the root are products of operators
+EXPONENTS = (0.3, 0.7, 1.5, 2.5)  # of powers; whole ones and the root are products of operators
 HILL_EXPONENTS = (2.0, 4.0)
 LEVELS = (0.15, 0.35, 0.5, 0.65, 0.85)  # places within the range of a variable, as shares of it
 WIDTHS = (0.1, 0.3)  # of steps, as shares of the range

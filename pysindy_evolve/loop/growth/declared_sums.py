@@ -1,7 +1,9 @@
-"""Declared sums times a function of one variable: a fan cools with the root of its speed.
+"""Products with declared sums, and functions of them: a fan cools with the root of its speed.
 
 A search multiplies everything out, and finds T sqrt(n) and Ta sqrt(n) one after the other at best,
-where h (T - Ta) is declared and h grows with sqrt(n). Each of the two alone explains little.
+where h (T - Ta) is declared and h grows with sqrt(n). Each of the two alone explains little. It
+does not add inside a function either, as newtons and meters do not add: but what is declared as a
+sum does, such as the stretch of a coupling between two shafts.
 """
 
 from __future__ import annotations
@@ -13,8 +15,10 @@ from functools import partial
 import numpy as np
 
 from ...operators import Operator
-from ...terms import Sum, mul
-from ..effects.candidate import Candidate, Shape
+from ...substitution import substituted
+from ...terms import Sum, Variable, constant, mul
+from ..effects.candidate import OFFSET, Candidate, Shape
+from ..effects.missing import terms_in
 from ..effects.names import EVOLVED
 from ..effects.shaping import shape_of
 from ..effects.varying_terms import parts_of
@@ -22,15 +26,19 @@ from ..evidence.scoring import net, score, tuned
 from ..given.design import Design
 from ..given.segments import Segments
 from .curves import curves
-from .seeds import functions
+from .naming import has_arbitrary_zero, poses_as_offset
+from .seeds import CHUNK, functions
 
 N_BEST = 3  # products to tune and to return
+ALONE = constant(1.0)
 
 
-def sums_times_functions(
+def terms_with_sums(
     design: Design, state: int, part: Segments, operators: Sequence[Operator], x: np.ndarray
 ) -> list[Candidate]:
-    """Return the best products of a declared sum of one equation and a function of one variable.
+    """Return the best terms with a declared sum of one equation in them.
+
+    These are a sum times a function of one variable or of a sum, and a function of a sum.
 
     Parameters
     ----------
@@ -50,36 +58,73 @@ def sums_times_functions(
     list of Candidate
         Their numbers are tuned. A declared sum is known, so it costs one node only.
     """
-    sums = [one for one in parts_of(design, state) if len(one.parts) > 1]
+    sums = [one for one in parts_of(design, state) if _is_sum(one, design.time)]
     if not sums or not any(operator.name == "mul" for operator in operators):
         return []
-    factors = [*functions(operators, x), *curves(operators, x, len(design.states))]
-    offered = [c for one in sums for c in _products(one, factors, state, design)]
-    best = [tuned(one, design, part) for one in _best(offered, design, part)]
-    return _best(best, design, part)
+    of_variables = [*functions(operators, x), *curves(operators, x, len(design.states))]
+    offered = [c for base in sums for c in _products(base, of_variables, None, state, design)]
+    for argument in sums:
+        column = argument.evaluate(x)[:, None]
+        of_sum = [*functions(operators, column), *curves(operators, column, 0)]
+        for base in (ALONE, *sums):
+            offered += _products(base, of_sum, argument, state, design)
+    offered = list(dict.fromkeys(offered))
+    if (state, OFFSET) not in terms_in(design):
+        signed = has_arbitrary_zero(design, state, part.ranges.signed)
+        offered = [
+            _beside_offset(c) if poses_as_offset(c.terms[0], x, signed) else c for c in offered
+        ]
+    chunks = [offered[i : i + CHUNK] for i in range(0, len(offered), CHUNK)]
+    best = [one for chunk in chunks for one in _best(chunk, design, part)]
+    sharp = [tuned(one, design, part) for one in _best(best, design, part)]
+    return _best(sharp, design, part)
+
+
+def _beside_offset(candidate: Candidate) -> Candidate:
+    """Return a candidate with a constant as one more column: a spring exp(q - z) - 1 rests at 0."""
+    shape = candidate.shape
+    if shape is not None:
+        shape = replace(shape, builds=(*shape.builds, _offset))
+    return replace(candidate, terms=(*candidate.terms, OFFSET), shape=shape)
+
+
+def _offset(*_: float) -> Sum:
+    return OFFSET
+
+
+def _is_sum(part: Sum, time: int) -> bool:
+    """Tell whether a part is a sum of variables and products of them, and not of functions."""
+    atoms = (atom for _, term in part.parts for atom, _ in term.factors)
+    plain = all(isinstance(atom, Variable) and atom.index != time for atom in atoms)
+    return plain and len(part.parts) > 1
 
 
 def _best(offered: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
     """Return the few candidates that gain most for their nodes, best first."""
-    scores = score(design, part, list(dict.fromkeys(offered)), pairs=False)
+    scores = score(design, part, offered, pairs=False)
     worth = sorted((s for s in scores if net(s) > 0.0), key=net, reverse=True)
     return [s.group[0] for s in worth[:N_BEST]]
 
 
 def _products(
-    declared: Sum, factors: Sequence[Sum], state: int, design: Design
+    base: Sum, factors: Sequence[Sum], argument: Sum | None, state: int, design: Design
 ) -> Iterator[Candidate]:
-    """Yield products of a sum and functions, whose numbers are those of the function."""
+    """Yield a base times functions; with an argument, that is put in for their first variable."""
     for branch, factor in enumerate(factors):
         alone = Candidate(EVOLVED, state, (factor,))
-        shape, term = shape_of(alone, design.constants), mul(declared, factor)
+        shape = shape_of(alone, design.constants)
         if shape is not None:
-            builds = (partial(_times, declared, shape.builds[0]),)
+            builds = (partial(_built, base, argument, shape.builds[0]),)
             shape = Shape(shape.values, builds, branch=branch)
-        whole = Candidate(EVOLVED, state, (term,), shape=shape)
-        yield replace(whole, free_nodes=whole.size - alone.size - 1)
+        whole = Candidate(EVOLVED, state, (_times(base, argument, factor),), shape=shape)
+        wanted = alone.size + (base != ALONE)
+        yield replace(whole, free_nodes=whole.size - wanted)
 
 
-def _times(declared: Sum, build: Callable[..., Sum], *values: float) -> Sum:
-    """Return a declared sum times a function with these numbers."""
-    return mul(declared, build(*values))
+def _built(base: Sum, argument: Sum | None, build: Callable[..., Sum], *values: float) -> Sum:
+    """Return a base times a function with these numbers."""
+    return _times(base, argument, build(*values))
+
+
+def _times(base: Sum, argument: Sum | None, factor: Sum) -> Sum:
+    return mul(base, factor if argument is None else substituted(factor, {0: argument}))

@@ -25,7 +25,7 @@ from ..fitting.residual import forces
 from ..given.design import Design
 from ..given.segments import Segments
 from .climbing import climbed, with_best_numbers
-from .declared_sums import sums_times_functions
+from .declared_sums import terms_with_sums
 from .levels import terms_from_levels
 from .naming import has_arbitrary_zero, named, without_signs
 from .seeds import screened, small_terms, varied
@@ -155,7 +155,7 @@ def _grow_in(
     seed_candidates = _unnamed([name(term) for term in seeds])
     grown += [name(term) for term in with_best_numbers(seed_candidates, design, part, declared)]
     grown += [name(term) for term in _best_improved(grown, design, part, operators, declared)]
-    grown += sums_times_functions(design, state, part, operators, variables)
+    grown += terms_with_sums(design, state, part, operators, variables)
     return list(dict.fromkeys([*grown, *terms_from_levels(design, state, part)]))
 
 

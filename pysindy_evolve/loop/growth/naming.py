@@ -114,8 +114,8 @@ def named(
     for candidate in known:
         if candidate.state == state and candidate.terms == (expression,):
             return Candidate(candidate.name, state, candidate.terms)
-    poses_as_offset = _poses_as_offset(term, variables, signed)
-    parents, free_nodes = (OFFSET,) if poses_as_offset else (), nodes_saved(term, declared)
+    parents = (OFFSET,) if poses_as_offset(term, variables, signed) else ()
+    free_nodes = nodes_saved(term, declared)
     angles = {v for c in known if c.name == GRAVITY and c.state == state for v in c.variables}
     name = GRAVITY if any(is_wave_of(term, angle) for angle in angles) else EVOLVED
     return Candidate(name, state, (expression,), parents, free_nodes=free_nodes)
@@ -183,7 +183,7 @@ def _is_factor(declared: Product, term: Product) -> bool:
     return all(powers.get(atom, 0) * n >= n * n for atom, n in declared.factors)
 
 
-def _poses_as_offset(term: Product, variables: np.ndarray, signed: np.ndarray) -> bool:
+def poses_as_offset(term: Product | Sum, variables: np.ndarray, signed: np.ndarray) -> bool:
     """Tell whether a term of variables with arbitrary zeros has a notable mean."""
     if not all(signed[v] for v in term.variables):
         return False

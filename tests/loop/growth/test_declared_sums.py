@@ -8,7 +8,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.names import EVOLVED
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.segments import segments
-from pysindy_evolve.loop.growth.declared_sums import sums_times_functions
+from pysindy_evolve.loop.growth.declared_sums import terms_with_sums
 from pysindy_evolve.loop.growth.genetic_search import OPERATORS
 from pysindy_evolve.operators import resolve
 
@@ -32,7 +32,7 @@ def cooled(exponent):
 def best(record, operators):
     design, part = design_of(COOLED, [record]), segments([record])
     variables = np.column_stack([record.x, record.u])
-    return sums_times_functions(design, 0, part, resolve(operators, "test"), variables)
+    return terms_with_sums(design, 0, part, resolve(operators, "test"), variables)
 
 
 @pytest.mark.parametrize("exponent", [0.5, 0.8])
@@ -55,7 +55,7 @@ def test_there_are_none_without_products_or_declared_sums():
     variables = np.column_stack([record.x, record.u])
     operators = resolve(OPERATORS, "test")
     design = design_of(single, [record])
-    assert sums_times_functions(design, 0, segments([record]), operators, variables) == []
+    assert terms_with_sums(design, 0, segments([record]), operators, variables) == []
 
 
 @pytest.mark.slow
