@@ -15,9 +15,17 @@ from ...export.symbolic import without_sign
 from ...hidden_states.path_states import path_sentences
 from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT
-from ..effects.names import FORCING, INERTIA, RIPPLE
+from ..effects.names import (
+    COULOMB_FRICTION,
+    FORCING,
+    INERTIA,
+    QUADRATIC_DRAG,
+    RIPPLE,
+    VISCOUS_DAMPING,
+)
 from ..facts.effect import Alternative, Effect
 from .number_text import interval, value_within
+from .printed_names import OF_VELOCITY
 
 MANY_RIVALS = 6  # alternatives from which on the name of an effect says little
 WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine
@@ -35,6 +43,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     lines = _quantities(effect) if effect.quantities else _coefficients(effect, symbols)
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
+    lines += meant(effect, symbols)
     lines += _wrapped(numbers_inside(effect, symbols), wide)
     lines += pumped(effect)
     of_what = whose_share(effect)
@@ -75,8 +84,13 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
     lines = []
     for k, expression in enumerate(effect.expressions):
         term, value, low, high = with_sign(effect, k, symbols)
-        times = "" if expression == OFFSET else f" times {_in_parentheses(term)}"
+        constant = " as a constant" if len(effect.expressions) > 1 else ""
+        times = constant if expression == OFFSET else f" times {_in_parentheses(term)}"
         lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
+        number, rest = term.as_coeff_Mul()
+        if number != 1 and not effect.entry.startswith(AS_INPUT):
+            product = format_expression(float(number) * value * rest)
+            lines.append(f"which is {product} in the equation")
         if low < 0.0 < high and not _only_sets_phase(effect):
             lines.append("the interval contains zero: the record does not determine its sign")
         elif 0.0 in (low, high):  # cut off at zero by settling/shape_intervals.py
@@ -89,13 +103,14 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
 def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:
     """Return a term as it is printed, its coefficient, and the ends of the interval.
 
-    A sign of the term moves to the coefficient, unless the coefficient adds to a declared input: it
-    then keeps the sign of that input.
+    A number before the term moves to the coefficient, of a term with tuned numbers its sign alone:
+    the number may then be one of these. If the coefficient adds to a declared input, it stays.
     """
-    written = as_written((effect.written or effect.expressions)[k], symbols)
-    sign, term = (1, written) if effect.entry.startswith(AS_INPUT) else without_sign(written)
-    low, high = sorted(sign * effect.confidence_intervals[k])
-    return term, sign * float(effect.coefficients[k]), low, high
+    term, factor = as_written((effect.written or effect.expressions)[k], symbols), 1.0
+    if not effect.entry.startswith(AS_INPUT):
+        factor, term = without_sign(term) if effect.numbers else term.as_coeff_Mul()
+    low, high = sorted(float(factor) * effect.confidence_intervals[k])
+    return term, float(factor) * float(effect.coefficients[k]), low, high
 
 
 def _only_sets_phase(effect: Effect) -> bool:
@@ -125,6 +140,21 @@ def numbers_inside(effect: Effect, symbols: Sequence[Any]) -> list[str]:
     texts = _intervals_of_numbers(effect)
     shown = zip(effect.numbers.items(), effect.number_intervals, texts, strict=True)
     return [f"{what} {value_within(value, *ends)}{text}" for (what, value), ends, text in shown]
+
+
+def meant(effect: Effect, symbols: Sequence[Any]) -> list[str]:
+    """Say what a term is if its state is a velocity after all; or that a friction drives."""
+    y, name = sympy.Symbol(effect.state, real=True), OF_VELOCITY.get(effect.name, effect.name)
+    resists = {VISCOUS_DAMPING: y, COULOMB_FRICTION: sympy.sign(y), QUADRATIC_DRAG: y * abs(y)}
+    drives = False
+    if name in resists and not effect.entry:
+        term, value, *_ = with_sign(effect, 0, symbols)
+        drives = term == resists[name] and value > 0.0
+    if name != effect.name:
+        return [f"if {effect.state} is a velocity, it is {'negative ' if drives else ''}{name}"]
+    if not drives:
+        return []
+    return ["its sign is positive: it drives the motion, and resists nothing"]
 
 
 def pumped(effect: Effect) -> list[str]:
@@ -168,10 +198,11 @@ def alternative(rival: Alternative, effect: Effect) -> str:
 
     Another form of the effect itself was not tested, and has no p-value.
     """
-    name = name_of_alternative(rival, effect, "the same in the form")
+    name = name_of_alternative(rival, effect, "the form")
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
     p_text = "" if rival.name == effect.name else f" (p = {rival.p_value:.2g})"
-    return f"{name} {format_expression(rival.force)}{where}{p_text}"
+    of = " of" if effect.memory is not None and rival.term.is_Symbol else ""
+    return f"{name}{of} {format_expression(rival.force)}{where}{p_text}"
 
 
 def name_of_alternative(rival: Alternative, effect: Effect, as_form: str) -> str:

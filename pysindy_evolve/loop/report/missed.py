@@ -26,13 +26,15 @@ SHORT = (
 )
 
 
-def misfit_sentences(outcome: Outcome) -> list[str]:
+def misfit_sentences(outcome: Outcome, *, judges_run: bool = True) -> list[str]:
     """Say by how much the free run over the held-out data errs; if it follows, the derivative.
 
     Parameters
     ----------
     outcome : Outcome
         What the loop found.
+    judges_run : bool
+        Whether the error of the run tells anything; else the derivative is judged.
 
     Returns
     -------
@@ -43,7 +45,8 @@ def misfit_sentences(outcome: Outcome) -> list[str]:
     error = float(np.max(outcome.after.simulation_error))
     if error < LOST_NRMSE and outcome.verdict == "untraced":
         return []
-    sentences = _of_rates(outcome) if error < NOTABLE_NRMSE else _of_run(outcome, error)
+    by_run = judges_run and not error < NOTABLE_NRMSE  # also of a run that diverges
+    sentences = _of_run(outcome, error) if by_run else _of_rates(outcome)
     if sentences and outcome.rules.by_trajectory:
         sentences[-1] += f" {SHORT}"
     return sentences

@@ -20,12 +20,14 @@ from .advice import paragraphs
 from .effect_text import evidence, sentence
 from .experiment import plan
 from .number_text import ends, percent_cell, value_within
+from .printed_names import as_printed
 from .remains import remains
 from .verdict import verdict_of
 
 
 def as_text(outcome: Outcome) -> str:
     """Return the report as plain text."""
+    outcome = as_printed(outcome)
     parts = [
         fill(f"Verdict: {verdict_of(outcome)}", 96),
         "Declared model, fitted\n" + indent(_model(outcome.before), "    "),
@@ -193,6 +195,7 @@ def p_of_rivals(outcome: Outcome) -> list[str]:
 
 def as_markdown(outcome: Outcome) -> str:
     """Return the report as Markdown."""
+    outcome = as_printed(outcome)
     parts = [
         f"**Verdict:** {verdict_of(outcome)}",
         f"Declared model, fitted:\n\n{_code(_model(outcome.before))}",
