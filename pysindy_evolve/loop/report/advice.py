@@ -104,8 +104,11 @@ def paragraphs(plan: Plan, units: Mapping[str, str] | None = None) -> list[tuple
 
     Alternatives of an effect that share an answer share a paragraph.
     """
+    groups = _alike(plan)
+    first = next((alike for alike in groups if _is_known(alike[0])), None)
     answers = [
-        (_title(alike), " ".join(_sentences(alike, units, plan.settled))) for alike in _alike(plan)
+        (_title(alike), " ".join(_sentences(alike, units, plan.settled, again=alike is not first)))
+        for alike in groups
     ]
     return answers + [_in_time(effect, units) for effect in plan.in_time]
 
@@ -168,10 +171,12 @@ def _form(cause: Effect | Alternative) -> str:
 
 
 def _sentences(
-    alike: Sequence[Experiment], units: Mapping[str, str] | None, settled: bool
+    alike: Sequence[Experiment], units: Mapping[str, str] | None, settled: bool, again: bool
 ) -> list[str]:
-    """Return what to measure, and what to expect of it."""
+    """Return what to measure, and what to expect of it; in short if it was said `again`."""
     first = alike[0]
+    if _is_known(first) and again:
+        return [f"As above, something hides the difference ({_now(alike)} standard errors)."]
     if _is_known(first):
         return [
             "If noise were all that stood in the way, this record would tell them apart "
