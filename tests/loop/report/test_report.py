@@ -178,6 +178,12 @@ def test_model_predicts_what_the_equations_evaluate(which, request):
     assert report.model.predict(test.x, u=u) == pytest.approx(expected)
 
 
+def test_a_model_with_an_effect_of_the_time_asks_for_the_time(drifting):
+    (test,) = drifting.test
+    with pytest.raises(ValueError, match=r"must have the time as its last column; .* u=np\.column"):
+        drifting.model.predict(test.x, u=test.u)
+
+
 @pytest.mark.parametrize("which", ["report", "drifting"])
 def test_sympy_form_has_the_same_values(which, request):
     report = request.getfixturevalue(which)
