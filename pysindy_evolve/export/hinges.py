@@ -35,6 +35,7 @@ MIN = Operator("min", np.minimum, 2, sympy.Min)
 MAX = Operator("max", np.maximum, 2, sympy.Max)
 MOST = 4  # magnitudes of a sum; all 3^4 forms are tried, a hinge to either side or none for each
 HIGHEST = 3  # power of a difference that is recognized beside a root of its hinge
+STEEPER = 2.0  # where a limit makes the straight terms steeper by more, it is a dead zone
 ROUNDING = 1e-9  # of the largest weight of a term; a smaller one is a rounding error
 
 _Kink = tuple[float, Product, Sum]  # weight, term, and argument of its magnitude
@@ -72,7 +73,10 @@ def as_hinges(side: Sum) -> Sum:
     if not 0 < len(kinks) <= MOST:
         return side
     forms = [_folded(side, kinks, ways) for ways in product((0, 1, -1), repeat=len(kinks))]
-    return _limited(min(forms, key=_complexity))  # of equal ones the first, which is changed least
+    # Of equal ones the first, which is changed least.
+    plain, limited = (min(all_, key=_complexity) for all_ in (forms, map(_limited, forms)))
+    keeps_slope = _slope(limited, plain) <= STEEPER * _slope(plain, limited)
+    return limited if keeps_slope else _limited(plain)
 
 
 def _inside(term: Product) -> Product:
@@ -244,8 +248,14 @@ def _complexity(side: Sum) -> tuple[int, int, float]:
 
     So a friction -2 v - |v| is not written as -v - 2 max(v, 0).
     """
-    plain = (w for w, term in side.parts if term != ONE and not _has_function(term))
-    return len(side.parts), _n_at_zero(side), sum(abs(weight) for weight in plain)
+    return len(side.parts), _n_at_zero(side), _slope(side)
+
+
+def _slope(side: Sum, other: Sum | None = None) -> float:
+    """Return the sum of the weights of straight terms; of those only that another sum has not."""
+    common = () if other is None else other.parts
+    straight = (part for part in side.parts if part[1] != ONE and not _has_function(part[1]))
+    return sum(abs(part[0]) for part in straight if part not in common)
 
 
 def _n_at_zero(side: Sum) -> int:
