@@ -15,9 +15,9 @@ NOTABLE_NRMSE = 20.0  # percent, of a free run: more than a small error of a par
 BY_START = 0.5  # share of the error: if noise in the first state causes more, the run says little
 
 RANDOM = (
-    "None of the effects that were tried explains what remains; it may be a random force. If no "
-    "such force acts, something is missing that is not among these effects, or that this record "
-    "does not show clearly."
+    "None of the effects that were tried explains what remains; it may be a random disturbance. If "
+    "there is none, something is missing that is not among these effects, or that this record does "
+    "not show clearly."
 )
 UNSOUGHT = "The search stopped early: an effect that was not tried yet may explain this."
 SHORT = (
@@ -74,7 +74,7 @@ def _of_run(outcome: Outcome, error: float) -> list[str]:
     if error < LOST_NRMSE:
         return [f"The free run still misses the record by {percent(error)}. {_why(outcome)}"]
     lost = (
-        "The free run leaves the record by more than the record varies. Either the model amplifies "
-        "the smallest difference, or something is still missing: judge by the derivative."
+        "The free run departs from the record by more than the record varies. Either the model "
+        "amplifies small differences, or something is still missing: judge by the derivative."
     )
     return [lost, *_of_rates(outcome)]

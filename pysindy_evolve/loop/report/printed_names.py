@@ -7,11 +7,14 @@ printed.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
+from ...terms import Sum
 from ..effects.names import (
     ASYMMETRIC_FRICTION,
     COULOMB_FRICTION,
+    DEAD_ZONE,
     NONLINEAR_DAMPING,
     QUADRATIC_DRAG,
     STRIBECK_FRICTION,
@@ -29,6 +32,7 @@ OF_ANY_STATE = {
     QUADRATIC_DRAG: "quadratic term",
     NONLINEAR_DAMPING: "nonlinear term",
 }
+THRESHOLD = "threshold"  # what a dead zone is of a level or a concentration
 OF_VELOCITY = {printed: name for name, printed in OF_ANY_STATE.items()}
 
 
@@ -51,34 +55,54 @@ def as_printed(outcome: Outcome) -> Outcome:
     others = {name for k, name in enumerate(design.states) if k not in moving}
     if design.algebraic or not others:  # a force has the frictions of its velocities
         return outcome
-    steps = [replace(step, name=_printed(step.name, step.state, others)) for step in outcome.steps]
-    rejected = outcome.rejected and _rejected(outcome.rejected, others)
-    effects = [_effect(effect, others) for effect in outcome.effects]
+    names = _Names(frozenset(others), len(design.states))
+    terms = {(effect.name, effect.state): effect.expressions for effect in outcome.effects}
+    steps = [
+        replace(step, name=names.of(step.name, step.state, terms.get((step.name, step.state), ())))
+        for step in outcome.steps
+    ]
+    rejected = outcome.rejected and _rejected(outcome.rejected, names)
+    effects = [_effect(effect, names) for effect in outcome.effects]
     return replace(outcome, effects=effects, steps=steps, rejected=rejected)
 
 
-def _printed(name: str, state: str, others: set[str]) -> str:
-    """Return a name as it is printed; `others` are the states that are no part of a motion."""
-    return OF_ANY_STATE.get(name, name) if state in others else name
+@dataclass(frozen=True)
+class _Names:
+    """Gives names as they are printed.
+
+    Attributes
+    ----------
+    others : frozenset of str
+        The states that are no part of a motion.
+    n_states : int
+        Number of declared states, the first variables.
+    """
+
+    others: frozenset[str]
+    n_states: int
+
+    def of(self, name: str, state: str, terms: Sequence[Sum]) -> str:
+        """Return the printed name of an effect with these terms."""
+        if state not in self.others:
+            return name
+        has_input = any(max(term.variables, default=0) >= self.n_states for term in terms)
+        if name == DEAD_ZONE and not has_input:
+            return THRESHOLD
+        return OF_ANY_STATE.get(name, name)
 
 
-def _effect(effect: Effect, others: set[str]) -> Effect:
-    rivals = [replace(one, name=_printed(one.name, one.state, others)) for one in effect.rivals]
-    together = [_printed(name, effect.state, others) for name in effect.together]
-    name = _printed(effect.name, effect.state, others)
-    alternatives = [_printed(one, effect.state, others) for one in effect.alternatives]
-    return replace(
-        effect,
-        name=name,
-        rivals=tuple(rivals),
-        together=tuple(together),
-        alternatives=tuple(alternatives),
-    )
+def _effect(effect: Effect, names: _Names) -> Effect:
+    rivals = [
+        replace(one, name=names.of(one.name, one.state, one.expressions)) for one in effect.rivals
+    ]
+    together = [names.of(name, effect.state, ()) for name in effect.together]
+    name = names.of(effect.name, effect.state, effect.expressions)
+    return replace(effect, name=name, rivals=tuple(rivals), together=tuple(together))
 
 
-def _rejected(rejected: Rejected, others: set[str]) -> Rejected:
+def _rejected(rejected: Rejected, names: _Names) -> Rejected:
     group = tuple(
-        replace(one, name=_printed(one.name, rejected.variables[one.state], others))
+        replace(one, name=names.of(one.name, rejected.variables[one.state], one.terms))
         for one in rejected.tried.group
     )
     return replace(rejected, tried=replace(rejected.tried, group=group))

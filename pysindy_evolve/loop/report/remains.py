@@ -23,8 +23,8 @@ def remains(outcome: Outcome) -> list[str]:
     )
     if outcome.verdict == "untraced" and outcome.chance_left < 1.0:
         sentences.append(
-            "A general model, polynomials of all variables and the recent past of the inputs, "
-            "predicts the residual better than it does in twins: the residual depends on the "
+            "A general model (polynomials of all variables and the recent past of the inputs) "
+            "predicts the residual better here than in twins, so the residual depends on the "
             "measured variables. Possible causes: a delay, a memory, an unmeasured variable, "
             "columns that were filtered differently, or, in a closed loop, noise of a sensor that "
             f"the controller passed on to an input.{slow_rest(outcome)}"

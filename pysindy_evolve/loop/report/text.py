@@ -49,12 +49,14 @@ def _filled(line: str) -> str:
 
 def _model(errors: Errors) -> str:
     """Return the equations and, below them, the free parameters."""
-    parameters = free_parameters(errors)
+    title, colon, items = free_parameters(errors).partition(": ")
+    whole = ", ".join(item.replace(" ", "\u00a0") for item in items.split(", "))
+    parameters = fill(f"{title}{colon}{whole}", 92, subsequent_indent="  ")
     equations = [
         fill(line, 96, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
         for line in format_equations(errors.model).splitlines()
     ]
-    lines = [*equations, fill(parameters, 92, subsequent_indent="  ")]
+    lines = [*equations, parameters.replace("\u00a0", " ")]  # an interval stays in its line
     return "\n".join(line for line in lines if line)
 
 

@@ -127,4 +127,4 @@ def test_what_inhibits_its_own_uptake_is_found_in_both_equations():
     report = pse.close_loop(model, record, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == [SATURATING, SATURATING]
     assert (report.after.simulation_error < 2.0).all()
-    assert "it acts where" not in str(report)  # D multiplies X too, but a rate is no force
+    assert "it acts" not in str(report)  # D multiplies X too, but a rate is no force

@@ -8,6 +8,7 @@ import pytest
 import pysindy_evolve as pse
 from pysindy_evolve.loop.report.effect_text import evidence
 from pysindy_evolve.loop.report.printed_names import as_printed
+from pysindy_evolve.terms import variable
 
 FIRST_ORDER = {"q": "-k*q", "v": "-c*v + b*F"}
 
@@ -45,6 +46,13 @@ def test_best_that_did_not_pass_has_the_printed_name_too(complete):
     assert as_printed(replace(outcome, design=declared(FIRST_ORDER))).rejected.name == (
         "quadratic term"
     )
+
+
+@pytest.mark.parametrize(("variable_", "name"), [(1, "threshold"), (2, "dead zone")])
+def test_dead_zone_of_a_level_is_a_threshold_and_of_an_input_a_dead_zone(report, variable_, name):
+    zone = replace(report.effects[-1], name="dead zone", expressions=(variable(variable_),))
+    outcome = replace(report, effects=[zone], design=declared(FIRST_ORDER))
+    assert as_printed(outcome).effects[0].name == name
 
 
 def test_a_force_has_the_frictions_of_its_velocities(report):

@@ -426,7 +426,7 @@ def test_short_records_say_that_only_small_terms_were_tried(complete):
     short = replace(complete.rules, by_trajectory=True)
     for rules, is_said in ((complete.rules, False), (short, True)):
         said = " ".join(str(replace(complete, after=missing, rules=rules)).split())
-        assert "leaves the record by more than the record varies" in said
+        assert "departs from the record by more than the record varies" in said
         assert ("too short to search for terms" in said) == is_said
 
 
@@ -440,11 +440,13 @@ def test_held_out_data_beyond_the_training_data_is_mentioned_where_the_model_err
         for test in (other, large)
     ]
     near, far = (" ".join(str(one).split()) for one in reports)
-    assert "goes where no training data was" not in near
-    assert re.search(r"goes where no training data was \(q from -\S+ to \S+, trained on", far)
-    assert re.search(r"errs there: dv/dt by [2-9]\d %, by 0\.\d+ % in the training data", far)
+    assert "leaves the range of the training data" not in near
+    assert re.search(r"leaves the range of the training data \(q from -\S+ to \S+, trained on", far)
+    assert re.search(
+        r"misses it there: dv/dt by [2-9]\d %, against 0\.\d+ % in the training data", far
+    )
     by_rests = replace(reports[1].after, derivative_error=np.array([0.0, 4.0]))
-    assert "goes where no training data was" not in str(replace(reports[1], after=by_rests))
+    assert "leaves the range of the training data" not in str(replace(reports[1], after=by_rests))
 
 
 def test_an_effect_that_removes_nothing_by_itself_does_not_remove_less_than_nothing(report):
