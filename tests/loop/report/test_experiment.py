@@ -126,7 +126,7 @@ def test_a_population_swings_about_its_mean_and_never_below_nothing():
 def test_what_noise_alone_would_tell_apart_needs_another_cause_first(slow, cubic):
     clear = replace(cubic, now=28.4)
     said = " ".join(str(Plan((clear,))).split())
-    assert "by 28.4 standard errors" in said
+    assert "(28.4 standard errors; five" in said
     assert "Repeat the same experiment: more data" in said
     assert "Repeat the experiment" not in said
 
@@ -145,7 +145,7 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
     known = [replace(cubic, now=now) for now in (28.4, 7.1)]
     hopeless = [replace(cubic, now=0.5, then=0.6) for _ in range(3)]
     said = " ".join(str(Plan((known[0], hopeless[0], cubic, *hopeless[1:], known[1]))).split())
-    assert "by 7.1 to 28.4 standard errors" in said
+    assert "(7.1 to 28.4 standard errors; five" in said
     assert said.count("Repeat the same experiment: more data") == 1
     assert said.count("No experiment of up to 5 times") == 1
     assert said.count("Repeat the experiment") == 1
