@@ -25,10 +25,10 @@ from ..effects.names import (
 )
 from ..facts.effect import Alternative, Effect
 from .number_text import interval, value_within
-from .printed_names import OF_VELOCITY
+from .printed_names import OF_VELOCITY, PARAMETRIC
 
 MANY_RIVALS = 6  # alternatives from which on the name of an effect says little
-WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine
+WAVES = (FORCING, PARAMETRIC, INERTIA, RIPPLE)  # each a sine and a cosine
 
 
 def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
@@ -159,14 +159,13 @@ def meant(effect: Effect, symbols: Sequence[Any]) -> list[str]:
 
 def pumped(effect: Effect) -> list[str]:
     """Say of which term a wave of the time varies the coefficient, if of any."""
-    if effect.name != FORCING:
+    if effect.name not in (FORCING, PARAMETRIC):
         return []
     waves = sorted(effect.term.atoms(sympy.sin, sympy.cos), key=str)
     of_time = [wave for wave in waves if {str(symbol) for symbol in wave.free_symbols} == {"t"}]
     factors = [sympy.expand(effect.term).coeff(wave) for wave in of_time[:1]]
     return [
-        f"the coefficient of {format_expression(factor)} varies periodically "
-        "(parametric excitation)"
+        f"the coefficient of {format_expression(factor)} varies periodically"
         for factor in factors
         if factor.free_symbols
     ]

@@ -9,6 +9,7 @@ from ..facts.outcome import Outcome
 from ..facts.start_noise import run_std_from_start_noise
 from ..fitting.runs import LOST_NRMSE
 from .number_text import percent
+from .printed_names import PARAMETRIC
 
 # An error grew if it exceeds both. The first is more than refitted coefficients can cause.
 GREW_TIMES = 1.1  # times the error of the declared model
@@ -35,7 +36,7 @@ def worse_than_declared(outcome: Outcome) -> list[str]:
     if not grew:
         return []
     said = f"On the held-out data some errors grew: {', '.join(grew)}."
-    if any(effect.name == FORCING for effect in outcome.effects):
+    if any(effect.name in (FORCING, PARAMETRIC) for effect in outcome.effects):
         return [f"{said} The phase of a periodic forcing may differ from record to record."]
     return [f"{said} What was found may not carry over to that record."]
 

@@ -15,6 +15,7 @@ from ..effects.names import (
     ASYMMETRIC_FRICTION,
     COULOMB_FRICTION,
     DEAD_ZONE,
+    FORCING,
     NONLINEAR_DAMPING,
     QUADRATIC_DRAG,
     STRIBECK_FRICTION,
@@ -32,6 +33,7 @@ OF_ANY_STATE = {
     QUADRATIC_DRAG: "quadratic term",
     NONLINEAR_DAMPING: "nonlinear term",
 }
+PARAMETRIC = "parametric excitation"  # a forcing by which a coefficient varies periodically
 THRESHOLD = "threshold"  # what a dead zone is of a level or a concentration
 OF_VELOCITY = {printed: name for name, printed in OF_ANY_STATE.items()}
 
@@ -47,15 +49,15 @@ def as_printed(outcome: Outcome) -> Outcome:
     Returns
     -------
     Outcome
-        The same one if all names stay.
+        With other names; all else is as it was.
     """
     design = outcome.design
     velocity_of = {k: design.derivative_of(k) for k in range(len(design.states))}
     moving = {k for pair in velocity_of.items() if pair[1] is not None for k in pair}
     others = {name for k, name in enumerate(design.states) if k not in moving}
-    if design.algebraic or not others:  # a force has the frictions of its velocities
-        return outcome
-    names = _Names(frozenset(others), len(design.states))
+    if design.algebraic:  # a force has the frictions of its velocities
+        others = set()
+    names = _Names(frozenset(others), len(design.states), design.time)
     terms = {(effect.name, effect.state): effect.expressions for effect in outcome.effects}
     steps = [
         replace(step, name=names.of(step.name, step.state, terms.get((step.name, step.state), ())))
@@ -76,13 +78,18 @@ class _Names:
         The states that are no part of a motion.
     n_states : int
         Number of declared states, the first variables.
+    time : int
+        Number of the time among the variables.
     """
 
     others: frozenset[str]
     n_states: int
+    time: int
 
     def of(self, name: str, state: str, terms: Sequence[Sum]) -> str:
         """Return the printed name of an effect with these terms."""
+        if name == FORCING and any(term.variables - {self.time} for term in terms):
+            return PARAMETRIC
         if state not in self.others:
             return name
         has_input = any(max(term.variables, default=0) >= self.n_states for term in terms)

@@ -7,8 +7,9 @@ import pytest
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.report.effect_text import evidence
-from pysindy_evolve.loop.report.printed_names import as_printed
-from pysindy_evolve.terms import variable
+from pysindy_evolve.loop.report.printed_names import PARAMETRIC, as_printed
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import call, constant, mul, variable
 
 FIRST_ORDER = {"q": "-k*q", "v": "-c*v + b*F"}
 
@@ -55,9 +56,20 @@ def test_dead_zone_of_a_level_is_a_threshold_and_of_an_input_a_dead_zone(report,
     assert as_printed(outcome).effects[0].name == name
 
 
+def test_a_forcing_that_multiplies_a_term_is_a_parametric_excitation(report):
+    time = report.design.time
+    wave = call(BUILTIN["sin"], variable(time))
+    for factor, name in ((constant(1.0), "periodic forcing"), (variable(0), PARAMETRIC)):
+        pumped = replace(
+            report.effects[-1], name="periodic forcing", expressions=(mul(factor, wave),)
+        )
+        assert as_printed(replace(report, effects=[pumped])).effects[0].name == name
+
+
 def test_a_force_has_the_frictions_of_its_velocities(report):
     force = declared({"q": "k*F", "v": "c*F"}, algebraic=True)
-    assert as_printed(replace(report, design=force)).effects == report.effects
+    printed = as_printed(replace(report, design=force))
+    assert [one.name for one in printed.effects] == [one.name for one in report.effects]
 
 
 @pytest.mark.parametrize(("sign", "is_said"), [(1.0, False), (-1.0, True)])
