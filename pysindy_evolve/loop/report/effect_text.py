@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import sympy
 
-from ...export import format_expression
+from ...export import format_expression, format_number
 from ...export.compact import as_written
 from ...export.symbolic import without_sign
 from ...hidden_states.path_states import path_sentences
@@ -87,10 +87,7 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
         constant = " as a constant" if len(effect.expressions) > 1 else ""
         times = constant if expression == OFFSET else f" times {_in_parentheses(term)}"
         lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
-        number, rest = term.as_coeff_Mul()
-        if number != 1 and not effect.entry.startswith(AS_INPUT):
-            product = format_expression(float(number) * value * rest)
-            lines.append(f"which is {product} in the equation")
+        lines += in_equation(effect, k, symbols)
         if low < 0.0 < high and not _only_sets_phase(effect):
             lines.append("the interval contains zero: the record does not determine its sign")
         elif 0.0 in (low, high):  # cut off at zero by settling/shape_intervals.py
@@ -98,6 +95,16 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
                 "hardly determined beside the numbers inside it; zero itself was ruled out"
             )
     return lines
+
+
+def in_equation(effect: Effect, k: int, symbols: Sequence[Any]) -> list[str]:
+    """Say what the equation shows in the place of a coefficient and the number of its term."""
+    term, value, low, high = with_sign(effect, k, symbols)
+    number = float(term.as_coeff_Mul()[0])
+    if number == 1.0 or effect.entry.startswith(AS_INPUT):
+        return []
+    factors = f"{value_within(value, low, high)} times {format_number(number)}"
+    return [f"{factors} is {format_number(value * number)} in the equation"]
 
 
 def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:

@@ -17,6 +17,7 @@ from ..facts.outcome import Outcome
 from .advice import paragraphs
 from .effect_text import (
     hardly_named,
+    in_equation,
     meant,
     name_of_alternative,
     named_together,
@@ -93,13 +94,15 @@ def _listed(text: str) -> tuple[str, list[str]]:
 
 
 def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
+    own = () if effect.quantities else range(len(effect.expressions))
+    products = [line for k in own for line in in_equation(effect, k, symbols)]
     return {
         "name": effect.name,
         "place": effect.place,
         "entry": effect.entry,
         "coefficients": _coefficients(effect, symbols),
         "meaning": _as_sentences(meant(effect, symbols)),
-        "numbers": _as_sentences([*numbers_inside(effect, symbols), *pumped(effect)]),
+        "numbers": _as_sentences([*products, *numbers_inside(effect, symbols), *pumped(effect)]),
         "share": f"{100 * effect.explained:.0f}",
         "of_what": whose_share(effect),
         "p": f"{effect.p_value:.2g}",

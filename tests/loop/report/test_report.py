@@ -603,7 +603,7 @@ def test_a_number_before_a_term_goes_to_its_coefficient_unless_it_is_tuned(repor
     )
     lines = evidence(effect, report.equations.inner_symbols)
     assert lines[0].startswith(f"{shown}   (95 %: ")
-    assert ("which is 3 v in the equation" in lines) is bool(numbers)
+    assert ("1.5 times 2 is 3 in the equation" in lines) is bool(numbers)
 
 
 @pytest.mark.slow
