@@ -161,7 +161,7 @@ def meant(effect: Effect, symbols: Sequence[Any]) -> list[str]:
         return [f"if {effect.state} is a velocity, it is {'negative ' if drives else ''}{name}"]
     if not drives:
         return []
-    return ["its sign is positive: it drives the motion, and resists nothing"]
+    return ["its sign is positive: it drives the motion instead of resisting it"]
 
 
 def pumped(effect: Effect) -> list[str]:

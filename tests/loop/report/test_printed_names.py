@@ -81,4 +81,6 @@ def test_a_friction_that_drives_is_said_to_do_so(report, sign, is_said):
     lines = evidence(printed.effects[0], report.equations.inner_symbols)
     assert ("if v is a velocity, it is negative Coulomb friction" in lines) is is_said
     lines = evidence(turned, report.equations.inner_symbols)
-    assert ("its sign is positive: it drives the motion, and resists nothing" in lines) is is_said
+    assert (
+        "its sign is positive: it drives the motion instead of resisting it" in lines
+    ) is is_said
