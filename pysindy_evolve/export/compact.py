@@ -53,13 +53,17 @@ def compact(expression: Any) -> Any:
     p**2 + q
     >>> compact(p*abs(p - q) - q*abs(p - q))
     (p - q)*Abs(p - q)
+    >>> compact(p*sympy.sqrt(abs(p - q)) - q*sympy.sqrt(abs(p - q)))
+    (p - q)*sqrt(Abs(p - q))
     >>> compact(sympy.exp(-p**2 + 2*p*q - q**2))
     exp(-(p - q)**2)
     """
     expression = sympy.sympify(expression)
     expression = expression.replace(sympy.exp, lambda power: sympy.exp(compact(power)))
     common = sympy.factor_terms(expression)
-    if common.is_Mul and any(isinstance(factor, sympy.Abs) for factor in common.args):
+    if common.is_Mul and any(
+        isinstance(factor.as_base_exp()[0], sympy.Abs | sympy.Max) for factor in common.args
+    ):
         return common
     if not expression.is_Add or len(expression.args) < 3 or not expression.is_polynomial():
         return expression

@@ -27,12 +27,15 @@ from ..terms import (
     mul,
     of_term,
     only_term,
+    power,
     sub,
 )
 
 MIN = Operator("min", np.minimum, 2, sympy.Min)
 MAX = Operator("max", np.maximum, 2, sympy.Max)
 MOST = 4  # magnitudes of a sum; all 3^4 forms are tried, a hinge to either side or none for each
+HIGHEST = 3  # power of a difference that is recognized beside a root of its hinge
+STEEPER = 2.0  # where a limit makes the straight terms steeper by more, it is a dead zone
 ROUNDING = 1e-9  # of the largest weight of a term; a smaller one is a rounding error
 
 _Kink = tuple[float, Product, Sum]  # weight, term, and argument of its magnitude
@@ -65,12 +68,15 @@ def as_hinges(side: Sum) -> Sum:
     >>> as_hinges(sub(*both)).name(["u"])
     '2 min(max(u, -2), 2)'
     """
-    side = _rooted(Sum(tuple((weight, _inside(term)) for weight, term in side.parts)))
+    side = _powered(_rooted(Sum(tuple((weight, _inside(term)) for weight, term in side.parts))))
     kinks = _kinks(side)
     if not 0 < len(kinks) <= MOST:
         return side
     forms = [_folded(side, kinks, ways) for ways in product((0, 1, -1), repeat=len(kinks))]
-    return _limited(min(forms, key=_complexity))  # of equal ones the first, which is changed least
+    # Of equal ones the first, which is changed least.
+    plain, limited = (min(all_, key=_complexity) for all_ in (forms, map(_limited, forms)))
+    keeps_slope = _slope(limited, plain) <= STEEPER * _slope(plain, limited)
+    return limited if keeps_slope else _limited(plain)
 
 
 def _inside(term: Product) -> Product:
@@ -122,6 +128,51 @@ def _root_of(factor: tuple[Atom, int], magnitude: Sum, hinged: Sum) -> Call | No
     if exponent <= 0.0 or term != only_term(log):
         return None
     return Call(atom.operator, (mul(constant(exponent), as_sum(Call(BUILTIN["log"], (hinged,)))),))
+
+
+def _powered(side: Sum) -> Sum:
+    """Write (a - b) sqrt(max(a - b, 0)) as a hinge times its root, which prints as one power."""
+    factors = dict.fromkeys(factor for _, term in side.parts for factor in term.factors)
+    for factor in factors:
+        hinge = _hinge_inside(*factor)
+        if hinge is None:
+            continue
+        having = {part for part in side.parts if factor in part[1].factors}
+        beside = {_without(term, factor): weight for weight, term in having}
+        others = tuple(part for part in side.parts if part not in having)
+        for n in range(1, HIGHEST + 1):
+            whole = {term: weight for weight, term in power(hinge.args[0], n).parts}
+            ratio = _ratio(beside, whole)
+            if ratio is not None:
+                return _powered(Sum((*others, (ratio, Product(((hinge, n), factor))))))
+    return side
+
+
+def _hinge_inside(atom: Atom, exponent: int) -> Call | None:
+    """Return the hinge of which an atom is the root or a power; None for other atoms."""
+    if exponent != 1 or not isinstance(atom, Call) or len(atom.args[0].parts) != 1:
+        return None
+    ((weight, term),) = atom.args[0].parts
+    if len(term.factors) != 1 or term.factors[0][1] != 1:
+        return None
+    inner = term.factors[0][0]
+    if atom.operator == BUILTIN["exp"] and isinstance(inner, Call) and weight > 0.0:
+        return _hinge_inside(inner, 1) if inner.operator == BUILTIN["log"] else None
+    is_root = atom.operator in (BUILTIN["sqrt"], BUILTIN["log"]) and weight == 1.0
+    is_hinge = isinstance(inner, Call) and inner.operator == MAX
+    return inner if is_root and is_hinge and isinstance(inner, Call) else None
+
+
+def _without(term: Product, factor: tuple[Atom, int]) -> Product:
+    return Product(tuple(other for other in term.factors if other != factor))
+
+
+def _ratio(weights: dict[Product, float], others: dict[Product, float]) -> float | None:
+    """Return how many times one sum of terms is another one; None if it is no multiple of it."""
+    if weights.keys() != others.keys():
+        return None
+    ratios = [weights[term] / others[term] for term in weights]
+    return ratios[0] if np.ptp(ratios) <= ROUNDING * abs(ratios[0]) else None
 
 
 def _kinks(side: Sum) -> list[_Kink]:
@@ -197,8 +248,14 @@ def _complexity(side: Sum) -> tuple[int, int, float]:
 
     So a friction -2 v - |v| is not written as -v - 2 max(v, 0).
     """
-    plain = (w for w, term in side.parts if term != ONE and not _has_function(term))
-    return len(side.parts), _n_at_zero(side), sum(abs(weight) for weight in plain)
+    return len(side.parts), _n_at_zero(side), _slope(side)
+
+
+def _slope(side: Sum, other: Sum | None = None) -> float:
+    """Return the sum of the weights of straight terms; of those only that another sum has not."""
+    common = () if other is None else other.parts
+    straight = (part for part in side.parts if part[1] != ONE and not _has_function(part[1]))
+    return sum(abs(part[0]) for part in straight if part not in common)
 
 
 def _n_at_zero(side: Sum) -> int:

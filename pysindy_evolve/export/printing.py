@@ -64,6 +64,8 @@ def format_expression(expression: Any, digits: int | None = 4) -> str:
     '-7631 q^2 sgn(v) + |v|/3'
     >>> format_expression((q - 2) ** -2)
     '1/(q - 2)^2'
+    >>> format_expression(1.00001 * q * (v - q))  # four digits do not tell 1.00001 from 1
+    'q (v - q)'
     """
     return TextPrinter(digits).doprint(expression)
 
@@ -127,7 +129,21 @@ class TextPrinter(StrPrinter):
 
     _print_Max = _print_Min
 
+    def _as_ordered_terms(self, expression: Any, order: Any = None) -> list[Any]:
+        """Return the terms of a sum: b - a, not -a + b; a whole line begins as it is ordered."""
+        terms = list(super()._as_ordered_terms(expression, order))
+        leads = terms[0].as_coeff_Mul()[0]
+        if leads > 0 or (self._print_level == 1 and leads != -1):
+            return terms
+        first = next((term for term in terms if not term.could_extract_minus_sign()), terms[0])
+        return [first, *(term for term in terms if term is not first)]
+
     def _print_Mul(self, expression: Any) -> str:
+        number, rest = expression.as_coeff_Mul()
+        if number.is_Float and self._print(abs(number)) == "1":  # q, not 1 q
+            expression = rest if number > 0 else -rest
+        if not expression.is_Mul:
+            return str(self._print(expression))
         return str(super()._print_Mul(expression)).replace("*", " ")
 
     def _print_Pow(self, expression: Any, rational: bool = False) -> str:

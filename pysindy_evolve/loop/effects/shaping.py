@@ -14,7 +14,10 @@ from .angles import UNITS
 from .candidate import OFFSET, Candidate, Shape
 
 HALF_SATURATION = "half-saturation constant"  # c of x/(c + |x|), which is built from 1/c
+DENOMINATOR = "constant in the denominator"  # c of |x|^n/(c + |x|^n), which is built from 1/c
+EXPONENT = "exponent"
 INNER = "inner constant"
+FROM_RECIPROCALS = (HALF_SATURATION, DENOMINATOR)
 
 MOST_NUMBERS = 3  # in a term; one with more was grown to fit noise
 ORDINALS = ("first", "second", "third")
@@ -75,19 +78,34 @@ def tuned_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape 
         return None
     if shape is None or shape.meanings:
         return shape
-    kinds = [_kind(atom) for one in products for atom, _ in one.factors for _ in atom.constants]
+    atoms = [atom for one in products for atom, _ in one.factors]
+    kinds = [kind for atom in atoms for kind in _kinds(atom)]
     if len(kinds) != len(shape.values):  # built from few numbers, or exp(v), which is exp(1 v)
         kinds = [INNER] * len(shape.values)
-    if len(kinds) > 1:
+    if len(set(kinds)) < len(kinds):
         kinds = [f"{which} {kind}" for which, kind in zip(ORDINALS, kinds, strict=False)]
     return replace(shape, meanings=tuple(kinds))
 
 
-def _kind(atom: Atom) -> str:
-    """Return what a number in a function means: in x/(c + |x|), it is printed as a denominator."""
-    if isinstance(atom, Call) and atom.operator.name == "softsign" and len(atom.constants) == 1:
-        return HALF_SATURATION
-    return INNER
+def _kinds(atom: Atom) -> list[str]:
+    """Return what each number in a function means: in x/(c + |x|), it is printed as it is there."""
+    if _is_power(atom):
+        return [EXPONENT]
+    if isinstance(atom, Call) and atom.operator.name == "softsign":
+        inner = [factor for _, term in atom.args[0].parts for factor, _ in term.factors]
+        if len(inner) == 1 and _is_power(inner[0]) and len(atom.constants) == 2:
+            return [DENOMINATOR, EXPONENT]
+        if len(atom.constants) == 1:
+            return [HALF_SATURATION]
+    return [INNER] * len(atom.constants)
+
+
+def _is_power(atom: Atom) -> bool:
+    """Tell whether an atom is a power such as |x|^1.75, which is built as exp(1.75 log(|x|))."""
+    if not isinstance(atom, Call) or atom.operator.name != "exp" or len(atom.constants) != 1:
+        return False
+    inner = [factor for _, term in atom.args[0].parts for factor, _ in term.factors]
+    return len(inner) == 1 and isinstance(inner[0], Call) and inner[0].operator.name == "log"
 
 
 def with_units(candidate: Candidate) -> Candidate | None:

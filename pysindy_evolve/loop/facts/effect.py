@@ -137,9 +137,8 @@ class Effect:
         95 % interval of each, with the coefficients free; nan where the data do not determine it.
     entry : str
         Where it acts, if a declared force enters the equation by the same factor, which is not
-        constant: such as "as if F were larger by this times sgn(v)", or "where the damping of w
-        does, multiplied by the same factor", or "where M1 and M2 act, as this number times
-        cos(q1 + q2)".
+        constant: such as "as if F were larger by this number times sgn(v)", or "through the same
+        factor as the damping of w", or "where M1 and M2 act, as this number times cos(q1 + q2)".
     written : tuple of Sum
         Terms to print beside the coefficients where `expressions` hold the whole equation: the
         waves of an inertia.

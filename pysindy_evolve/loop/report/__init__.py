@@ -11,6 +11,7 @@ sentences
 text                the printed report, and the same as Markdown
 verdict             the verdict in a sentence
 effect_text         the lines about one effect
+printed_names       "quadratic drag" of a velocity is a "quadratic term" of a population
 number_text         numbers with their intervals and units, percentages
 remains             the best candidate that did not pass, and the cautions
 limits of validity

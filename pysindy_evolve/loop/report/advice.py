@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from textwrap import fill
 
 import numpy as np
@@ -15,6 +16,8 @@ from .motions import LARGEST_FACTOR, Motion
 from .number_text import with_unit
 
 MAX_RECORDS = 20  # a motion that needs more records is not proposed
+MORE_ALIKE = "Repeat the same experiment: more data averages a load out."
+SETTLE_FIRST = "Look into the notes at the end of the report first."
 MANY = 100.0  # standard errors; larger numbers are not printed
 # Standard errors: a test at 5 % among many candidates then misses one in twenty.
 ENOUGH_STANDARD_ERRORS = 5.0
@@ -41,6 +44,8 @@ class Experiment:
         record, that in the proposed motion, and its value where the two differ most.
     difference : float
         Largest difference of the two models in the proposed motion, units of x_dot.
+    target : str
+        What they differ in: the derivative of the state, or an algebraic target itself.
     """
 
     effect: Effect
@@ -50,6 +55,7 @@ class Experiment:
     then: float
     reach: Mapping[str, tuple[float, float, float]]
     difference: float
+    target: str
 
     @property
     def n_records(self) -> int:
@@ -74,11 +80,14 @@ class Plan:
     in_time : tuple of Effect
         Memories of an input that have alternatives. Sudden steps of the input tell these apart, not
         another amplitude.
+    settled : bool
+        Whether the report ends without a caution, so that nothing is to be mended first.
     """
 
     experiments: tuple[Experiment, ...]
     units: Mapping[str, str] | None = None
     in_time: tuple[Effect, ...] = ()
+    settled: bool = True
 
     def __str__(self) -> str:
         pairs = paragraphs(self, self.units)
@@ -95,7 +104,12 @@ def paragraphs(plan: Plan, units: Mapping[str, str] | None = None) -> list[tuple
 
     Alternatives of an effect that share an answer share a paragraph.
     """
-    answers = [(_title(alike), " ".join(_sentences(alike, units))) for alike in _alike(plan)]
+    groups = _alike(plan)
+    first = next((alike for alike in groups if _is_known(alike[0])), None)
+    answers = [
+        (_title(alike), " ".join(_sentences(alike, units, plan.settled, again=alike is not first)))
+        for alike in groups
+    ]
     return answers + [_in_time(effect, units) for effect in plan.in_time]
 
 
@@ -129,7 +143,7 @@ def _in_time(effect: Effect, units: Mapping[str, str] | None) -> tuple[str, str]
     return (
         f"{effect.name} or {rivals}, in the equation of {effect.state}?",
         "They differ in how they follow a sudden change of the input. Record steps of the input, "
-        f"with a sampling time much shorter than the {delay} by which it acts late.",
+        f"sampled much faster than the {delay} by which it acts late.",
     )
 
 
@@ -151,32 +165,37 @@ def _form(cause: Effect | Alternative) -> str:
     parts = cause.term.args
     merged = any(part.is_number and part != 1 for part in parts)  # as -0.5 of q - 1.5 and 1
     if merged or len(cause.expressions) == 1 or len(parts) != len(cause.expressions):
-        return format_expression(cause.term)
+        return format_expression(cause.term.as_coeff_Mul()[1])
     terms = [format_expression(term) for term in parts if term != 1]
     return " and ".join(terms) + (" beside a constant" if 1 in parts else "")
 
 
-def _sentences(alike: Sequence[Experiment], units: Mapping[str, str] | None = None) -> list[str]:
-    """Return what to measure, and what to expect of it."""
+def _sentences(
+    alike: Sequence[Experiment], units: Mapping[str, str] | None, settled: bool, again: bool
+) -> list[str]:
+    """Return what to measure, and what to expect of it; in short if it was said `again`."""
     first = alike[0]
+    if _is_known(first) and again:
+        return [f"As above, something hides the difference ({_now(alike)} standard errors)."]
     if _is_known(first):
         return [
-            "The recorded motion is large enough: if only noise stood in the way, this record "
-            f"would tell them apart by {_now(alike)} standard errors, and five are enough. But "
-            "what the model leaves with each of them hides which it is: a load that nobody "
-            "measured, another effect that is missing, or the true form, which may be neither. "
-            "First mend what the report names at its end. If it names nothing, record more of the "
-            "same motion."
+            "If noise were all that stood in the way, this record would tell them apart "
+            f"({_now(alike)} standard errors; five are enough). But something that neither "
+            "describes hides the difference: an unmeasured load, another missing effect, or a true "
+            "form that is neither. "
+            f"{MORE_ALIKE if settled else SETTLE_FIRST}"
         ]
     said = [f"This record tells them apart by {_now(alike)} standard errors; five are enough."]
     if _is_hopeless(first):
         times = f"{LARGEST_FACTOR:g} times the amplitude, speed and acceleration of this one"
-        return [*said, f"No motion of up to {times} would be enough."]
+        return [*said, f"No experiment of up to {times} would be enough."]
     said.append(f"{_what_to_do(first)}{_reached(first, units)}.")
     if first.n_records == 1:
-        said.append(f"One more record as long as this one then makes it {_standard_errors(first)}.")
+        said.append(
+            f"One such record, as long as this one, raises that to {_standard_errors(first)}."
+        )
     else:
-        said.append(f"It takes about {first.n_records} more records as long as this one.")
+        said.append(f"It takes about {first.n_records} such records, each as long as this one.")
     return [*said, _where(first, units)]
 
 
@@ -195,17 +214,17 @@ def _what_to_do(experiment: Experiment) -> str:
     """Return the instruction: which motion to record."""
     amplitude, frequency = experiment.motion.amplitude, experiment.motion.frequency
     if amplitude == frequency == 1.0:
-        return "Record the same motion once more"
+        return "Repeat the same experiment"
     parts = []
     if amplitude != 1.0:
         parts.append(f"with {_times(amplitude)} the amplitude")
     if frequency != 1.0:
         parts.append(f"at {_times(frequency)} the frequencies")
-    return "Repeat the motion " + " and ".join(parts)
+    return "Repeat the experiment " + " and ".join(parts)
 
 
 def _times(factor: float) -> str:
-    return f"{factor:g} times" if factor > 1.0 else f"1/{1.0 / factor:.3g} of"
+    return f"{factor:g} times" if factor > 1.0 else f"{Fraction(factor).limit_denominator(9)} of"
 
 
 def _reached(experiment: Experiment, units: Mapping[str, str] | None) -> str:
@@ -223,4 +242,4 @@ def _where(best: Experiment, units: Mapping[str, str] | None) -> str:
         f"{name} = {with_unit(value, name, units)}" for name, (_, _, value) in best.reach.items()
     )
     at = f", near {place}" if place else ""
-    return f"There the two differ by up to {best.difference:.3g} in d{best.effect.state}/dt{at}."
+    return f"They then differ by up to {best.difference:.3g} in {best.target}{at}."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -110,36 +111,64 @@ def _held(outcome: Outcome) -> list[str]:
     return [*taken, *late]
 
 
-def _changed_parameters(outcome: Outcome) -> list[str]:
-    """Name the declared parameters whose sign the effects reverse, or that they bring near zero.
+def _turned(outcome: Outcome) -> list[str]:
+    """Name the declared parameters whose sign the effects reverse.
 
     A parameter that was near zero before has no sign to reverse: a declared damping can be, while
     a force is missing.
     """
     before, after = outcome.before.parameters, outcome.after.parameters
     turned = [
-        f"{name} from {format_number(before[name])} to {format_number(value)}"
+        name
         for name, value in after.items()
-        if before[name] * value < 0.0 and NEGLIGIBLE < abs(value / before[name]) < 1.0 / NEGLIGIBLE
+        if before[name] * value < 0.0
+        and NEGLIGIBLE < abs(value / before[name]) < 1.0 / NEGLIGIBLE
+        and not _may_be_zero(outcome, name)
     ]
-    gone = [
-        f"{name} from {format_number(before[name])} to {format_number(value)}"
-        for name, value in after.items()
-        if abs(value) <= NEGLIGIBLE * abs(before[name]) and value != before[name]
+    if not turned:
+        return []
+    what = "a parameter" if len(turned) == 1 else "parameters"
+    return [
+        f"Adding the effects reverses the sign of {what}: {_changes(outcome, turned)}. If the "
+        "machine cannot have the new sign, an effect stands in for another one, or has absorbed a "
+        "part of that term."
     ]
+
+
+def _gone(outcome: Outcome) -> list[str]:
+    """Name the declared parameters of which the effects leave little, or nothing for sure."""
+    before, after = outcome.before.parameters, outcome.after.parameters
+    changed = [name for name, value in after.items() if value != before[name]]
+    gone = [name for name in changed if abs(after[name]) <= NEGLIGIBLE * abs(before[name])]
+    open_ = [name for name in changed if _may_be_zero(outcome, name) and name not in gone]
     said = []
-    if turned:
-        said.append(
-            f"Adding the effects reverses the sign of a parameter: {', '.join(turned)}. If the "
-            "machine cannot have the new sign, an effect stands in for another one, or has "
-            "absorbed a part of that term."
-        )
     if gone:
+        what, it = ("a declared term", "it") if len(gone) == 1 else ("declared terms", "them")
         said.append(
-            f"With the effects, little is left of a declared term: {', '.join(gone)}. They explain "
-            "all that it explained; the model may not need that term."
+            f"With the effects, little is left of {what}: {_changes(outcome, gone)}. The model may "
+            f"not need {it} any more."
+        )
+    if open_:
+        what = "a declared parameter" if len(open_) == 1 else "declared parameters"
+        said.append(
+            f"With the effects, zero lies in the interval of {what}: {_changes(outcome, open_)}. "
+            "An effect may have taken the place of that term; try the model without it."
         )
     return said
+
+
+def _may_be_zero(outcome: Outcome, name: str) -> bool:
+    """Tell whether the interval of a parameter holds zero, and not its value without effects."""
+    low, high = outcome.after.parameter_intervals.get(name, (1.0, 1.0))
+    return bool(low < 0.0 < high and not low <= outcome.before.parameters[name] <= high)
+
+
+def _changes(outcome: Outcome, names: Sequence[str]) -> str:
+    before, after = outcome.before.parameters, outcome.after.parameters
+    return ", ".join(
+        f"{name} from {format_number(before[name])} to {format_number(after[name])}"
+        for name in names
+    )
 
 
 def _undefined(outcome: Outcome) -> list[str]:
@@ -205,7 +234,7 @@ def _misfit(outcome: Outcome) -> list[str]:
     run_error = float(np.max(outcome.after.simulation_error))
     if has_grown_in_all(outcome) and run_error >= NOTABLE_NRMSE:
         return [SHORT] if outcome.rules.by_trajectory else []
-    return misfit_sentences(outcome)
+    return misfit_sentences(outcome, judges_run=not fast_motion(outcome))
 
 
 CAUTIONS = (
@@ -217,7 +246,8 @@ CAUTIONS = (
     _unidentified,
     dilution_sentences,
     exchangeable_poles,
-    _changed_parameters,
+    _turned,
+    _gone,
     worse_than_declared,
     worse_than_before,
     _undefined,

@@ -9,18 +9,26 @@ from typing import Any
 import numpy as np
 import sympy
 
-from ...export import format_expression
+from ...export import format_expression, format_number
 from ...export.compact import as_written
 from ...export.symbolic import without_sign
 from ...hidden_states.path_states import path_sentences
 from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT
-from ..effects.names import FORCING, INERTIA, RIPPLE
+from ..effects.names import (
+    COULOMB_FRICTION,
+    FORCING,
+    INERTIA,
+    QUADRATIC_DRAG,
+    RIPPLE,
+    VISCOUS_DAMPING,
+)
 from ..facts.effect import Alternative, Effect
 from .number_text import interval, value_within
+from .printed_names import OF_VELOCITY, PARAMETRIC
 
 MANY_RIVALS = 6  # alternatives from which on the name of an effect says little
-WAVES = (FORCING, INERTIA, RIPPLE)  # each a sine and a cosine
+WAVES = (FORCING, PARAMETRIC, INERTIA, RIPPLE)  # each a sine and a cosine
 
 
 def sentence(number: int, effect: Effect, symbols: Sequence[Any]) -> str:
@@ -35,6 +43,7 @@ def evidence(effect: Effect, symbols: Sequence[Any], *, wide: bool = False) -> l
     lines = _quantities(effect) if effect.quantities else _coefficients(effect, symbols)
     if effect.entry:
         lines.append(f"it acts {effect.entry}")
+    lines += meant(effect, symbols)
     lines += _wrapped(numbers_inside(effect, symbols), wide)
     lines += pumped(effect)
     of_what = whose_share(effect)
@@ -75,8 +84,10 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
     lines = []
     for k, expression in enumerate(effect.expressions):
         term, value, low, high = with_sign(effect, k, symbols)
-        times = "" if expression == OFFSET else f" times {_in_parentheses(term)}"
+        constant = " as a constant" if len(effect.expressions) > 1 else ""
+        times = constant if expression == OFFSET else f" times {_in_parentheses(term)}"
         lines.append(f"{value_within(value, low, high)}{times}   {interval(low, high)}")
+        lines += in_equation(effect, k, symbols)
         if low < 0.0 < high and not _only_sets_phase(effect):
             lines.append("the interval contains zero: the record does not determine its sign")
         elif 0.0 in (low, high):  # cut off at zero by settling/shape_intervals.py
@@ -86,16 +97,27 @@ def _coefficients(effect: Effect, symbols: Sequence[Any]) -> list[str]:
     return lines
 
 
+def in_equation(effect: Effect, k: int, symbols: Sequence[Any]) -> list[str]:
+    """Say what the equation shows in the place of a coefficient and the number of its term."""
+    term, value, low, high = with_sign(effect, k, symbols)
+    number = float(term.as_coeff_Mul()[0])
+    if number == 1.0 or effect.entry.startswith(AS_INPUT):
+        return []
+    factors = f"{value_within(value, low, high)} times {format_number(number)}"
+    return [f"{factors} is {format_number(value * number)} in the equation"]
+
+
 def with_sign(effect: Effect, k: int, symbols: Sequence[Any]) -> tuple[Any, float, float, float]:
     """Return a term as it is printed, its coefficient, and the ends of the interval.
 
-    A sign of the term moves to the coefficient, unless the coefficient adds to a declared input: it
-    then keeps the sign of that input.
+    A number before the term moves to the coefficient, of a term with tuned numbers its sign alone:
+    the number may then be one of these. If the coefficient adds to a declared input, it stays.
     """
-    written = as_written((effect.written or effect.expressions)[k], symbols)
-    sign, term = (1, written) if effect.entry.startswith(AS_INPUT) else without_sign(written)
-    low, high = sorted(sign * effect.confidence_intervals[k])
-    return term, sign * float(effect.coefficients[k]), low, high
+    term, factor = as_written((effect.written or effect.expressions)[k], symbols), 1.0
+    if not effect.entry.startswith(AS_INPUT):
+        factor, term = without_sign(term) if effect.numbers else term.as_coeff_Mul()
+    low, high = sorted(float(factor) * effect.confidence_intervals[k])
+    return term, float(factor) * float(effect.coefficients[k]), low, high
 
 
 def _only_sets_phase(effect: Effect) -> bool:
@@ -127,16 +149,30 @@ def numbers_inside(effect: Effect, symbols: Sequence[Any]) -> list[str]:
     return [f"{what} {value_within(value, *ends)}{text}" for (what, value), ends, text in shown]
 
 
+def meant(effect: Effect, symbols: Sequence[Any]) -> list[str]:
+    """Say what a term is if its state is a velocity after all; or that a friction drives."""
+    y, name = sympy.Symbol(effect.state, real=True), OF_VELOCITY.get(effect.name, effect.name)
+    resists = {VISCOUS_DAMPING: y, COULOMB_FRICTION: sympy.sign(y), QUADRATIC_DRAG: y * abs(y)}
+    drives = False
+    if name in resists and not effect.entry:
+        term, value, *_ = with_sign(effect, 0, symbols)
+        drives = term == resists[name] and value > 0.0
+    if name != effect.name:
+        return [f"if {effect.state} is a velocity, it is {'negative ' if drives else ''}{name}"]
+    if not drives:
+        return []
+    return ["its sign is positive: it drives the motion instead of resisting it"]
+
+
 def pumped(effect: Effect) -> list[str]:
     """Say of which term a wave of the time varies the coefficient, if of any."""
-    if effect.name != FORCING:
+    if effect.name not in (FORCING, PARAMETRIC):
         return []
     waves = sorted(effect.term.atoms(sympy.sin, sympy.cos), key=str)
     of_time = [wave for wave in waves if {str(symbol) for symbol in wave.free_symbols} == {"t"}]
     factors = [sympy.expand(effect.term).coeff(wave) for wave in of_time[:1]]
     return [
-        f"the coefficient of {format_expression(factor)} varies periodically "
-        "(parametric excitation)"
+        f"the coefficient of {format_expression(factor)} varies periodically"
         for factor in factors
         if factor.free_symbols
     ]
@@ -168,10 +204,11 @@ def alternative(rival: Alternative, effect: Effect) -> str:
 
     Another form of the effect itself was not tested, and has no p-value.
     """
-    name = name_of_alternative(rival, effect, "the same in the form")
+    name = name_of_alternative(rival, effect, "the form")
     where = "" if rival.state == effect.state else f" in the equation of {rival.state}"
     p_text = "" if rival.name == effect.name else f" (p = {rival.p_value:.2g})"
-    return f"{name} {format_expression(rival.force)}{where}{p_text}"
+    of = " of" if effect.memory is not None and rival.term.is_Symbol else ""
+    return f"{name}{of} {format_expression(rival.force)}{where}{p_text}"
 
 
 def name_of_alternative(rival: Alternative, effect: Effect, as_form: str) -> str:

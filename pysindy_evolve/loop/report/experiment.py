@@ -32,8 +32,10 @@ from ..given.design import Design, in_state
 from ..given.segments import Segments, segments
 from ..given.sticking import may_rest
 from .advice import ENOUGH_STANDARD_ERRORS, Experiment, Plan
+from .cautions import cautions
 from .motions import Motion, Motions
 from .number_text import check_units
+from .printed_names import as_printed
 
 MAX_ROWS = 8000  # rows of the records that are used
 SMOOTHING = 4.0  # standard deviation of the Gaussian over the noise spectrum, in its bins
@@ -56,6 +58,7 @@ def plan(outcome: Outcome, units: Mapping[str, str] | None = None) -> Plan:
     check_units("suggest_experiment", units, outcome.before.model.names)
     if not any(effect.rivals for effect in outcome.effects):
         return Plan((), units)
+    outcome = as_printed(outcome)
     acting = [as_acting(outcome.equations, record) for record in outcome.train]
     equations, records = acting[0][0], [record for _, record in acting]
     part = segments(records, may_rest(outcome.design, records), max_rows=MAX_ROWS)
@@ -66,7 +69,7 @@ def plan(outcome: Outcome, units: Mapping[str, str] | None = None) -> Plan:
         for rival in effect.rivals:
             exchanged = _exchanged(outcome.design, effect, rival)
             experiments.append(_best(judge, exchanged, effect, rival))
-    return Plan(tuple(experiments), units, in_time)
+    return Plan(tuple(experiments), units, in_time, settled=not cautions(outcome))
 
 
 def _exchanged(design: Design, effect: Effect, rival: Alternative) -> Design:
@@ -186,4 +189,5 @@ def _described(
             float(np.abs(values[..., variable]).max()) for values in (judge.part.z, moved)
         )
         reach[names[variable]] = (recorded, proposed, float(moved[(*place, variable)]))
-    return Experiment(effect, rival, motion, now, then, reach, float(gap[place]))
+    target = effect.state if judge.equations.n_algebraic else f"d{effect.state}/dt"
+    return Experiment(effect, rival, motion, now, then, reach, float(gap[place]), target)

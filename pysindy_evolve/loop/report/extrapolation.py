@@ -45,9 +45,9 @@ def extrapolation_sentences(outcome: Outcome) -> list[str]:
         return []
     test_error, train_error = percent(on_test[worst]), percent(on_train[worst])
     return [
-        f"The held-out data goes where no training data was ({', '.join(wider)}), and the model "
-        f"errs there: d{model.states[worst]}/dt by {test_error}, by {train_error} in the training "
-        "data. Nothing was learned of that range: fit records that cover it."
+        f"The held-out data leaves the range of the training data ({'; '.join(wider)}), and the "
+        f"model misses it there: d{model.states[worst]}/dt by {test_error}, against {train_error} "
+        "in the training data. It learned nothing about that range: fit records that cover it."
     ]
 
 

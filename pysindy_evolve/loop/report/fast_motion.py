@@ -40,9 +40,9 @@ def fast_motion(outcome: Outcome) -> list[str]:
     )
     return [
         f"Most of the free run's error in {model.states[worst]} is motion faster than the low-pass "
-        f"of the held-out data lets through ({min(cutoffs):.3g} cycles per unit of t): the record "
-        "does not show whether the machine moves so. After the same low-pass the free runs miss "
-        f"by {values}."
+        f"of the held-out data lets through ({min(cutoffs):.3g} cycles per unit of t), so the "
+        "record cannot show whether it is real. After the same low-pass the free runs miss the "
+        f"record by {values}."
     ]
 
 

@@ -9,6 +9,7 @@ from ..facts.outcome import Outcome
 from ..facts.start_noise import run_std_from_start_noise
 from ..fitting.runs import LOST_NRMSE
 from .number_text import percent
+from .printed_names import PARAMETRIC
 
 # An error grew if it exceeds both. The first is more than refitted coefficients can cause.
 GREW_TIMES = 1.1  # times the error of the declared model
@@ -35,7 +36,7 @@ def worse_than_declared(outcome: Outcome) -> list[str]:
     if not grew:
         return []
     said = f"On the held-out data some errors grew: {', '.join(grew)}."
-    if any(effect.name == FORCING for effect in outcome.effects):
+    if any(effect.name in (FORCING, PARAMETRIC) for effect in outcome.effects):
         return [f"{said} The phase of a periodic forcing may differ from record to record."]
     return [f"{said} What was found may not carry over to that record."]
 
@@ -52,6 +53,7 @@ def _errors_grown(outcome: Outcome) -> list[tuple[str, np.ndarray, np.ndarray, n
         before, after = (getattr(errors, kind) for errors in (outcome.before, outcome.after))
         tolerated = np.maximum(GREW_TIMES * before, before + GREW_BY)
         worse = (before < LOST_NRMSE) & ~(after <= tolerated)
+        worse |= np.isfinite(before) & ~np.isfinite(after)
         if kind == "simulation_error" and not algebraic and worse.any():
             by_start = after - before <= run_std_from_start_noise(outcome.after.model, outcome.test)
             worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts

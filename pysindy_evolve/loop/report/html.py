@@ -17,6 +17,8 @@ from ..facts.outcome import Outcome
 from .advice import paragraphs
 from .effect_text import (
     hardly_named,
+    in_equation,
+    meant,
     name_of_alternative,
     named_together,
     numbers_inside,
@@ -27,6 +29,7 @@ from .effect_text import (
 )
 from .experiment import plan
 from .number_text import check_units, ends, value_within, with_unit
+from .printed_names import as_printed
 from .remains import remains
 from .text import free_parameters, note_on_shared_terms, p_of_effects, table_cells
 from .verdict import verdict_of
@@ -61,6 +64,7 @@ def as_html(outcome: Outcome, units: Mapping[str, str] | None = None) -> str:
             'LoopReport.to_html() needs jinja2 and matplotlib: pip install "pysindy-evolve[report]"'
         ) from error
     check_units("to_html", units, outcome.before.model.names)
+    outcome = as_printed(outcome)
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     source = (files(__package__) / "report.html.j2").read_text(encoding="utf-8")
     head, rows = table_cells(outcome)
@@ -90,12 +94,15 @@ def _listed(text: str) -> tuple[str, list[str]]:
 
 
 def _effect(effect: Effect, symbols: Sequence[Any]) -> dict[str, Any]:
+    own = () if effect.quantities else range(len(effect.expressions))
+    products = [line for k in own for line in in_equation(effect, k, symbols)]
     return {
         "name": effect.name,
         "place": effect.place,
         "entry": effect.entry,
         "coefficients": _coefficients(effect, symbols),
-        "numbers": _as_sentences([*numbers_inside(effect, symbols), *pumped(effect)]),
+        "meaning": _as_sentences(meant(effect, symbols)),
+        "numbers": _as_sentences([*products, *numbers_inside(effect, symbols), *pumped(effect)]),
         "share": f"{100 * effect.explained:.0f}",
         "of_what": whose_share(effect),
         "p": f"{effect.p_value:.2g}",

@@ -15,9 +15,9 @@ NOTABLE_NRMSE = 20.0  # percent, of a free run: more than a small error of a par
 BY_START = 0.5  # share of the error: if noise in the first state causes more, the run says little
 
 RANDOM = (
-    "None of the effects that were tried explains what remains; it may be a random force. If no "
-    "such force acts, something is missing that is not among these effects, or that this record "
-    "does not show clearly."
+    "None of the effects that were tried explains what remains; it may be a random disturbance. If "
+    "there is none, something is missing that is not among these effects, or that this record does "
+    "not show clearly."
 )
 UNSOUGHT = "The search stopped early: an effect that was not tried yet may explain this."
 SHORT = (
@@ -26,13 +26,15 @@ SHORT = (
 )
 
 
-def misfit_sentences(outcome: Outcome) -> list[str]:
+def misfit_sentences(outcome: Outcome, *, judges_run: bool = True) -> list[str]:
     """Say by how much the free run over the held-out data errs; if it follows, the derivative.
 
     Parameters
     ----------
     outcome : Outcome
         What the loop found.
+    judges_run : bool
+        Whether the error of the run tells anything; else the derivative is judged.
 
     Returns
     -------
@@ -43,7 +45,8 @@ def misfit_sentences(outcome: Outcome) -> list[str]:
     error = float(np.max(outcome.after.simulation_error))
     if error < LOST_NRMSE and outcome.verdict == "untraced":
         return []
-    sentences = _of_rates(outcome) if error < NOTABLE_NRMSE else _of_run(outcome, error)
+    by_run = judges_run and not error < NOTABLE_NRMSE  # also of a run that diverges
+    sentences = _of_run(outcome, error) if by_run else _of_rates(outcome)
     if sentences and outcome.rules.by_trajectory:
         sentences[-1] += f" {SHORT}"
     return sentences
@@ -71,7 +74,7 @@ def _of_run(outcome: Outcome, error: float) -> list[str]:
     if error < LOST_NRMSE:
         return [f"The free run still misses the record by {percent(error)}. {_why(outcome)}"]
     lost = (
-        "The free run leaves the record by more than the record varies. Either the model amplifies "
-        "the smallest difference, or something is still missing: judge by the derivative."
+        "The free run departs from the record by more than the record varies. Either the model "
+        "amplifies small differences, or something is still missing: judge by the derivative."
     )
     return [lost, *_of_rates(outcome)]

@@ -5,8 +5,12 @@ from __future__ import annotations
 from itertools import combinations
 
 from ...export import format_expression
+from ..effects.names import VISCOUS_DAMPING
 from ..facts.effect import Effect
 from ..facts.outcome import Outcome
+from .printed_names import OF_ANY_STATE
+
+LOSSES = {VISCOUS_DAMPING, OF_ANY_STATE[VISCOUS_DAMPING]}
 
 
 def one_force(outcome: Outcome) -> list[str]:
@@ -43,7 +47,8 @@ def _is_same_term(first: Effect, second: Effect) -> bool:
     """Tell whether two effects have one term and two names, each in an equation of its own."""
     has_two_names = first.name != second.name and first.state != second.state
     is_term = not (first.quantities or second.quantities)
-    return has_two_names and is_term and first.expressions == second.expressions
+    is_loss = {first.name, second.name} & LOSSES  # a state couples to others and damps itself
+    return has_two_names and is_term and not is_loss and first.expressions == second.expressions
 
 
 def _is_same_force(first: Effect, second: Effect) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..evidence.rejected import Rejected
@@ -21,8 +23,8 @@ def remains(outcome: Outcome) -> list[str]:
     )
     if outcome.verdict == "untraced" and outcome.chance_left < 1.0:
         sentences.append(
-            "A general model, polynomials of all variables and the recent past of the inputs, "
-            "predicts the residual better than it does in twins: the residual depends on the "
+            "A general model (polynomials of all variables and the recent past of the inputs) "
+            "predicts the residual better here than in twins, so the residual depends on the "
             "measured variables. Possible causes: a delay, a memory, an unmeasured variable, "
             "columns that were filtered differently, or, in a closed loop, noise of a sensor that "
             f"the controller passed on to an input.{slow_rest(outcome)}"
@@ -51,15 +53,15 @@ def _best_rejected(outcome: Outcome) -> str:
     is_tested = not np.isnan(best.p_value)
     if not is_tested and best.share < NEGLIGIBLE:
         least = percent(100 * NEGLIGIBLE)
-        return f"No other effect would remove {least} of the error that could be explained."
+        return f"No other effect would remove even {least} of the error that could be explained."
     further = "a further " if any(best.name == effect.name for effect in outcome.effects) else ""
-    name = f"{further}{best.name} in the equation of {_equations(outcome)}"
+    name = f"{further}{_named(best, outcome.before.model.states)}"
     n_twins = len(best.twin_scores)
     count = f"{round(best.p_value * (1 + n_twins)) - 1} of {n_twins}" if is_tested else ""
     if is_tested and best.p_value >= MIN_CHANCE_P_VALUE:
         return (
-            f"No other effect stands out: {count} twins, in which nothing is missing, show one as "
-            f"good as the best one here, {name} ({_p_value(best, outcome)})."
+            f"No other effect stands out: the best one left, {name}, is matched in {count} twins, "
+            f"in which nothing is missing ({_p_value(best, outcome)})."
         )
     said = f"The strongest candidate that did not pass is {name}: "
     if is_tested:
@@ -82,7 +84,15 @@ def _p_value(best: Rejected, outcome: Outcome) -> str:
     return text
 
 
-def _equations(outcome: Outcome) -> str:
-    """Return the states whose equations the best rejected candidate would enter."""
-    group = () if outcome.rejected is None else outcome.rejected.tried.group
-    return ", ".join(dict.fromkeys(outcome.before.model.states[one.state] for one in group))
+def _named(best: Rejected, states: Sequence[str]) -> str:
+    """Return the effects of a candidate, a pair of them at most, with their equations."""
+    names = [one.name for one in best.tried.group]
+    places = [states[one.state] for one in best.tried.group]
+    if len(set(places)) == 1:
+        together = " together" if len(names) > 1 else ""
+        return f"{' and '.join(names)}{together} in the equation of {places[0]}"
+    if len(set(names)) == 1:
+        return f"{names[0]} in the equations of {' and '.join(places)}"
+    pairs = zip(names[1:], places[1:], strict=True)
+    others = " and ".join(f"{name} in that of {place}" for name, place in pairs)
+    return f"{names[0]} in the equation of {places[0]} together with {others}"

@@ -62,7 +62,10 @@ class LoopReport(Outcome):
 
     @cached_property
     def model(self) -> ps.SINDy:
-        """The corrected model as a fitted SINDy model; time, if needed, is its last input.
+        """The corrected model as a fitted SINDy model.
+
+        If an effect depends on the time, t is the last input, so that simulating it reads
+        ``report.model.simulate(x0, t, u=np.column_stack([u, t]))``, and predicting likewise.
 
         It cannot delay an input, and warns: give it the input after its delay. For an algebraic
         target, such as a force, it predicts the target itself, though PySINDy prints a derivative;

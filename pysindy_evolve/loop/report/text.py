@@ -20,12 +20,14 @@ from .advice import paragraphs
 from .effect_text import evidence, sentence
 from .experiment import plan
 from .number_text import ends, percent_cell, value_within
+from .printed_names import as_printed
 from .remains import remains
 from .verdict import verdict_of
 
 
 def as_text(outcome: Outcome) -> str:
     """Return the report as plain text."""
+    outcome = as_printed(outcome)
     parts = [
         fill(f"Verdict: {verdict_of(outcome)}", 96),
         "Declared model, fitted\n" + indent(_model(outcome.before), "    "),
@@ -47,12 +49,14 @@ def _filled(line: str) -> str:
 
 def _model(errors: Errors) -> str:
     """Return the equations and, below them, the free parameters."""
-    parameters = free_parameters(errors)
+    title, colon, items = free_parameters(errors).partition(": ")
+    whole = ", ".join(item.replace(" ", "\u00a0") for item in items.split(", "))
+    parameters = fill(f"{title}{colon}{whole}", 92, subsequent_indent="  ")
     equations = [
         fill(line, 96, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
         for line in format_equations(errors.model).splitlines()
     ]
-    lines = [*equations, fill(parameters, 92, subsequent_indent="  ")]
+    lines = [*equations, parameters.replace("\u00a0", " ")]  # an interval stays in its line
     return "\n".join(line for line in lines if line)
 
 
@@ -193,6 +197,7 @@ def p_of_rivals(outcome: Outcome) -> list[str]:
 
 def as_markdown(outcome: Outcome) -> str:
     """Return the report as Markdown."""
+    outcome = as_printed(outcome)
     parts = [
         f"**Verdict:** {verdict_of(outcome)}",
         f"Declared model, fitted:\n\n{_code(_model(outcome.before))}",

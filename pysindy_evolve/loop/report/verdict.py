@@ -50,8 +50,8 @@ VERDICTS: dict[str, tuple[tuple[Callable[[Outcome], bool], str], ...]] = {
         (
             _leaves_more_than_noise,
             "complete: none of the effects that were tried passes, but the model leaves more than "
-            "the noise of the sensors explains, as it does where a random force acts; see what "
-            "remains.",
+            "the noise of the sensors explains, as it does where a random disturbance acts; see "
+            "what remains.",
         ),
         (_otherwise, "complete: nothing is missing that this data can show."),
     ),

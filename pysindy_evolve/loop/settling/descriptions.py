@@ -87,9 +87,9 @@ def _entry(design: Design, finding: Finding) -> str:
     entry, force = place
     name = design.names[entry.beside]
     if entry.beside < len(design.states):
-        return f"where the damping of {name} does, multiplied by the same factor"
+        return f"through the same factor as the damping of {name}"
     if mul(entry.factor, force) != terms[0] or not entry.is_known:
-        return f"where {name} does, multiplied by the same factor"
+        return f"through the same factor as {name}"
     number = f"{AS_INPUT} {name} were larger by this number"
     if force == OFFSET:
         return number

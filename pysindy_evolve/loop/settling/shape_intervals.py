@@ -19,7 +19,7 @@ from ...hidden_states.memory import all_with_memories
 from ...signals import Record
 from ..effects.candidate import Shape
 from ..effects.partners import joined, shares_number
-from ..effects.shaping import HALF_SATURATION, tuned_shape
+from ..effects.shaping import FROM_RECIPROCALS, tuned_shape
 from ..evidence.findings import Finding, memories_in
 from ..facts.effect import Effect, Errors
 from ..facts.outcome import Outcome
@@ -193,7 +193,7 @@ def _with_numbers(effect: Effect, shape: Shape | None, relative: np.ndarray) -> 
     if shape is None:
         return effect
     shown = {
-        meaning: 1.0 / value if meaning.endswith(HALF_SATURATION) else value
+        meaning: 1.0 / value if meaning.endswith(FROM_RECIPROCALS) else value
         for meaning, value in shape.named.items()
     }
     factors = np.maximum(1.0 + relative[:, None] * [-1.0, 1.0], 0.0)

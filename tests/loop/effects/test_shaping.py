@@ -28,13 +28,16 @@ def test_each_of_several_numbers_has_its_own_meaning():
         call(BUILTIN["softsign"], mul(constant(4.0), Q)),
     )
     shape = tuned_shape(Candidate("evolved term", 1, (uptake,)))
-    assert set(shape.meanings) == {"first inner constant", "second half-saturation constant"}
+    assert set(shape.meanings) == {"inner constant", "half-saturation constant"}
 
 
 def test_the_exponent_of_a_hill_function_is_no_level():
     power = call(BUILTIN["exp"], mul(constant(3.0), call(BUILTIN["log"], call(BUILTIN["abs"], Q))))
     shape = tuned_shape(grown("softsign", mul(constant(0.3), power)))
-    assert list(shape.named) == ["first inner constant", "second inner constant"]
+    assert list(shape.named) == ["constant in the denominator", "exponent"]
+    assert tuned_shape(grown("exp", mul(constant(1.75), call(BUILTIN["log"], Q)))).named == {
+        "exponent": pytest.approx(1.75)
+    }
 
 
 def test_a_number_that_nobody_tuned_is_not_told():

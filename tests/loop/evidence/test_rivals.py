@@ -277,7 +277,7 @@ def test_alternatives_do_not_hold_the_name_itself():
     (effect,) = report.effects
     assert "Coulomb friction" in [rival.name for rival in effect.rivals]
     assert "Coulomb friction" not in effect.alternatives
-    assert re.search(r"the same in the form -[12]\.\d+ tanh\(", " ".join(str(report).split()))
+    assert re.search(r"the form -[12]\.\d+ tanh\(", " ".join(str(report).split()))
 
 
 def test_an_effect_that_another_one_needs_has_no_rivals():

@@ -50,7 +50,7 @@ def test_only_an_alternative_in_the_same_variables_is_the_same_in_another_form(r
     *_, effect = report.effects
     (own,), q = effect.term.free_symbols, sympy.Symbol("q", real=True)
     for term, said in (
-        (sympy.tanh(own), "the same in the form tanh(v)"),
+        (sympy.tanh(own), "the form tanh(v)"),
         (q * own, "another Coulomb friction q v"),
     ):
         rival = Alternative(effect.name, effect.state, term, 1.0, (), force=term)

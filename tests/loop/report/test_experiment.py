@@ -61,7 +61,7 @@ def test_the_plan_says_it_in_sentences_with_numbers_and_units(slow, cubic):
     )
     assert f"with {cubic.motion.amplitude:g} times the amplitude" in said
     assert f"|v| up to {there:.3g} m/s (here {here:.3g})" in said
-    assert f"then makes it {cubic.then:.1f}" in said
+    assert f"raises that to {cubic.then:.1f}" in said
 
 
 @pytest.mark.slow
@@ -126,9 +126,18 @@ def test_a_population_swings_about_its_mean_and_never_below_nothing():
 def test_what_noise_alone_would_tell_apart_needs_another_cause_first(slow, cubic):
     clear = replace(cubic, now=28.4)
     said = " ".join(str(Plan((clear,))).split())
-    assert "by 28.4 standard errors" in said
-    assert "record more of the same motion" in said
-    assert "Repeat the motion" not in said
+    assert "(28.4 standard errors; five" in said
+    assert "Repeat the same experiment: more data" in said
+    assert "Repeat the experiment" not in said
+
+
+@pytest.mark.slow
+def test_only_a_report_with_cautions_asks_to_look_at_these_first(cubic):
+    clear = replace(cubic, now=28.4)
+    for settled in (True, False):
+        said = " ".join(str(Plan((clear,), settled=settled)).split())
+        assert ("Repeat the same experiment" in said) is settled
+        assert ("notes at the end of the report first" in said) is not settled
 
 
 @pytest.mark.slow
@@ -136,10 +145,10 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
     known = [replace(cubic, now=now) for now in (28.4, 7.1)]
     hopeless = [replace(cubic, now=0.5, then=0.6) for _ in range(3)]
     said = " ".join(str(Plan((known[0], hopeless[0], cubic, *hopeless[1:], known[1]))).split())
-    assert "by 7.1 to 28.4 standard errors" in said
-    assert said.count("record more of the same motion") == 1
-    assert said.count("No motion of up to 5 times") == 1
-    assert said.count("Repeat the motion") == 1
+    assert "(7.1 to 28.4 standard errors; five" in said
+    assert said.count("Repeat the same experiment: more data") == 1
+    assert said.count("No experiment of up to 5 times") == 1
+    assert said.count("Repeat the experiment") == 1
     assert "3. quadratic drag" in said
     assert "4. " not in said
 
@@ -147,7 +156,7 @@ def test_alternatives_that_no_motion_tells_apart_share_one_paragraph(slow, cubic
 @pytest.mark.slow
 def test_no_more_standard_errors_are_printed_than_anybody_needs(cubic):
     said = " ".join(str(Plan((replace(cubic, then=9718.5),))).split())
-    assert "then makes it more than 100." in said
+    assert "raises that to more than 100." in said
 
 
 @pytest.mark.slow

@@ -101,7 +101,8 @@ def test_names_in_the_pictures_are_not_shared_between_them(page):
 def test_complete_page_gives_the_best_that_did_not_pass_and_its_twins(complete, tmp_path):
     page = page_of(complete, tmp_path)
     assert "What was missing" not in page
-    assert f"as good as the best one here, {complete.rejected.name} in the equation of" in page
+    names = " and ".join(one.name for one in complete.rejected.tried.group)
+    assert f"the best one left, {names} together in the equation of v, is matched" in page
     assert f"p = {complete.rejected.p_value:.2g}" in page
     assert "Scores of twins and of the best effect that did not pass" in page
 

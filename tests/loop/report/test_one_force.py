@@ -49,11 +49,10 @@ def test_others_are_not(other):
 
 def test_one_term_that_has_two_names_is_told_to_be_one():
     flow = {"entry": "", "term": "x"}
-    (sentence,) = said(
-        effect("A", -0.3, -0.2, name="coupling", **flow),
-        effect("B", 0.2, 0.3, name="evolved term", **flow),
-    )
+    second = effect("B", 0.2, 0.3, name="evolved term", **flow)
+    (sentence,) = said(effect("A", -0.3, -0.2, name="coupling", **flow), second)
     assert sentence.startswith("Coupling in the equation of A and evolved term in that of B are")
     assert "the same term, x." in sentence
+    assert said(effect("A", 1.0, 2.0, name="linear term", **flow), second) == []
     same_name = (effect(state, 0.2, 0.3, name="coupling", **flow) for state in "AB")
     assert said(*same_name) == []
