@@ -13,13 +13,14 @@ difference may saturate at a grip, as that of a clutch between two shafts does.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ...operators import BUILTIN
 from ...terms import Call, Sum, call, mul, only_term, power, sub, variable
 from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, bare
-from .names import COUPLING
+from .names import COUPLING, DEAD_ZONE
 from .slips import gripping
 
 
@@ -37,7 +38,10 @@ def differences(
             yield from _carried(effect, design, own, other)
         if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
             slip = sub(variable(other), variable(own))
-            yield from gripping(effect, COUPLING, slip, float(ranges.apart[own, other]))
+            grips = gripping(effect, COUPLING, slip, float(ranges.apart[own, other]))
+            # Beside a declared spring, a gap between two bodies looks much the same.
+            plainer = () if position is None else (DEAD_ZONE,)
+            yield from (replace(one, must_beat=plainer) for one in grips)
 
 
 def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:
