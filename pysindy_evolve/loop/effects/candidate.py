@@ -190,12 +190,13 @@ class _Rewritten:
 
 
 def rewritten(candidate: Candidate, rewrite: Callable[[Sum], Sum]) -> Candidate:
-    """Return a candidate with each of its expressions rewritten, also when it is tuned."""
+    """Return a candidate, and its partners, with each expression rewritten, also when tuned."""
     terms, parents = (tuple(map(rewrite, sums)) for sums in (candidate.terms, candidate.parents))
     shape = candidate.shape
     if shape is not None:
         shape = replace(shape, builds=tuple(_Rewritten(build, rewrite) for build in shape.builds))
-    return replace(candidate, terms=terms, parents=parents, shape=shape)
+    partners = tuple(rewritten(partner, rewrite) for partner in candidate.partners)
+    return replace(candidate, terms=terms, parents=parents, shape=shape, partners=partners)
 
 
 @dataclass(frozen=True)

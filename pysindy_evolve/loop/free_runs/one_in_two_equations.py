@@ -1,10 +1,10 @@
 """One effect in two equations, in place of a different one in each.
 
 What one species loses another gains, and a force between two bodies acts on both: one expression
-stands in two equations. A search looks at one equation at a time. Where both share a coefficient of
-the declared model, the first effect then makes up for what the second one still lacks, and takes a
-form that neither of them has. Neither can be exchanged alone, as it fits its wrong partner. So each
-two effects of different equations are compared with the effects that may stand in both.
+stands in two equations. Unless these share a coefficient of the declared model, a search looks at
+one equation at a time, and noise lets another form win in either. Both together tell more. Nor can
+one of two wrong forms be exchanged alone where a shared coefficient has made each fit the other. So
+each two effects of different equations are compared with the effects that may stand in both.
 """
 
 from __future__ import annotations
