@@ -55,10 +55,10 @@ def saturating(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterat
 def _sated(
     effect: CandidateMaker, build: partial[Sum], level: int, scale: float
 ) -> Iterator[Candidate]:
-    """Yield a rate with several half-saturation constants; each form is tuned by itself."""
-    form = FORMS.index(build.func)
+    """Yield a rate with several numbers in its denominator; each form is tuned by itself."""
+    form, meanings = list(FORMS).index(build.func), (FORMS[build.func],)
     for share in HALVES:
-        half = Shape((share * scale,), (build,), meanings=("half-saturation",), branch=form)
+        half = Shape((share * scale,), (build,), meanings=meanings, branch=form)
         candidate = effect(SATURATING, shape=half, never_paired=True)
         yield replace(candidate, acts_at=((level,), candidate.terms))
 
@@ -105,7 +105,13 @@ def _inhibited(part: Sum, level: int, half: float) -> Sum:
     return _with_denominators(part, change)
 
 
-FORMS = (_over, _hiding, _crowded, _inhibited, _for_each)
+FORMS = {  # and what the number in each means
+    _over: "half-saturation",
+    _hiding: "half-saturation",
+    _crowded: "constant in the denominator",
+    _inhibited: "inhibition level",
+    _for_each: "factor in the denominator",
+}
 
 
 def _denominators(part: Sum) -> list[Sum]:

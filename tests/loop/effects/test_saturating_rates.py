@@ -138,7 +138,7 @@ def test_what_inhibits_its_own_uptake_is_found_in_both_equations(loss):
     report = pse.close_loop(model, record, operators=(), random_state=0)
     assert [effect.name for effect in report.effects] == [SATURATING, SATURATING]
     for effect in report.effects:  # over its constant, the denominator is 1 + S/1.2 + S^2/10.8
-        assert effect.numbers["half-saturation"] == pytest.approx(10.8**0.5, rel=0.05)
+        assert effect.numbers["inhibition level"] == pytest.approx(10.8**0.5, rel=0.05)
     assert (report.after.simulation_error < 1.0).all()
     assert "it acts" not in str(report)  # D multiplies X too, but a rate is no force
 
