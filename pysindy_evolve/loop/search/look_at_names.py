@@ -114,7 +114,10 @@ def _or_grown(
     if not grown:
         return found
     step = new[0].step
-    return found.with_findings([*known.findings, *(replace(one, step=step) for one in grown)])
+    numbered = [replace(one, step=step) for one in grown]
+    # Should the grown term not stand in the end, what it was better than comes back.
+    better = found.with_findings([*known.findings, *numbered])
+    return replace(better, outdone=(*found.outdone, *new))
 
 
 def _exchanged(found: Found) -> Found:
@@ -146,7 +149,7 @@ def _tuned(found: Found) -> Found:
 def _pruned(found: Found) -> Found:
     """Drop what later findings made superfluous, and put one effect in the place of two."""
     kept = prune(found.declared, found.findings, found.corrected_pieces)
-    outdone = tuple(excluding(found.findings, *kept))
+    outdone = (*found.outdone, *excluding(found.findings, *kept))
     left = found.with_findings(merged(found.declared, kept, found.corrected_pieces))
     return replace(left, outdone=outdone)
 

@@ -10,8 +10,11 @@ from pysindy_evolve.loop.evidence.findings import Finding, MemoryFinding, memori
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.growth.term_grower import TermGrower
+from pysindy_evolve.loop.search import found as found_module
 from pysindy_evolve.loop.search import look_at_names
 from pysindy_evolve.loop.search.found import Found
+from pysindy_evolve.terms import variable
 
 FRICTION = oscillator("Coulomb friction", "- 2*sgn(v)")
 EVIDENCE = 1.0, 0.01, np.zeros(9)
@@ -76,3 +79,19 @@ def test_another_effect_of_the_same_name_is_looked_for(search, start, monkeypatc
     assert len(left.findings) == MOST_LOOKS - 1
     assert n_looks == MOST_LOOKS
     assert not memories_in(left.findings)
+
+
+def test_a_name_comes_back_if_the_grown_term_in_its_place_does_not_stand(start, monkeypatch):
+    """A fan was left without an effect once a grown term was withdrawn, though a name had passed."""
+
+    def finding(name):
+        candidate = Candidate(name, 1, (variable(0),))
+        return Finding(candidate, columns_of(candidate, start.design), *EVIDENCE)
+
+    named, grown = finding("linear stiffness"), finding("evolved term")
+    monkeypatch.setattr(TermGrower, "better", lambda *_: [grown])
+    better = look_at_names._or_grown(start, start, [named], np.random.default_rng(0))
+    assert [one.candidate.name for one in better.findings] == ["evolved term"]
+    monkeypatch.setattr(found_module, "prune", lambda _, findings, __: list(findings))
+    back = better.without(better.findings[0])
+    assert [one.candidate.name for one in back.findings] == ["linear stiffness"]
