@@ -82,7 +82,7 @@ def test_another_effect_of_the_same_name_is_looked_for(search, start, monkeypatc
 
 
 def test_a_name_comes_back_if_the_grown_term_in_its_place_does_not_stand(start, monkeypatch):
-    """A fan was left without an effect once a grown term was withdrawn, though a name had passed."""
+    """A fan was left without an effect once a grown term fell, though a name had passed."""
 
     def finding(name):
         candidate = Candidate(name, 1, (variable(0),))
