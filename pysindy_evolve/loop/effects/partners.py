@@ -101,7 +101,6 @@ def shared_effects(design: Design, offered: Sequence[Candidate]) -> list[Candida
                 for one in offered
                 if acting
                 and acting <= one.variables
-                and not one.must_beat
                 and {(one.state, parent) for parent in one.parents} <= present
             ]
             found += acting_in(states, able)

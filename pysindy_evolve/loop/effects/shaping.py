@@ -78,7 +78,8 @@ def tuned_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape 
         return None
     if shape is None or shape.meanings:
         return shape
-    atoms = [atom for one in products for atom, _ in one.factors]
+    # A sum times a function holds the function once in each of its products.
+    atoms = dict.fromkeys(atom for one in products for atom, _ in one.factors)
     kinds = [kind for atom in atoms for kind in _kinds(atom)]
     if len(kinds) != len(shape.values):  # built from few numbers, or exp(v), which is exp(1 v)
         kinds = [INNER] * len(shape.values)

@@ -33,7 +33,7 @@ def leveling(effect: CandidateMaker, design: Design, ranges: Ranges) -> Iterator
             yield from (replace(one, acts_at=((min(slip.variables),), one.terms)) for one in grips)
         for speed in sorted(part.variables & frozenset(speeds)):
             carried = mul(part, variable(speed))
-            if _is_slip(carried, speeds):
+            if _is_slip(carried, speeds, alone=False):
                 slip = _in_unit_of_variable(carried)
                 yield from gripping(effect, COUPLING, slip, _largest(slip, ranges), speed)
 
@@ -58,14 +58,14 @@ def _grip_over(slip: Sum, speed: int, width: float) -> Sum:
     return div(rounded_sign(slip, width), variable(speed))
 
 
-def _is_slip(part: Sum, speeds: Sequence[int]) -> bool:
+def _is_slip(part: Sum, speeds: Sequence[int], *, alone: bool = True) -> bool:
     """Tell whether a part is a sum of variables, some of them over a speed.
 
-    The difference of two variables is tried for all states of one kind, see differences.py.
+    The difference of two variables alone is tried for all states of one kind, see differences.py.
     """
     plain = [weight for weight, term in part.parts if _is_variable(term)]
     over = [term for _, term in part.parts if _is_over_speed(term, speeds)]
-    is_difference = len(plain) == 2 and not over and plain[0] == -plain[1]
+    is_difference = alone and len(plain) == 2 and not over and plain[0] == -plain[1]
     return bool(plain) and 1 < len(plain) + len(over) == len(part.parts) and not is_difference
 
 

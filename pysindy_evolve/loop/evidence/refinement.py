@@ -51,7 +51,10 @@ def justified(
     -------
     Candidate
     """
-    same_equation = [c for c in proposed if c.state == candidate.state]
+    n_partners = len(candidate.partners)
+    same_equation = [
+        c for c in proposed if c.state == candidate.state and len(c.partners) == n_partners
+    ]
     forms = [c for c in same_equation if c.name == candidate.name]
     plain = score(
         design, part, [c for c in same_equation if c.name in candidate.must_beat], pairs=False

@@ -4,7 +4,7 @@ What one species loses another gains, and a force between two bodies acts on bot
 stands in two equations. Unless these share a coefficient of the declared model, a search looks at
 one equation at a time, and noise lets another form win in either. Both together tell more. Nor can
 one of two wrong forms be exchanged alone where a shared coefficient has made each fit the other. So
-each two effects of different equations are compared with the effects that may stand in both.
+every two effects of different equations are compared with those that may stand in both.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from itertools import combinations
 from tqdm.auto import tqdm
 
 from ...signals import Record
+from ...terms import Sum
 from ..effects.candidate import Candidate
-from ..effects.missing import beside, candidates, with_parents
+from ..effects.missing import beside, candidates, terms_in, with_parents
 from ..effects.names import EVOLVED
 from ..effects.partners import acting_in, apart, joined
 from ..effects.shaping import shape_of
@@ -94,7 +95,7 @@ def _closest(
     shared = tuned_by_runs(list(map(Contender, rivals, fitted)), model, drift)
     contenders = [Contender(present[0], separate, tied=True), *shared]
     best = best_of(contenders, pool.matter, rules.significance / max(len(rivals), 1)).candidate
-    return tuple(present) if best is present[0] else _in_each(best)
+    return tuple(present) if best is present[0] else apart(best)
 
 
 def _shared(present: Sequence[Candidate], design: Design, pool: Pool) -> list[Candidate]:
@@ -125,11 +126,15 @@ def _grown_in_both(
     grown: Iterable[Candidate], first: int, second: int, design: Design
 ) -> Iterator[Candidate]:
     """Yield each grown term as one of two equations, whose numbers are tuned in both at once."""
+    present = terms_in(design)
     for one in grown:
         shaped = replace(one, shape=shape_of(one, design.constants), parents=())
-        yield joined([replace(shaped, state=state) for state in (first, second)])
+        yield joined([_in_equation(shaped, state, present) for state in (first, second)])
 
 
-def _in_each(shared: Candidate) -> tuple[Candidate, ...]:
-    """Return an effect of two equations as one of each; the numbers of grown terms lie in them."""
-    return tuple(replace(c, shape=None) if c.name == EVOLVED else c for c in apart(shared))
+def _in_equation(one: Candidate, state: int, present: set[tuple[int, Sum]]) -> Candidate:
+    """Return a candidate for another equation, without an offset that this one has already."""
+    shape, kept = one.shape, [k for k, term in enumerate(one.terms) if (state, term) not in present]
+    if shape is not None:
+        shape = replace(shape, builds=tuple(shape.builds[k] for k in kept))
+    return replace(one, state=state, terms=tuple(one.terms[k] for k in kept), shape=shape)

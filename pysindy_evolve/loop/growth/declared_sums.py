@@ -29,7 +29,8 @@ from .curves import curves
 from .naming import has_arbitrary_zero, poses_as_offset
 from .seeds import CHUNK, functions
 
-N_BEST = 3  # products to tune and to return
+N_TUNED = 12  # terms to tune: the right form may be far from its numbers on the grid
+N_BEST = 3  # terms to return, each of another form
 ALONE = constant(1.0)
 
 
@@ -63,7 +64,7 @@ def terms_with_sums(
         return []
     of_variables = [*functions(operators, x), *curves(operators, x, len(design.states))]
     offered = [c for base in sums for c in _products(base, of_variables, None, state, design)]
-    for argument in sums:
+    for argument in (_made_positive(one, x) for one in sums):
         column = argument.evaluate(x)[:, None]
         of_sum = [*functions(operators, column), *curves(operators, column, 0)]
         for base in (ALONE, *sums):
@@ -71,13 +72,21 @@ def terms_with_sums(
     offered = list(dict.fromkeys(offered))
     if (state, OFFSET) not in terms_in(design):
         signed = has_arbitrary_zero(design, state, part.ranges.signed)
-        offered = [
-            _beside_offset(c) if poses_as_offset(c.terms[0], x, signed) else c for c in offered
-        ]
+        posing = [one for one in offered if poses_as_offset(one.terms[0], x, signed)]
+        offered += map(_beside_offset, posing)
     chunks = [offered[i : i + CHUNK] for i in range(0, len(offered), CHUNK)]
-    best = [one for chunk in chunks for one in _best(chunk, design, part)]
-    sharp = [tuned(one, design, part) for one in _best(best, design, part)]
-    return _best(sharp, design, part)
+    best = [one for chunk in chunks for one in _best(chunk, design, part)[:N_TUNED]]
+    sharp = [tuned(one, design, part) for one in _best(best, design, part)[:N_TUNED]]
+    forms: dict[object, Candidate] = {}
+    for one in _best(sharp, design, part):
+        forms.setdefault(one.form, one)
+    return list(forms.values())[:N_BEST]
+
+
+def _made_positive(argument: Sum, x: np.ndarray) -> Sum:
+    """Return a sum with the sign in which it is positive, if it keeps its sign."""
+    is_negative = bool((argument.evaluate(x) < 0.0).all())
+    return mul(constant(-1.0), argument) if is_negative else argument
 
 
 def _beside_offset(candidate: Candidate) -> Candidate:
@@ -100,10 +109,10 @@ def _is_sum(part: Sum, time: int) -> bool:
 
 
 def _best(offered: Sequence[Candidate], design: Design, part: Segments) -> list[Candidate]:
-    """Return the few candidates that gain most for their nodes, best first."""
+    """Return the candidates that are worth their nodes, best first."""
     scores = score(design, part, offered, pairs=False)
     worth = sorted((s for s in scores if net(s) > 0.0), key=net, reverse=True)
-    return [s.group[0] for s in worth[:N_BEST]]
+    return [s.group[0] for s in worth]
 
 
 def _products(

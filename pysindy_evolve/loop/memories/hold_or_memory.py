@@ -166,7 +166,8 @@ def hold_replaces(effect: Candidate, column: int, design: Design, part: Segments
     late = Memory(DELAY, column, (HALF_SAMPLE * part.records[0].raw_dt,))
     (exchange,) = exchanged([late], design, part)
     scores = score(design, part, [replace(effect, parents=())], pairs=False)
-    return bool(scores) and exchange.gain > scores[0].value - MIN_GAIN_LOG
+    enough = max((s.value - MIN_GAIN_LOG for s in scores), default=np.inf)
+    return bool(exchange.gain > max(enough, MIN_GAIN_LOG))
 
 
 def in_pieces(part: Segments) -> Segments:
