@@ -6,10 +6,12 @@ import sympy
 from loop_systems import measured
 
 import pysindy_evolve as pse
+from pysindy_evolve.loop.effects.candidate import Candidate, rewritten
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.partners import (
     apart,
     are_partners,
+    joined,
     partnerships,
     shared_effects,
     shares_number,
@@ -25,6 +27,8 @@ from pysindy_evolve.loop.given.ranges import Ranges
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
 from pysindy_evolve.loop.revision.shared_numbers import with_shared_numbers
+from pysindy_evolve.substitution import substituted
+from pysindy_evolve.terms import mul, variable
 
 RULES = Rules(significance=0.05, n_twins=59, min_share=0.05, max_effects=8)
 GAP = 0.02
@@ -169,3 +173,11 @@ def test_what_changes_terms_with_one_coefficient_is_offered_in_all_their_equatio
     inhibited = next(states for name, states in found.items() if "A B/(" in name and "C" in name)
     assert inhibited == ([0, 1, 2] if is_shared else [0, 2])
     assert not any(name == "A^2" for name in found)  # it says nothing about the shared rate
+
+
+def test_partners_are_rewritten_with_the_effect():
+    """Beside probes the time has another number; the partner of a drift became something else."""
+    here, there = (Candidate("drift", state, (mul(variable(0), variable(3)),)) for state in (0, 1))
+    moved = rewritten(joined([here, there]), lambda term: substituted(term, {3: variable(7)}))
+    wanted = mul(variable(0), variable(7))
+    assert [one.terms for one in apart(moved)] == [(wanted,), (wanted,)]

@@ -10,8 +10,11 @@ from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.rules import Rules
 from pysindy_evolve.loop.given.segments import segments
+from pysindy_evolve.loop.memories.hold_or_memory import hold_replaces
 from pysindy_evolve.loop.search.found import Found
 from pysindy_evolve.loop.search.how_inputs_act import with_holds
+from pysindy_evolve.operators import BUILTIN
+from pysindy_evolve.terms import call, mul, variable
 
 
 @pytest.mark.parametrize("is_held", [True, False])
@@ -64,3 +67,11 @@ def test_a_smooth_input_beside_one_that_is_held_is_held_if_an_effect_does_no_bet
     if again is not None:
         assert again.held == {0: 0.5, 1: 0.5}
         assert again.findings == ()
+
+
+def test_no_hold_replaces_an_effect_that_explains_as_little():
+    """A drag that only free runs show scores nothing in the derivative, and so did the hold."""
+    record = flux(is_held=False, offset=0.0)
+    design = pse.DeclaredModel({"l": "m*d - n*l", "w": "k*q - c*w"}, inputs=["d", "q"]).design()
+    effect = Candidate("quadratic drag", 1, (mul(variable(1), call(BUILTIN["abs"], variable(1))),))
+    assert not hold_replaces(effect, 0, design, segments([record]))
