@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -75,19 +75,25 @@ def find(
     names = (*design.states, *design.inputs, "t")
     # The first look is tested even if its best effect is too small: "complete" needs evidence.
     if not worthy and (design.columns != declared.columns or not top):
-        weak = [Rejected(s, scored.shares.of(s), variables=names) for s in top]
+        weak = [Rejected(_by_equation(s), scored.shares.of(s), variables=names) for s in top]
         return Look(rejected=weak[0] if weak else None)
     best = without_number(plainest(worthy or top), worthy, scored.shares)
     tunes, observed = scored.statistic_of(best)
     statistic = partial(_best_score, design=design, proposer=proposer, tunes=tunes)
     p_value, twins = chance_of(observed, statistic, design, equations, part, rules, rng)
     if p_value > rules.level or not worthy:
-        tested = Rejected(best, scored.shares.of(best), p_value, twins, names, rules.level)
+        share, tried = scored.shares.of(best), _by_equation(best)
+        tested = Rejected(tried, share, p_value, twins, names, rules.level)
         return Look(rejected=tested)
     group = _tuned_group(best, design, scored.proposed, part, rules, rng)
     evidence = best.value, p_value, twins
-    alone = [each for one in group for each in apart(one)]
+    alone = _by_equation(replace(best, group=tuple(group))).group
     return Look(tuple(Finding(one, columns_of(one, design), *evidence) for one in alone))
+
+
+def _by_equation(score: Score) -> Score:
+    """Return a score with effects of several equations as one of each."""
+    return replace(score, group=tuple(each for one in score.group for each in apart(one)))
 
 
 @dataclass(frozen=True, eq=False)
