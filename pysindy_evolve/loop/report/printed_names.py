@@ -1,8 +1,8 @@
 """Names as they are printed: "quadratic drag" of a velocity is a "quadratic term" of a population.
 
-The loop names effects by what they are in a machine. Where no equation says x' = v, the state v may
-be a current, a level, a concentration or a population, and a name that holds for all of them is
-printed.
+The loop names effects by what they are in a machine. Where no equation says x' = v and the state v
+keeps its sign, it may be a level, a temperature, a concentration or a population, and a name that
+holds for all of them is printed. The speed of a motor turns, and keeps its friction.
 """
 
 from __future__ import annotations
@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from ...signals import Record
 from ...terms import Sum
 from ..effects.names import (
     ASYMMETRIC_FRICTION,
@@ -54,7 +57,11 @@ def as_printed(outcome: Outcome) -> Outcome:
     design = outcome.design
     velocity_of = {k: design.derivative_of(k) for k in range(len(design.states))}
     moving = {k for pair in velocity_of.items() if pair[1] is not None for k in pair}
-    others = {name for k, name in enumerate(design.states) if k not in moving}
+    others = {
+        name
+        for k, name in enumerate(design.states)
+        if k not in moving and _keeps_sign(outcome.train, k)
+    }
     if design.algebraic:  # a force has the frictions of its velocities
         others = set()
     names = _Names(frozenset(others), len(design.states), design.time)
@@ -68,6 +75,12 @@ def as_printed(outcome: Outcome) -> Outcome:
     return replace(outcome, effects=effects, steps=steps, rejected=rejected)
 
 
+def _keeps_sign(records: Sequence[Record], state: int) -> bool:
+    """Tell whether a state has one sign in all rows of records."""
+    signs = np.concatenate([np.sign(record.x[:, state]) for record in records])
+    return bool(abs(signs.sum()) == len(signs))
+
+
 @dataclass(frozen=True)
 class _Names:
     """Gives names as they are printed.
@@ -75,7 +88,7 @@ class _Names:
     Attributes
     ----------
     others : frozenset of str
-        The states that are no part of a motion.
+        The states that are no part of a motion and keep their sign.
     n_states : int
         Number of declared states, the first variables.
     time : int
