@@ -97,10 +97,11 @@ class Call(Node):
     @lazily
     def size(self) -> int:
         """Number of nodes; x^1.75, which is exp(1.75 log(x)), has two besides those of x."""
-        return (0 if self._is_power() else 1) + sum(a.size for a in self.args)
+        return (0 if self.is_power else 1) + sum(a.size for a in self.args)
 
-    def _is_power(self) -> bool:
-        """Tell whether this is exp(n log(x)), which is printed as x^n."""
+    @property
+    def is_power(self) -> bool:
+        """Whether this is exp(n log(x)), which is printed as x^n."""
         factors = [factor for a in self.args for _, term in a.parts for factor in term.factors]
         if self.operator.name != "exp" or len(factors) != 1:
             return False

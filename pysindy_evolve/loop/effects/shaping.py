@@ -90,23 +90,16 @@ def tuned_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape 
 
 def _kinds(atom: Atom) -> list[str]:
     """Return what each number in a function means: in x/(c + |x|), it is printed as it is there."""
-    if _is_power(atom):
+    if isinstance(atom, Call) and atom.is_power and len(atom.constants) == 1:
         return [EXPONENT]
     if isinstance(atom, Call) and atom.operator.name == "softsign":
         inner = [factor for _, term in atom.args[0].parts for factor, _ in term.factors]
-        if len(inner) == 1 and _is_power(inner[0]) and len(atom.constants) == 2:
+        is_hill = len(inner) == 1 and isinstance(inner[0], Call) and inner[0].is_power
+        if is_hill and len(atom.constants) == 2:
             return [DENOMINATOR, EXPONENT]
         if len(atom.constants) == 1:
             return [HALF_SATURATION]
     return [INNER] * len(atom.constants)
-
-
-def _is_power(atom: Atom) -> bool:
-    """Tell whether an atom is a power such as |x|^1.75, which is built as exp(1.75 log(|x|))."""
-    if not isinstance(atom, Call) or atom.operator.name != "exp" or len(atom.constants) != 1:
-        return False
-    inner = [factor for _, term in atom.args[0].parts for factor, _ in term.factors]
-    return len(inner) == 1 and isinstance(inner[0], Call) and inner[0].operator.name == "log"
 
 
 def with_units(candidate: Candidate) -> Candidate | None:
