@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import groupby
 from textwrap import fill, indent
 from typing import Any
@@ -149,7 +150,7 @@ def table_cells(outcome: Outcome) -> tuple[list[str], list[tuple[str, list[str]]
     stages = [("declared", outcome.before)]
     for _, group in groupby(outcome.steps, key=lambda step: id(step.errors)):
         added = list(group)
-        stages.append(("+ " + ", ".join(_label(step, outcome) for step in added), added[0].errors))
+        stages.append((f"+ {_labels(added, outcome)}", added[0].errors))
     # An equation such as q' = v has no error by definition.
     rated = np.flatnonzero(outcome.before.derivative_error > 0.0).tolist()
     if outcome.before.model.n_algebraic:  # nothing is differentiated, and nothing runs
@@ -163,12 +164,15 @@ def table_cells(outcome: Outcome) -> tuple[list[str], list[tuple[str, list[str]]
     return head, rows
 
 
-def _label(step: Step, outcome: Outcome) -> str:
-    """Return the name of an effect; with its state, if one of the same name entered another one."""
-    alike = [other for other in outcome.steps if other.name == step.name]
-    here = [other for other in alike if other.state == step.state]
-    name = step.name if len(here) == len(alike) else f"{step.name} ({step.state})"
-    return name if here[0] is step else f"a further {name}"
+def _labels(added: Sequence[Step], outcome: Outcome) -> str:
+    """Return the names of effects; with their states, if one of the name entered another one."""
+    places: dict[str, list[str]] = {}
+    for step in added:
+        alike = [other for other in outcome.steps if other.name == step.name]
+        here = [other for other in alike if other.state == step.state]
+        name = step.name if here[0] is step else f"a further {step.name}"
+        places.setdefault(name, []).extend([step.state] if len(here) < len(alike) else [])
+    return ", ".join(f"{name} ({', '.join(at)})" if at else name for name, at in places.items())
 
 
 def p_of_effects(outcome: Outcome) -> list[str]:

@@ -130,6 +130,9 @@ def test_steps_of_one_name_are_told_apart_in_the_table(report):
     assert rows(("drag", "v"), ("drag", "v")) == ["+ drag", "+ a further drag"]
     assert rows(("drag", "v"), ("drag", "q")) == ["+ drag (v)", "+ drag (q)"]
     assert rows(("drag", "v"), ("offset", "v")) == ["+ drag", "+ offset"]
+    together = [Step("drag", state, report.after) for state in ("v", "q")]
+    cells = table_cells(replace(report, steps=together))
+    assert [name for name, _ in cells[1][1:]] == ["+ drag (v, q)"]
 
 
 def test_table_shows_the_errors_of_the_report(report):
