@@ -94,16 +94,18 @@ def shared_effects(design: Design, offered: Sequence[Candidate]) -> list[Candida
     present, found = terms_in(design), list[Candidate]()
     for column in design.columns:
         states = [state for state in design.open_states if column.parts[state].parts]
-        if len(states) > 1:
-            acting = column.parts[states[0]].variables
-            able = [
-                one
-                for one in offered
-                if acting
-                and acting <= one.variables
-                and {(one.state, parent) for parent in one.parents} <= present
-            ]
-            found += acting_in(states, able)
+        acting = {column.parts[state].variables for state in states}
+        if len(states) < 2 or len(acting) > 1:  # two pumps of one make are two terms
+            continue
+        (variables,) = acting
+        able = [
+            one
+            for one in offered
+            if variables
+            and variables <= one.variables
+            and {(one.state, parent) for parent in one.parents} <= present
+        ]
+        found += acting_in(states, able)
     return list(dict.fromkeys(found))
 
 

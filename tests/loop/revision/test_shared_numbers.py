@@ -160,6 +160,14 @@ def test_a_gap_between_two_bodies_is_found_with_one_width_and_no_spring_inside()
     assert max(report.after.simulation_error) < 1.0
 
 
+def test_two_terms_with_one_coefficient_are_not_one_term():
+    """Two pumps of one make: what went with the first was sought in the equation of the second."""
+    sides = {"A": "b*P - k*(A - B)", "B": "b*Q - m*B"}
+    design = pse.DeclaredModel(sides, inputs=["P", "Q"]).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 5)))
+    assert shared_effects(design, candidates(design, ranges)) == []
+
+
 @pytest.mark.parametrize(("rate_of_loss", "is_shared"), [("k", True), ("m", False)])
 def test_what_changes_terms_with_one_coefficient_is_offered_in_all_their_equations(
     rate_of_loss, is_shared
