@@ -7,20 +7,19 @@ says as much.
 Between first-order states, flows may also be nonlinear: a turbulent one through a valve goes with
 the root of the difference, a draft with its square, radiation with fourth powers. What a measured
 flow carries, such as the air of a fan, goes with flow times difference. And a declared force by a
-difference may saturate at a grip, as that of a clutch between two shafts does.
+difference may saturate at a grip.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from ...operators import BUILTIN
 from ...terms import Call, Sum, call, mul, only_term, power, sub, variable
 from ..given.design import Design
 from ..given.ranges import Ranges
 from .candidate import Candidate, CandidateMaker, bare
-from .names import COUPLING, DEAD_ZONE
+from .names import COUPLING
 from .slips import gripping
 
 
@@ -36,12 +35,43 @@ def differences(
         if position is None:
             yield from _flows(effect, own, other)
             yield from _carried(effect, design, own, other)
-        if any(_holds_difference(side, own, other) for side in design.sides_of(state)):
-            slip = sub(variable(other), variable(own))
-            grips = gripping(effect, COUPLING, slip, float(ranges.apart[own, other]))
-            # Beside a declared spring, a gap between two bodies looks much the same.
-            plainer = () if position is None else (DEAD_ZONE,)
-            yield from (replace(one, must_beat=plainer) for one in grips)
+            yield from _gripping(effect, design, own, other, ranges)
+
+
+def gripping_stretches(design: Design, ranges: Ranges) -> list[Candidate]:
+    """Return forces that level off with a declared stretch between two bodies, as of a clutch.
+
+    Beside a declared spring, a gap between the bodies does much the same to the derivative. So they
+    are no candidates of a look: free runs have to tell them from what a look has found.
+
+    Parameters
+    ----------
+    design : Design
+        The model.
+    ranges : Ranges
+        Ranges of the variables.
+
+    Returns
+    -------
+    list of Candidate
+    """
+    places = [(s, design.position_of(s)) for s in design.open_states]
+    pairs = [(s, own, other) for s, own in places for _, other in places if own != other]
+    return [
+        one
+        for state, own, other in pairs
+        if own is not None and other is not None
+        for one in _gripping(CandidateMaker(state), design, own, other, ranges)
+    ]
+
+
+def _gripping(
+    effect: CandidateMaker, design: Design, own: int, other: int, ranges: Ranges
+) -> Iterator[Candidate]:
+    """Yield forces that level off with a difference that the equation declares."""
+    if any(_holds_difference(side, own, other) for side in design.sides_of(effect.state)):
+        slip = sub(variable(other), variable(own))
+        yield from gripping(effect, COUPLING, slip, float(ranges.apart[own, other]))
 
 
 def losses(effect: CandidateMaker, design: Design, column: int) -> Iterator[Candidate]:

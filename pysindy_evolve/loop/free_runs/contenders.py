@@ -10,6 +10,7 @@ import numpy as np
 from ...operators import Operator
 from ...signals import Record
 from ..effects.candidate import Candidate
+from ..effects.differences import gripping_stretches
 from ..effects.missing import candidates
 from ..effects.names import EVOLVED
 from ..effects.periodic import other_ripples
@@ -155,7 +156,8 @@ def _closest(
     grown step. Of candidates that differ only in their numbers, the best is kept.
     """
     waves = [*other_pumps(effect, model.design), *other_ripples(effect, model.design, part.z)]
-    options = [*candidates(model.design, part.ranges), *waves, *grown]
+    named = [*candidates(model.design, part.ranges), *gripping_stretches(model.design, part.ranges)]
+    options = [*named, *waves, *grown]
     same_equation = dict.fromkeys(
         c for c in options if c.state == effect.state and c.terms != effect.terms
     )

@@ -18,6 +18,7 @@ from tqdm.auto import tqdm
 from ...signals import Record
 from ...terms import Sum
 from ..effects.candidate import Candidate
+from ..effects.differences import gripping_stretches
 from ..effects.missing import beside, candidates, terms_in, with_parents
 from ..effects.names import EVOLVED
 from ..effects.partners import acting_in, apart, joined
@@ -105,7 +106,9 @@ def _shared(present: Sequence[Candidate], design: Design, pool: Pool) -> list[Ca
     grid tell of the best one.
     """
     first, second = (effect.state for effect in present)
-    offered = with_parents(candidates(design, pool.part.ranges), design)
+    ranges = pool.part.ranges
+    named = [*candidates(design, ranges), *gripping_stretches(design, ranges)]
+    offered = with_parents(named, design)
     grown = [one for one in (*present, *pool.grown) if one.name == EVOLVED]
     options = [*acting_in((first, second), offered), *_grown_in_both(grown, first, second, design)]
     best = [tuned(one, design, pool.part) for one in _best_forms(options, design, pool.part)]
