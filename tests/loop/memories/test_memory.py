@@ -202,7 +202,7 @@ def test_memories_that_cannot_be_told_apart_get_a_proposal_too():
     assert effect.alternatives
     plan = " ".join(str(report.suggest_experiment(units={"t": "s"})).split())
     assert plan.startswith(f"1. {effect.name} or {effect.alternatives[0]}")
-    assert "with a sampling time much shorter than the 0.00" in plan
+    assert "sampled much faster than the 0.00" in plan
 
 
 @pytest.mark.slow
