@@ -25,8 +25,9 @@ def are_partners(one: Candidate, other: Candidate) -> bool:
     if len(one.shape.values) != len(other.shape.values):
         return False
     aligned = other.at(one.shape.values)
-    pairs = list(zip(one.terms, aligned.terms, strict=False))
-    return len(one.terms) == len(aligned.terms) and all(_is_one(*pair) for pair in pairs)
+    if len(one.terms) != len(aligned.terms):
+        return False
+    return all(map(_is_one, one.terms, aligned.terms))
 
 
 def _is_one(term: Sum, other: Sum) -> bool:

@@ -52,7 +52,7 @@ def shape_of(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | N
     if not is_product or not 0 < len(numbers) <= MOST_NUMBERS or not numbers.all():
         return None
     build = partial(_built, term, np.sign(numbers))
-    return Shape(tuple(np.abs(numbers).tolist()), (build, *(_offset for _ in rest)))
+    return Shape(tuple(np.abs(numbers).tolist()), (build, *(offset_of for _ in rest)))
 
 
 def tuned_shape(candidate: Candidate, known: Set[float] = frozenset()) -> Shape | None:
@@ -147,7 +147,8 @@ def _with_numbers(term: Product) -> Product:
     )
 
 
-def _offset(*_: float) -> Sum:
+def offset_of(*_: float) -> Sum:
+    """Return a constant, whatever the numbers: a column beside that with the numbers in it."""
     return OFFSET
 
 

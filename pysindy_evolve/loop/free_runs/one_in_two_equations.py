@@ -17,7 +17,7 @@ from tqdm.auto import tqdm
 
 from ...signals import Record
 from ...terms import Sum
-from ..effects.candidate import Candidate
+from ..effects.candidate import OFFSET, Candidate
 from ..effects.differences import gripping_stretches
 from ..effects.missing import beside, candidates, terms_in, with_parents
 from ..effects.names import EVOLVED
@@ -95,7 +95,7 @@ def _closest(
     separate, *fitted = converged([drift.trial, *(trial_with(model, [c], drift) for c in rivals)])
     shared = tuned_by_runs(list(map(Contender, rivals, fitted)), model, drift)
     contenders = [Contender(present[0], separate, tied=True), *shared]
-    best = best_of(contenders, pool.matter, rules.significance / max(len(rivals), 1)).candidate
+    best = best_of(contenders, pool.matter, rules.significance / len(rivals)).candidate
     return tuple(present) if best is present[0] else apart(best)
 
 
@@ -137,7 +137,10 @@ def _grown_in_both(
 
 def _in_equation(one: Candidate, state: int, present: set[tuple[int, Sum]]) -> Candidate:
     """Return a candidate for another equation, without an offset that this one has already."""
-    shape, kept = one.shape, [k for k, term in enumerate(one.terms) if (state, term) not in present]
+    moved = replace(one, state=state)
+    if (state, OFFSET) not in present:
+        return moved
+    shape, kept = one.shape, [k for k, term in enumerate(one.terms) if term != OFFSET]
     if shape is not None:
         shape = replace(shape, builds=tuple(shape.builds[k] for k in kept))
-    return replace(one, state=state, terms=tuple(one.terms[k] for k in kept), shape=shape)
+    return replace(moved, terms=tuple(one.terms[k] for k in kept), shape=shape)

@@ -20,7 +20,7 @@ from ...terms import Sum, Variable, constant, mul
 from ..effects.candidate import OFFSET, Candidate, Shape
 from ..effects.missing import terms_in
 from ..effects.names import EVOLVED
-from ..effects.shaping import shape_of
+from ..effects.shaping import offset_of, shape_of
 from ..effects.varying_terms import parts_of
 from ..evidence.scoring import net, score, tuned
 from ..given.design import Design
@@ -93,12 +93,8 @@ def _beside_offset(candidate: Candidate) -> Candidate:
     """Return a candidate with a constant as one more column: a spring exp(q - z) - 1 rests at 0."""
     shape = candidate.shape
     if shape is not None:
-        shape = replace(shape, builds=(*shape.builds, _offset))
+        shape = replace(shape, builds=(*shape.builds, offset_of))
     return replace(candidate, terms=(*candidate.terms, OFFSET), shape=shape)
-
-
-def _offset(*_: float) -> Sum:
-    return OFFSET
 
 
 def _is_sum(part: Sum, time: int) -> bool:

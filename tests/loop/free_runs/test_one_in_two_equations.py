@@ -1,17 +1,22 @@
 """What one species loses another gains: one expression takes the place of two."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from loop_systems import equations_of
 
 import pysindy_evolve as pse
-from pysindy_evolve.loop.effects.candidate import Candidate
+from pysindy_evolve.loop.effects.candidate import OFFSET, Candidate
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.names import EVOLVED, SATURATING
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.free_runs.contenders import Pool
-from pysindy_evolve.loop.free_runs.one_in_two_equations import one_in_two_equations
+from pysindy_evolve.loop.free_runs.one_in_two_equations import (
+    _in_equation,
+    one_in_two_equations,
+)
 from pysindy_evolve.loop.free_runs.variants import Model
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.rules import Rules
@@ -84,3 +89,12 @@ def test_two_that_differ_stay():
     named = [c for k in (0, 1) for c in offered if (c.state, c.terms) == (k, squares[k].terms)]
     assert exchanged(record, *named) == named
     assert exchanged(record, *squares) == squares
+
+
+def test_a_grown_term_brings_no_second_offset():
+    bent = replace(evolved(0, call(BUILTIN["exp"], S)), terms=(call(BUILTIN["exp"], S), OFFSET))
+    moved = _in_equation(bent, 1, {(1, OFFSET)})
+    assert (moved.state, moved.terms) == (1, bent.terms[:1])
+    assert _in_equation(bent, 1, {(0, OFFSET)}).terms == bent.terms
+    # One that stands there already keeps its term: it is a combination of columns, and drops out.
+    assert _in_equation(evolved(0, S), 1, {(1, S), (1, OFFSET)}).terms == (S,)
