@@ -15,7 +15,7 @@ import numpy as np
 
 from ..equations import Equations
 from ..operators import BUILTIN
-from ..terms import Call, Product, Sum, Variable
+from ..terms import Call, Product, Sum, Variable, only_atom
 
 FIRST_MARK = 2.0  # stands for the first inner constant; 1 and -1 would not count as constants
 FREE = 2  # kind of a coefficient that is a parameter; 1 and -1 stand for themselves
@@ -128,12 +128,8 @@ def _sign_arguments(node: Any) -> Iterator[Sum]:
 
 
 def _plain_state(g: Sum, n_states: int) -> int | None:
-    if len(g.parts) == 1 and g.parts[0][0] == 1.0:
-        factors = g.parts[0][1].factors
-        if len(factors) == 1 and factors[0][1] == 1 and isinstance(factors[0][0], Variable):
-            index = factors[0][0].index
-            return index if index < n_states else None
-    return None
+    atom = only_atom(g)
+    return atom.index if isinstance(atom, Variable) and atom.index < n_states else None
 
 
 def _kind(coefficient: float) -> int:

@@ -136,6 +136,14 @@ def only_term(a: Sum) -> Product:
     return term
 
 
+def only_atom(a: Sum) -> Atom | None:
+    """Return the atom that a sum is, such as v or sgn(v); None if it is anything else."""
+    if len(a.parts) != 1 or a.parts[0][0] != 1.0:
+        return None
+    factors = a.parts[0][1].factors
+    return factors[0][0] if len(factors) == 1 and factors[0][1] == 1 else None
+
+
 def as_product(a: Sum) -> Product:
     """Return a sum as one term; a sum such as 1 + 2 q becomes one atom."""
     if len(a.parts) == 1 and a.parts[0][0] == 1.0:
