@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..equations import Equations
 from ..operators import BUILTIN
-from ..terms import Call, Product, Sum, Variable, only_atom
+from ..terms import Atom, Call, Product, Sum, Variable, only_atom
 
 FIRST_MARK = 2.0  # stands for the first inner constant; 1 and -1 would not count as constants
 FREE = 2  # kind of a coefficient that is a parameter; 1 and -1 stand for themselves
@@ -113,18 +112,11 @@ def is_affine(terms: tuple[Product, ...]) -> bool:
     return True
 
 
-def _sign_arguments(node: Any) -> Iterator[Sum]:
-    if isinstance(node, Product):
-        for atom, _ in node.factors:
-            yield from _sign_arguments(atom)
-    elif isinstance(node, Sum):
-        for _, term in node.parts:
-            yield from _sign_arguments(term)
-    elif isinstance(node, Call):
-        for argument in node.args:
-            yield from _sign_arguments(argument)
-        if node.operator == BUILTIN["sgn"]:
-            yield node.args[0]
+def _sign_arguments(node: Product | Atom) -> Iterator[Sum]:
+    for child in node.children:
+        yield from _sign_arguments(child)
+    if isinstance(node, Call) and node.operator == BUILTIN["sgn"]:
+        yield node.args[0]
 
 
 def _plain_state(g: Sum, n_states: int) -> int | None:

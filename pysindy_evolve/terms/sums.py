@@ -79,6 +79,11 @@ class Sum(Node):
         zero = 0 * symbols[0] if len(symbols) else 0
         return sum((_exact(c) * term.to_sympy(symbols) for c, term in self.parts), start=zero)
 
+    @property
+    def children(self) -> tuple[Product, ...]:
+        """Nodes one level below: the terms."""
+        return tuple(term for _, term in self.parts)
+
     @lazily
     def size(self) -> int:
         """Number of nodes: of terms and additions, and one for each coefficient but 1 and -1."""
