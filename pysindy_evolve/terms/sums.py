@@ -141,6 +141,11 @@ def only_term(a: Sum) -> Product:
     return term
 
 
+def value_of(number: Sum) -> float:
+    """Return the value of a sum without variables."""
+    return float(number.evaluate(np.empty((1, 0)))[0])
+
+
 def only_atom(a: Sum) -> Atom | None:
     """Return the atom that a sum is, such as v or sgn(v); None if it is anything else."""
     if len(a.parts) != 1 or a.parts[0][0] != 1.0:
