@@ -76,13 +76,12 @@ def structure_of(equations: Equations) -> tuple[Structure, tuple[float, ...]]:
     parameters : tuple of float
         Free coefficients row by row, then the distinct inner constants.
     """
-    used = [i for i in range(len(equations.terms)) if np.any(equations.coef[:, i] != 0.0)]
-    terms = tuple(equations.terms[i] for i in used)
+    terms = tuple(equations.terms[i] for i in equations.used)
     values = tuple(dict.fromkeys(c for term in terms for c in term.constants))
     mark = {value: FIRST_MARK + i for i, value in enumerate(values)}
     marked = tuple(term.with_constants([mark[c] for c in term.constants]) for term in terms)
     entries, free = [], []
-    for row in np.asarray(equations.coef, dtype=float)[:, used].tolist():
+    for row in np.asarray(equations.coef, dtype=float)[:, equations.used].tolist():
         kinds = [(i, _kind(c)) for i, c in enumerate(row) if c != 0.0]
         entries.append(tuple(kinds))
         free += [row[i] for i, kind in kinds if kind == FREE]
