@@ -5,9 +5,9 @@ import pysindy as ps
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.breeding.blur import least_explained_power
 from pysindy_evolve.breeding.denoise import denoise
 from pysindy_evolve.breeding.dictionary import Problem
+from pysindy_evolve.breeding.least_power import least_explained_power
 from pysindy_evolve.datasets.rigs import noisy
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.operators import BUILTIN, resolve
