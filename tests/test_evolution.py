@@ -127,17 +127,15 @@ def grow(x, y, seed=0, operators=PIECEWISE, **parameters):
 
 
 @pytest.mark.parametrize(
-    ("operators", "truth", "start"),
+    ("operators", "truth"),
     [
-        (("mul", "div", "add"), lambda x: x[:, 1] / (0.7 + x[:, 0]), None),
-        (("mul", "sin"), lambda x: np.sin(1.7 * x[:, 0]) * x[:, 1], None),
-        pytest.param(
-            ("mul", "exp"), lambda x: np.exp(-0.6 * x[:, 0]), None, marks=pytest.mark.slow
-        ),
+        (("mul", "div", "add"), lambda x: x[:, 1] / (0.7 + x[:, 0])),
+        (("mul", "sin"), lambda x: np.sin(1.7 * x[:, 0]) * x[:, 1]),
+        pytest.param(("mul", "exp"), lambda x: np.exp(-0.6 * x[:, 0]), marks=pytest.mark.slow),
     ],
     ids=["x/(c + x)", "sin(w x)", "exp(-c x)"],
 )
-def test_inner_constants_are_found(operators, truth, start, data):
+def test_inner_constants_are_found(operators, truth, data):
     x, noise = data
     clean = truth(x)
     evolution = grow(x, clean + 0.01 * clean.std() * noise, operators=operators)
