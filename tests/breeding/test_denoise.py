@@ -12,8 +12,6 @@ from pysindy_evolve.datasets.rigs import noisy
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.simulation import simulate
-from pysindy_evolve.sparse.gram import block_grams, total
-from pysindy_evolve.sparse.parsimony import drop_immaterial, drop_unstable
 from pysindy_evolve.terms import call, mul, variable
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")
@@ -125,23 +123,3 @@ def test_noise_moves_an_equation_by_its_slope():
     moved = np.mean((2 * x[:, 1] * 0.1) ** 2 + ((2 * x[:, 0] + 1) * 0.2) ** 2)
     assert share == pytest.approx(0.3 * moved)
     assert least_explained_power(Problem(x, x[:, 0], np.empty((500, 0))), terms, [2.0, 1.0]) == 0.0
-
-
-def test_a_term_worth_less_than_the_noise_moves_the_equation_by_is_dropped():
-    rng = np.random.default_rng(0)
-    theta = rng.normal(size=(2000, 2))
-    y = theta @ [1.0, 0.05] + 0.1 * rng.normal(size=2000)
-    (gram,) = block_grams(lambda rows: theta[rows], y)
-    assert list(drop_immaterial(gram, [0, 1])) == [0, 1]
-    assert list(drop_immaterial(gram, [0, 1], least=20.0)) == [0]
-
-
-def test_a_large_term_that_shows_in_one_part_of_the_record_only_is_kept():
-    rng = np.random.default_rng(0)
-    theta = rng.normal(size=(2400, 2)) * [1.0, 0.02]
-    theta[:200, 1] *= 50.0
-    y = theta @ [1.0, 1.0] + 0.3 * rng.normal(size=2400) * np.linspace(0.1, 1.0, 2400)
-    y[200:] += 0.5 * np.sign(theta[200:, 1]) * rng.normal(size=2200)
-    blocks = block_grams(lambda rows: theta[rows], y, 12)
-    whole = total(blocks)
-    assert 1 in drop_unstable(whole, [whole - block for block in blocks], [0, 1], min_ratio=50.0)
