@@ -116,8 +116,8 @@ class TermLibrary(TermColumns):
     Examples
     --------
     >>> import numpy as np
-    >>> from pysindy_evolve.terms import mul, variable
-    >>> [(_, product)] = mul(variable(0), variable(1)).parts
+    >>> from pysindy_evolve.terms import mul, only_term, variable
+    >>> product = only_term(mul(variable(0), variable(1)))
     >>> TermLibrary([product]).fit_transform(np.array([[2.0, 3.0]])).tolist()
     [[6.0]]
     """

@@ -39,8 +39,8 @@ def to_callable(model: Any) -> RightHandSideFunction:
     Examples
     --------
     >>> import numpy as np
-    >>> from pysindy_evolve.terms import variable
-    >>> term = variable(0).parts[0][1]
+    >>> from pysindy_evolve.terms import only_term, variable
+    >>> term = only_term(variable(0))
     >>> f = to_callable(Equations((term,), np.array([[-2.0]]), ("q",)))
     >>> f(0.0, [3.0])
     array([-6.])

@@ -47,8 +47,8 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
     --------
     >>> import numpy as np
     >>> from pysindy_evolve.equations import Equations
-    >>> from pysindy_evolve.terms import variable
-    >>> term = variable(0).parts[0][1]
+    >>> from pysindy_evolve.terms import only_term, variable
+    >>> term = only_term(variable(0))
     >>> print(to_code(Equations((term,), np.array([[-2.5]]), ("q",)), "modelica"))
     der(q) = -2.5*q;
     """

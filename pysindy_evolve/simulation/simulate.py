@@ -97,8 +97,8 @@ def simulate(
     >>> import numpy as np
     >>> from pysindy_evolve.equations import Equations
     >>> from pysindy_evolve.operators import BUILTIN
-    >>> from pysindy_evolve.terms import call, variable
-    >>> ((_, friction),) = call(BUILTIN["sgn"], variable(0)).parts
+    >>> from pysindy_evolve.terms import call, only_term, variable
+    >>> friction = only_term(call(BUILTIN["sgn"], variable(0)))
     >>> block = Equations((friction,), np.array([[-2.0]]), states=("v",))
     >>> simulate(block, [1.0], np.array([0.0, 0.25, 0.5, 1.0])).ravel()
     array([1. , 0.5, 0. , 0. ])

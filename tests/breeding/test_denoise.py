@@ -12,15 +12,10 @@ from pysindy_evolve.datasets.rigs import noisy
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.simulation import simulate
-from pysindy_evolve.terms import call, mul, variable
+from pysindy_evolve.terms import call, mul, only_term, variable
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")
 DT = 0.004
-
-
-def term(column):
-    ((_, product),) = column.parts
-    return product
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +24,7 @@ def slider():
     q, v, u = variable(0), variable(1), variable(2)
     columns = [v, q, call(BUILTIN["sgn"], v), u]
     coef = np.array([[1.0, 0, 0, 0], [-0.4, -9.0, -1.5, 1.0]])
-    equations = Equations(tuple(map(term, columns)), coef, ("q", "v"), ("u",))
+    equations = Equations(tuple(map(only_term, columns)), coef, ("q", "v"), ("u",))
     t = np.arange(12_000) * DT
     u = 8.0 * np.sin(2 * np.pi * (0.2 * t + 0.01 * t**2)) + 4.0 * np.sin(3.3 * t)
     x = simulate(equations, [0.5, 0.0], t, u)
@@ -116,7 +111,7 @@ def test_clean_states_are_not_touched(slider):
 def test_noise_moves_an_equation_by_its_slope():
     x = np.random.default_rng(0).normal(size=(500, 2))
     q, v = variable(0), variable(1)
-    terms = [term(mul(q, v)), term(v)]
+    terms = [only_term(mul(q, v)), only_term(v)]
     noise = np.array([0.1, 0.2])
     problem = Problem(x, x[:, 0], np.empty((500, 0)), noise=noise)
     share = least_explained_power(problem, terms, [2.0, 1.0]) / 500
