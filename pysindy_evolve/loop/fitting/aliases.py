@@ -29,6 +29,7 @@ from scipy.optimize import minimize_scalar
 from ...equations import Equations
 from ...hidden_states.memory import DELAY, LAG, Memory
 from ...signals import Record
+from ...signals.sampling import mean_step
 from ...signals.zero_order_hold import acts_as, apply_to_effective_input, averaged, rates_of
 from ..given.design import Design
 from .fit import derivative_fit_errors, refit
@@ -192,7 +193,7 @@ def _response(memory: Memory | None, t: np.ndarray, u: np.ndarray) -> tuple[np.n
     Units of u, and of u times the sampling time.
     """
     response = u if memory is None else memory.response(t, u)
-    share = share_of_steps(memory, float(t[-1] - t[0]) / (len(t) - 1))
+    share = share_of_steps(memory, mean_step(t))
     return response, share * (
         rates_of(response, 1) - THIRD_DERIVATIVE_FACTOR * rates_of(response, 3)
     )

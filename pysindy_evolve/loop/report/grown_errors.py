@@ -55,7 +55,7 @@ def _errors_grown(outcome: Outcome) -> list[tuple[str, np.ndarray, np.ndarray, n
         worse = (before < LOST_NRMSE) & ~(after <= tolerated)  # a lost run cannot get worse
         if kind == "simulation_error" and not algebraic and worse.any():
             by_start = after - before <= run_std_from_start_noise(outcome.after.model, outcome.test)
-            worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts
+            worse &= ~(by_start & np.isfinite(after))  # no start explains divergence
         grown.append((title, before, after, worse))
     return grown
 
