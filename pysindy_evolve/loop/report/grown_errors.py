@@ -52,8 +52,7 @@ def _errors_grown(outcome: Outcome) -> list[tuple[str, np.ndarray, np.ndarray, n
     for kind, title in kinds.items():
         before, after = (getattr(errors, kind) for errors in (outcome.before, outcome.after))
         tolerated = np.maximum(GREW_TIMES * before, before + GREW_BY)
-        worse = (before < LOST_NRMSE) & ~(after <= tolerated)
-        worse |= np.isfinite(before) & ~np.isfinite(after)
+        worse = (before < LOST_NRMSE) & ~(after <= tolerated)  # a lost run cannot get worse
         if kind == "simulation_error" and not algebraic and worse.any():
             by_start = after - before <= run_std_from_start_noise(outcome.after.model, outcome.test)
             worse &= ~(by_start & np.isfinite(after))  # a run that diverges always counts

@@ -18,7 +18,7 @@ from pysindy_evolve.hidden_states.relaxing import relaxing
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.facts.effect import Step
 from pysindy_evolve.loop.facts.start_noise import run_std_from_start_noise
-from pysindy_evolve.loop.fitting.runs import simulation_errors
+from pysindy_evolve.loop.fitting.runs import LOST_NRMSE, simulation_errors
 from pysindy_evolve.loop.given.design import in_state
 from pysindy_evolve.loop.report.effect_text import evidence, with_sign
 from pysindy_evolve.loop.report.number_text import interval, percent, value_within
@@ -654,6 +654,9 @@ def test_a_corrected_model_that_diverges_where_the_declared_one_did_not_is_menti
     said = " ".join(str(replace(report, after=after)).split())
     was = percent(report.before.simulation_error[0])
     assert f"some errors grew: the free run of q from {was} to no finite value" in said
+    lost = np.full(2, 137.0 * LOST_NRMSE)  # no run of an unstable machine follows its record
+    before = replace(report.before, simulation_error=lost)
+    assert "some errors grew" not in str(replace(report, before=before, after=after))
 
 
 def test_a_list_of_records_and_a_folder_are_refused(report, tmp_path):
