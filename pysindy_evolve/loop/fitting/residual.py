@@ -176,10 +176,10 @@ def respond(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Integrate e' = J e + force from rest, and from unit initial states without force.
 
-    Trapezoidal in the force and in J, fifth order in J dt: few samples a period make it large. Every `keep`-th sample of the windows is
-    returned, in units of the scale of each state, as shapes (n_windows, rows, n_states) and
-    (n_windows, rows, n_columns). Jumps, (n_windows, n - 1, n_states, n_states), multiply the
-    deviation at the end of each step.
+    Trapezoidal in the force and in J, and fifth order in J dt, which few samples a period make
+    large. Every `keep`-th sample of the windows is returned, in units of the scale of each state,
+    as shapes (n_windows, rows, n_states) and (n_windows, rows, n_columns). Jumps, (n_windows,
+    n - 1, n_states, n_states), multiply the deviation at the end of each step.
     """
     n_windows, _, n_states, n_columns = driven.shape
     with np.errstate(over="ignore", invalid="ignore"):
