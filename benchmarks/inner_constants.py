@@ -15,9 +15,9 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from pysindy_evolve.evolution import evolve
+from pysindy_evolve.library import OPERATORS
 from pysindy_evolve.operators import resolve
 
-DEFAULT = ("add", "sub", "mul", "div", "sin", "cos", "abs", "sgn")
 RATES = ("add", "mul", "div", "exp")
 
 
@@ -27,7 +27,7 @@ class Equation:
 
     truth: object
     n_terms: int
-    operators: tuple = DEFAULT
+    operators: tuple = OPERATORS
     shift: float = 0.0  # of x, which is positive without it
 
 

@@ -65,13 +65,15 @@ class Equations:
         return 0
 
     @property
+    def used(self) -> np.ndarray:
+        """Indices of the terms that have a coefficient in some row."""
+        return np.flatnonzero(np.any(self.coef != 0.0, axis=0))
+
+    @property
     def needs_time(self) -> bool:
         """Whether a term with a coefficient depends on t itself."""
-        used = np.any(self.coef != 0.0, axis=0)
         last = len(self.names) - 1
-        return any(
-            last in term.variables for term, use in zip(self.terms, used, strict=True) if use
-        )
+        return any(last in self.terms[i].variables for i in self.used)
 
     @property
     def sums(self) -> tuple[Sum, ...]:

@@ -192,29 +192,23 @@ class EvolvingLibrary(TermColumns):
     @one_thread()
     def _grow(self, x_full: list[Any], y: Any) -> Rows:
         """Grow the terms; return the rows that they were grown on."""
-        same_samples(None if y is not None else handover.input_repeated_by_sindy(self))
-        noted = None if y is not None else handover.target(self, x_full)
+        y = self._shown_by_sindy(x_full) if y is None else y
         handover.forget(self)
-        x, targets = training_data(x_full, noted if y is None else y)
-        domain = _edges(x, [len(xi) for xi in x_full])
+        x, targets = training_data(x_full, y)
+        lengths = [len(xi) for xi in x_full]
+        domain = _edges(x, lengths)
         operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
-        rows = denoise(x, targets, [len(xi) for xi in x_full], operators)
+        rows = denoise(x, targets, lengths, operators)
         x, targets = rows.of(rows.x), rows.of(targets)
         base = self._fitted_base(x_full)
         fixed = np.empty((len(x), 0)) if base is None else np.asarray(base.transform(x))
+        search = partial(
+            evolve, x, operators=operators, fixed=fixed, noise=rows.noise, domain=domain,
+            progress=self.progress,
+        )  # fmt: skip
         streams = np.random.SeedSequence(_entropy(self.random_state)).spawn(targets.shape[1])
         searches = [
-            partial(
-                evolve,
-                x,
-                column,
-                operators=operators,
-                rng=np.random.default_rng(stream),
-                fixed=fixed,
-                noise=rows.noise,
-                domain=domain,
-                progress=self.progress,
-            )
+            partial(search, column, rng=np.random.default_rng(stream))
             for column, stream in zip(targets.T, streams, strict=True)
         ]
         found = _run_each(searches, settings, self.n_jobs)
@@ -226,6 +220,11 @@ class EvolvingLibrary(TermColumns):
         self.n_features_in_ = x.shape[1]
         self.n_output_features_ = fixed.shape[1] + len(self.terms_)
         return rows
+
+    def _shown_by_sindy(self, x_full: list[Any]) -> list[np.ndarray] | None:
+        """Return the x_dot that ``SINDy`` showed beside x, see `handover`; None if it did not."""
+        same_samples(handover.input_repeated_by_sindy(self))
+        return handover.target(self, x_full)
 
     def _fitted_base(self, x_full: list[Any]) -> BaseFeatureLibrary | None:
         """Return the base library after its fit; a copy, as `clone` refuses a CustomLibrary."""

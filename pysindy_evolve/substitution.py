@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import reduce
 
-import numpy as np
-
 from .equations import Equations
 from .terms import (
     Atom,
@@ -68,8 +66,7 @@ def without_unused_inputs(equations: Equations) -> tuple[Equations, list[int]]:
     columns : list of int
         Index of each remaining input among the given ones.
     """
-    has_coef = np.any(equations.coef != 0.0, axis=0)
-    terms = [term for term, is_used in zip(equations.terms, has_coef, strict=True) if is_used]
+    terms = [equations.terms[i] for i in equations.used]
     first = len(equations.states)
     used = frozenset().union(*(term.variables for term in terms))
     columns = [k for k in range(len(equations.inputs)) if first + k in used]
@@ -78,7 +75,7 @@ def without_unused_inputs(equations: Equations) -> tuple[Equations, list[int]]:
     moved = {place: variable(first + k) for k, place in enumerate(places)}
     renumbered = tuple(only_term(substituted(of_term(term), moved)) for term in terms)
     names = tuple(equations.inputs[k] for k in columns)
-    coef = equations.coef[:, has_coef]
+    coef = equations.coef[:, equations.used]
     return replace(equations, terms=renumbered, coef=coef, inputs=names), columns
 
 

@@ -75,15 +75,9 @@ class TermColumns(BaseFeatureLibrary):
         return first + [term.name(names) for term in self.terms_]
 
     def _theta(self, x: Any) -> AxesArray:
+        """Evaluate the columns on states and inputs, whose last axis is that of `fit`."""
         x = np.asarray(x)
-        if x.ndim < 2 or x.shape[-1] != self.n_features_in_:
-            name, width = type(self).__name__, x.shape[-1] if x.ndim > 1 else 1
-            raise ValueError(
-                f"{name}.transform(x=...) must have the columns of fit; got shape {x.shape}: "
-                f"X has {width} features, but {name} is expecting {self.n_features_in_} features "
-                "as input. Pass the same states and inputs. Reshape your data with "
-                "x.reshape(-1, 1) if it has one column."
-            )
+        self._check_columns(x)
         flat = numbers(f"{type(self).__name__}.transform", "x", x).reshape(-1, x.shape[-1])
         n_base = self.n_output_features_ - len(self.terms_)
         theta = np.empty((len(flat), self.n_output_features_))
@@ -96,6 +90,16 @@ class TermColumns(BaseFeatureLibrary):
                 theta[rows, j] = term.evaluate(piece, cache)
         theta = theta.reshape(*x.shape[:-1], -1)
         return AxesArray(theta, comprehend_axes(theta))
+
+    def _check_columns(self, x: np.ndarray) -> None:
+        if x.ndim < 2 or x.shape[-1] != self.n_features_in_:
+            name, width = type(self).__name__, x.shape[-1] if x.ndim > 1 else 1
+            raise ValueError(
+                f"{name}.transform(x=...) must have the columns of fit; got shape {x.shape}: "
+                f"X has {width} features, but {name} is expecting {self.n_features_in_} features "
+                "as input. Pass the same states and inputs. Reshape your data with "
+                "x.reshape(-1, 1) if it has one column."
+            )
 
 
 class TermLibrary(TermColumns):
@@ -116,8 +120,8 @@ class TermLibrary(TermColumns):
     Examples
     --------
     >>> import numpy as np
-    >>> from pysindy_evolve.terms import mul, variable
-    >>> [(_, product)] = mul(variable(0), variable(1)).parts
+    >>> from pysindy_evolve.terms import mul, only_term, variable
+    >>> product = only_term(mul(variable(0), variable(1)))
     >>> TermLibrary([product]).fit_transform(np.array([[2.0, 3.0]])).tolist()
     [[6.0]]
     """

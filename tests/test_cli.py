@@ -13,9 +13,8 @@ import pytest
 
 from pysindy_evolve import cli, close_loop
 from pysindy_evolve.cli import commands
-from pysindy_evolve.cli.options import LANGUAGES
 from pysindy_evolve.datasets import friction_drive, nothing_missing
-from pysindy_evolve.export.code import _LANGUAGES
+from pysindy_evolve.export.code import LANGUAGES
 
 
 def save(path, **columns):
@@ -243,8 +242,11 @@ def test_records_are_thinned_out_and_inputs_held_as_told(capsys, tmp_path):
     assert "must be at most 3 here" in err
 
 
-def test_languages_are_those_of_to_code():
-    assert set(LANGUAGES) == set(_LANGUAGES)
+@pytest.mark.parametrize("command", ["fit", "loop"])
+def test_code_is_offered_in_every_language_of_to_code(command, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        cli.main([command, "--help"])
+    assert f"print code: {', '.join(LANGUAGES)}" in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.slow

@@ -164,7 +164,7 @@ def test_deap_is_imported_in_one_file(modules):
         for name, path in modules.items()
         if any(one.split(".")[0] == "deap" for one in imported_names(path))
     }
-    assert users <= {"breeding.genetics"}
+    assert users == {"breeding.genetics"}
 
 
 def test_nothing_private_is_imported_from_other_packages(module, modules):

@@ -16,7 +16,7 @@ dictionary       terms evaluated on a sample of rows, and the cost of each term
 poles            recognizes terms that become infinite between two samples
 elastic_net      proposes which terms of a dictionary belong together
 fitness          fitness of each term of a generation; lower is better
-blur             least sum of squares that a term must explain, given the noise in the variables
+least_power      least sum of squares that a term must explain, given the noise in the variables
 constants        tunes inner constants, such as w in sin(w x), by variable projection
 end of a search
 watch            progress bar, early end and interruption

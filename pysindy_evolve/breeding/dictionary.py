@@ -12,7 +12,7 @@ theta   (m, p)                terms on the m rows of a sample, columns of unit R
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +21,7 @@ import numpy as np
 from ..operators import BUILTIN
 from ..sparse.gram import Gram, block_grams, gram
 from ..sparse.parsimony import PERFECT
-from ..terms import Atom, Cache, Call, Product, Sum, Variable
+from ..terms import Atom, Cache, Call, Product
 
 Project = Callable[[np.ndarray], np.ndarray]
 
@@ -193,10 +193,8 @@ class _Idle:
         self._known: dict[Any, bool] = {}
 
     def __call__(self, node: Product | Atom) -> bool:
-        if isinstance(node, Variable):
-            return False
         if node not in self._known:
-            self._known[node] = self._is_idle_kink(node) or any(map(self, _children(node)))
+            self._known[node] = self._is_idle_kink(node) or any(map(self, node.children))
         return self._known[node]
 
     def _is_idle_kink(self, node: Product | Atom) -> bool:
@@ -207,15 +205,6 @@ class _Idle:
             return False  # the term is a duplicate of the one without the kink
         value = argument.evaluate(self.x, self.cache)
         return bool(value.min() >= 0.0 or value.max() <= 0.0)
-
-
-def _children(node: Product | Atom) -> Iterator[Product | Atom]:
-    if isinstance(node, Product):
-        yield from (atom for atom, _ in node.factors)
-    elif isinstance(node, Sum):
-        yield from (term for _, term in node.parts)
-    elif isinstance(node, Call):
-        yield from node.args
 
 
 def _different(projected: Gram, terms: Sequence[Product]) -> list[int]:
@@ -256,4 +245,4 @@ def _n_frequencies(node: Product | Atom) -> int:
     """Count the inner constants of the waves in a term."""
     if isinstance(node, Call) and node.operator in WAVES:
         return len(node.constants)
-    return sum(_n_frequencies(child) for child in _children(node))
+    return sum(map(_n_frequencies, node.children))

@@ -17,7 +17,7 @@ import numpy as np
 from deap import gp
 
 from ..operators import BUILTIN, CURVED, Operator
-from ..terms import Atom, Call, Product, Sum, Variable, constant, simplified, variable
+from ..terms import Atom, Call, Product, Sum, constant, simplified, variable
 from .prefix import Memo, from_prefix, to_prefix
 
 MAX_SPLIT = 6  # terms; a tree that splits into more is dropped
@@ -237,14 +237,8 @@ def _is_nested(node: Product | Atom, inside: bool = False) -> bool:
 
     Such terms fit any record and explain nothing: sin(sin(q)) is no law of nature.
     """
-    if isinstance(node, Variable):
-        return False
-    if isinstance(node, Product):
-        return any(_is_nested(atom, inside) for atom, _ in node.factors)
-    if isinstance(node, Sum):
-        return any(_is_nested(term, inside) for _, term in node.parts)
-    curved = node.operator.name in CURVED
-    return (inside and curved) or any(_is_nested(arg, inside or curved) for arg in node.args)
+    curved = isinstance(node, Call) and node.operator.name in CURVED
+    return (inside and curved) or any(_is_nested(one, inside or curved) for one in node.children)
 
 
 def _deap_drawing_from(source: random.Random) -> dict[str, Any]:

@@ -13,7 +13,6 @@ doi:10.1007/BF01413858: neighbors estimate the noise that no smooth model can ex
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -21,6 +20,7 @@ from scipy.spatial import KDTree
 from ..sparse.parsimony import PERFECT
 from ..terms import Product
 from .dictionary import Problem
+from .generation import Generation
 
 PATIENCE_IF_DONE = 2  # generations to wait for a shorter form once only noise or rounding is left
 MAX_ROWS = 10_000  # with ten neighbors each, 1 % of the residual's power is two standard errors
@@ -29,15 +29,6 @@ N_NEIGHBORS = 10
 # Least share of the fitted values; below it, neighbors are too far apart to judge.
 MIN_FITTED_SHARE = 0.9
 CHANCE = 2.0  # standard errors; a residual with no larger share is taken for noise
-
-
-class _Found(Protocol):
-    """The attributes of a generation that `Plateau` reads."""
-
-    @property
-    def terms(self) -> tuple[Product, ...]: ...
-    @property
-    def error(self) -> float: ...
 
 
 class Plateau:
@@ -58,7 +49,7 @@ class Plateau:
         self._stale = 0
         self._judged: dict[frozenset[Product], bool] = {}
 
-    def reached(self, generation: _Found) -> bool:
+    def reached(self, generation: Generation) -> bool:
         """Record a generation and tell whether the search ends with it.
 
         Notes
@@ -77,7 +68,7 @@ class Plateau:
             return True
         return self._stale >= PATIENCE_IF_DONE and self._leaves_noise(generation, shapes)
 
-    def _leaves_noise(self, generation: _Found, shapes: frozenset[Product]) -> bool:
+    def _leaves_noise(self, generation: Generation, shapes: frozenset[Product]) -> bool:
         if self.problem.project is not None:
             return False  # a projected row mixes many samples, so it has no neighbors
         if shapes not in self._judged:

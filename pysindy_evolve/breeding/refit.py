@@ -16,9 +16,9 @@ from ..sparse.parsimony import MIN_ROWS, N_BLOCKS
 from ..sparse.proposals import supports
 from ..sparse.selection import select
 from ..terms import Product, of_term
-from .blur import least_explained_power
 from .constants import tune
 from .dictionary import Problem, price
+from .least_power import least_explained_power
 from .poles import has_pole, keeps_sign
 
 TUNING_ROWS = 10_000  # for all inner constants together

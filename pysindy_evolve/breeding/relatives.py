@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations_with_replacement
 
 from ..operators import Operator
-from ..terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul
+from ..terms import ONE, Atom, Call, Product, Sum, Variable, as_sum, constant, mul, only_atom
 from .genetics import is_even_power_of_sgn
 
 DEGREE = 3  # atoms in a product, as in q^2 sgn(v) or in a cubic spring
@@ -77,10 +77,7 @@ def _of_variables(call: Call) -> bool:
 
 
 def _is_variable(argument: Sum) -> bool:
-    if len(argument.parts) != 1 or argument.parts[0][0] != 1.0:
-        return False
-    factors = argument.parts[0][1].factors
-    return len(factors) == 1 and factors[0][1] == 1 and isinstance(factors[0][0], Variable)
+    return isinstance(only_atom(argument), Variable)
 
 
 def _is_trivial(term: Product) -> bool:

@@ -9,6 +9,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, NoReturn
 
+from ..export.code import LANGUAGES
 from ..library import OPERATORS, EvolvingLibrary
 from ..loop import close_loop
 from ..operators import BUILTIN
@@ -18,7 +19,6 @@ from .readers import columns as columns_of
 from .readers import constants, count, cutoff, folder, names, pair, pairs, turn
 
 PROGRAM = "pysindy-evolve"
-LANGUAGES = ("python", "c", "matlab", "julia", "modelica")
 
 
 class _Parser(argparse.ArgumentParser):

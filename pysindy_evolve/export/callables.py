@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
+from .. import checks
 from ..equations import Equations
 from .symbolic import system_of
 
@@ -38,8 +39,8 @@ def to_callable(model: Any) -> RightHandSideFunction:
     Examples
     --------
     >>> import numpy as np
-    >>> from pysindy_evolve.terms import variable
-    >>> term = variable(0).parts[0][1]
+    >>> from pysindy_evolve.terms import only_term, variable
+    >>> term = only_term(variable(0))
     >>> f = to_callable(Equations((term,), np.array([[-2.0]]), ("q",)))
     >>> f(0.0, [3.0])
     array([-6.])
@@ -84,11 +85,11 @@ class RightHandSideFunction:
         n_states, n_inputs = len(self.equations.states), len(self.equations.inputs)
         states = np.asarray(x, dtype=float)
         if states.ndim not in (1, 2) or states.shape[-1] != n_states:
-            _fail("x", f"of shape ({n_states},) or (n_samples, {n_states})", states)
+            _refuse("x", f"of shape ({n_states},) or (n_samples, {n_states})", states)
         rows = np.atleast_2d(states)
         times = np.asarray(t, dtype=float)
         if times.ndim > 1 or times.size not in (1, len(rows)):
-            _fail("t", f"a number or of shape ({len(rows)},)", times)
+            _refuse("t", f"a number or of shape ({len(rows)},)", times)
         inputs = _rows(u, len(rows), n_inputs) if n_inputs else None
         result = self.equations.evaluate(rows, inputs, np.broadcast_to(times, len(rows)))
         return result if states.ndim == 2 else result[0]
@@ -97,18 +98,16 @@ class RightHandSideFunction:
 def _rows(u: Any, n_samples: int, n_inputs: int) -> np.ndarray:
     constraint = f"of shape ({n_inputs},) or ({n_samples}, {n_inputs})"
     if u is None:
-        _fail("u", constraint, None)
+        _refuse("u", constraint, None)
     inputs = np.asarray(u, dtype=float)
     if n_inputs == 1 and inputs.shape in ((), (n_samples,)):
         inputs = inputs.reshape(-1, 1)
     if inputs.shape not in ((n_inputs,), (1, n_inputs), (n_samples, n_inputs)):
-        _fail("u", constraint, inputs)
+        _refuse("u", constraint, inputs)
     return np.broadcast_to(inputs, (n_samples, n_inputs))
 
 
-def _fail(parameter: str, constraint: str, value: np.ndarray | None) -> None:
+def _refuse(parameter: str, constraint: str, value: np.ndarray | None) -> NoReturn:
     got = "None" if value is None else f"shape {value.shape}"
-    raise ValueError(
-        f"to_callable(model)({parameter}=...) must be {constraint}; got {got}. "
-        "Give one row for each sample."
-    )
+    advice = "Give one row for each sample."
+    checks.refuse("to_callable(model)", parameter, constraint, got, advice)

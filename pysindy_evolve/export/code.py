@@ -47,15 +47,15 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
     --------
     >>> import numpy as np
     >>> from pysindy_evolve.equations import Equations
-    >>> from pysindy_evolve.terms import variable
-    >>> term = variable(0).parts[0][1]
+    >>> from pysindy_evolve.terms import only_term, variable
+    >>> term = only_term(variable(0))
     >>> print(to_code(Equations((term,), np.array([[-2.5]]), ("q",)), "modelica"))
     der(q) = -2.5*q;
     """
-    if not isinstance(language, str) or language.lower() not in _LANGUAGES:
+    if not isinstance(language, str) or language.lower() not in LANGUAGES:
         raise ValueError(
             f"to_code(language=...) must be a known language; got {language!r}. "
-            f"Choose from {', '.join(_LANGUAGES)}."
+            f"Choose from {', '.join(LANGUAGES)}."
         )
     plain = isinstance(name, str) and re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) is not None
     if not plain or name in _RESERVED:
@@ -63,7 +63,7 @@ def to_code(model: Any, language: str = "python", name: str = "rhs") -> str:
             f"to_code(name=...) must be an identifier; got {name!r}. "
             "Use letters, digits and underscores, and no word of one of the languages."
         )
-    system, chosen = system_of(model, "to_code"), _LANGUAGES[language.lower()]
+    system, chosen = system_of(model, "to_code"), LANGUAGES[language.lower()]
     source = _source(system, language.lower(), name)
     code = chosen.write(source, name)
     notes = [] if language.lower() == "modelica" else _notes(source, system.equations)
@@ -134,7 +134,7 @@ def _source(system: System, language: str, name: str) -> _Source:
             symbols[index] = sympy.Symbol(late, real=True) if delay else symbols[index]
     expressions = [side.to_sympy(symbols) for side in system.sides]
     of_user = {function.func.__name__ for e in expressions for function in e.atoms(AppliedUndef)}
-    printer = _LANGUAGES[language].printer({"user_functions": {name: name for name in of_user}})
+    printer = LANGUAGES[language].printer({"user_functions": {name: name for name in of_user}})
     if language == "c":
         expand = create_expand_pow_optimization(4)  # q*q*q is many times faster than pow(q, 3)
         expressions = [expand(expression) for expression in expressions]
@@ -243,7 +243,7 @@ class _Language:
     comment: str
 
 
-_LANGUAGES = {
+LANGUAGES = {
     "python": _Language(PythonPrinter, _python, "#"),
     "c": _Language(CPrinter, _c, "//"),
     "matlab": _Language(MatlabPrinter, _matlab, "%"),

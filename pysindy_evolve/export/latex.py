@@ -41,8 +41,8 @@ def to_latex(model: Any, digits: int | None = 4) -> str:
     --------
     >>> import numpy as np
     >>> from pysindy_evolve.equations import Equations
-    >>> from pysindy_evolve.terms import variable
-    >>> term = variable(0).parts[0][1]
+    >>> from pysindy_evolve.terms import only_term, variable
+    >>> term = only_term(variable(0))
     >>> print(to_latex(Equations((term,), np.array([[-2.18e6]]), ("q",))))
     \dot{q} = -2.18 \cdot 10^{6} q
     """

@@ -30,8 +30,8 @@ def format_equations(model: Any, digits: int | None = 4) -> str:
     --------
     >>> import numpy as np
     >>> from pysindy_evolve.equations import Equations
-    >>> from pysindy_evolve.terms import variable
-    >>> term = variable(0).parts[0][1]
+    >>> from pysindy_evolve.terms import only_term, variable
+    >>> term = only_term(variable(0))
     >>> print(format_equations(Equations((term,), np.array([[-2.18e6]]), ("q",))))
     q' = -2.18e6 q
     """

@@ -28,7 +28,7 @@ import numpy as np
 import sympy
 
 from ..operators import BUILTIN, Operator
-from ..terms import Call, Sum, add, call, constant, mul, sub
+from ..terms import Call, Sum, add, call, constant, mul, sub, value_of
 from .turning import turning_along
 
 SUFFIX = "yield"  # the hidden state of q is named q_yield
@@ -84,7 +84,7 @@ class Hysteresis:
 
     def numbers(self, path: Call) -> tuple[float, float]:
         """Return L and k."""
-        length, unloading = (float(a.evaluate(np.empty((1, 0)))[0]) for a in path.args[2:])
+        length, unloading = map(value_of, path.args[2:])
         return length, unloading
 
     def weights(self, path: Call) -> tuple[float, ...]:

@@ -26,7 +26,7 @@ import numpy as np
 import sympy
 
 from ..operators import Operator
-from ..terms import Call, Sum, add, call, constant, mul, sub
+from ..terms import Call, Sum, add, call, constant, mul, sub, value_of
 from .relaxing import relaxing_along, span_of
 
 SUFFIX = "mode"  # the hidden states of q and v are named q_mode and v_mode
@@ -97,7 +97,7 @@ class FlexibleMode:
 
     def numbers(self, path: Call) -> tuple[float, float]:
         """Return w0 and D."""
-        frequency, damping = (float(a.evaluate(np.empty((1, 0)))[0]) for a in path.args[3:])
+        frequency, damping = map(value_of, path.args[3:])
         return frequency, damping
 
     def weights(self, path: Call) -> tuple[float, ...]:

@@ -16,7 +16,7 @@ mode, flexible_mode.py  h, h'                               w0^2, 2 D w0        
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import reduce
 from typing import Any, Protocol, TypeGuard
 
@@ -25,7 +25,7 @@ import numpy as np
 from ..equations import Equations
 from ..operators import Operator
 from ..substitution import substituted
-from ..terms import Call, Sum, add, constant, mul
+from ..terms import Call, Product, Sum, add, constant, mul
 from .boucwen import BOUC_WEN, Hysteresis
 from .flexible_mode import FLEXIBLE_MODE, FlexibleMode
 from .relaxing import RELAXING, Relaxation
@@ -109,16 +109,15 @@ def source_of(path: Call) -> Sum:
 
 def paths_in(equations: Equations) -> tuple[Call, ...]:
     """Return the distinct paths in equations, of terms whose coefficient is not zero."""
-    found: dict[Call, None] = {}
-    for term, used in zip(equations.terms, np.any(equations.coef != 0.0, axis=0), strict=True):
-        if used:
-            found |= dict.fromkeys(atom for atom, _ in term.factors if _is_path(atom))
-    return tuple(found)
+    return _distinct_paths(equations.terms[i] for i in equations.used)
 
 
 def paths_within(expressions: Sequence[Sum]) -> tuple[Call, ...]:
     """Return the distinct paths in expressions."""
-    products = (product for expression in expressions for _, product in expression.parts)
+    return _distinct_paths(term for expression in expressions for _, term in expression.parts)
+
+
+def _distinct_paths(products: Iterable[Product]) -> tuple[Call, ...]:
     return tuple(dict.fromkeys(a for p in products for a, _ in p.factors if _is_path(a)))
 
 

@@ -10,13 +10,13 @@ from collections.abc import Callable
 from functools import partial, reduce
 
 from ..operators import BUILTIN
-from ..terms import ONE, Call, Sum, add, call, constant, mul, neg, sub
+from ..terms import ONE, Call, Sum, add, call, constant, mul, neg, sub, value_of
 
 
 def positive_part_of(expression: Sum) -> Sum | None:
     """Return x of an expression that is max(x, 0); None if it is anything else."""
     x, end = _limited(1.0, expression) or (None, ONE)
-    return x if isinstance(end, Sum) and _is_number(end) and _value(end) == 0.0 else None
+    return x if isinstance(end, Sum) and _is_number(end) and value_of(end) == 0.0 else None
 
 
 def _extreme(sign: float, *arguments: Sum) -> Sum:
@@ -34,7 +34,7 @@ def _limit(sign: float, inner: Sum, end: Sum) -> Sum | None:
     if other is None or not _is_number(end):
         return None
     x, beginning = other
-    if sign * (_value(end) - _value(beginning)) > 0.0:  # x is always beyond the outer limit
+    if sign * (value_of(end) - value_of(beginning)) > 0.0:  # x is always beyond the outer limit
         return end
     lower, upper = (beginning, end) if sign < 0.0 else (end, beginning)
     return _half(add(lower, upper), sub(_abs(sub(x, lower)), _abs(sub(x, upper))))
@@ -64,10 +64,6 @@ def _abs(a: Sum) -> Sum:
 
 def _is_number(a: Sum) -> bool:
     return all(term == ONE for _, term in a.parts)
-
-
-def _value(number: Sum) -> float:
-    return sum(weight for weight, _ in number.parts)
 
 
 EXTREMES: dict[str, Callable[..., Sum]] = {

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import terms
 from ..operators import BUILTIN, Operator
-from ..terms import Sum
+from ..terms import Sum, value_of
 from .extremes import EXTREMES, positive_part_of
 from .grammar import MAX_EXPONENT, MAX_SIZE, Source, as_text, chain
 from .names import advise_function, advise_parameter, check_known
@@ -219,19 +219,19 @@ class _Reader:
     def _power(self, node: ast.BinOp) -> Sum:
         base, exponent = self._parameter_free(node.left), self._parameter_free(node.right)
         if exponent.variables:
-            if base.variables or _number(base) <= 0.0:
+            if base.variables or value_of(base) <= 0.0:
                 advice = "Write it with exp and log."
                 self.source.fail(
                     "must have constant exponents", "one that varies", advice, node.right
                 )
-            log = terms.constant(math.log(_number(base)))
+            log = terms.constant(math.log(value_of(base)))
             return terms.call(BUILTIN["exp"], terms.mul(exponent, log))
         if not base.variables:
-            value = _number(base) ** _number(exponent)
+            value = value_of(base) ** value_of(exponent)
             return terms.constant(math.nan if isinstance(value, complex) else value)
-        if abs(_number(exponent)) * max(base.size, MAX_SIZE / MAX_EXPONENT) > MAX_SIZE:
+        if abs(value_of(exponent)) * max(base.size, MAX_SIZE / MAX_EXPONENT) > MAX_SIZE:
             self.source.fail_size(node.right)
-        result = real_power(base, _number(exponent))
+        result = real_power(base, value_of(exponent))
         if any(abs(n) > MAX_EXPONENT for _, term in result.parts for _, n in term.factors):
             self.source.fail_size(node.right)  # a power of powers
         return result
@@ -254,7 +254,7 @@ class _Reader:
             if operator == BUILTIN["sqrt"]:
                 return real_power(arguments[0], 0.5)
             return terms.call(operator, *arguments)
-        values = [np.array([_number(argument)]) for argument in arguments]
+        values = [np.array([value_of(argument)]) for argument in arguments]
         with np.errstate(all="ignore"):
             return terms.constant(float(np.asarray(operator(*values)).ravel()[0]))
 
@@ -272,11 +272,6 @@ class _Reader:
 
 def _parameters(value: _Linear) -> list[str]:
     return [name for name in value if name is not None]
-
-
-def _number(constant: Sum) -> float:
-    """Return the value of a sum without variables; all constants have been folded."""
-    return constant.parts[0][0] if constant.parts else 0.0
 
 
 def _total(sums: list[Sum]) -> Sum:

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import terms
 from ..operators import BUILTIN
-from ..terms import Sum
+from ..terms import Sum, value_of
 from .text import real_power
 
 _UFUNCS: dict[np.ufunc, Callable[..., Sum]] = {
@@ -28,7 +28,7 @@ _UFUNCS: dict[np.ufunc, Callable[..., Sum]] = {
     np.positive: lambda a: a,
     np.reciprocal: lambda a: terms.power(a, -1),
     np.fabs: lambda a: terms.call(BUILTIN["abs"], a),
-    np.power: lambda a, b: real_power(a, _number(b)),
+    np.power: lambda a, b: real_power(a, _exponent(b)),
 }
 for _name, _ufunc in {
     "square": np.square, "sin": np.sin, "cos": np.cos, "tan": np.tan, "exp": np.exp,
@@ -109,10 +109,10 @@ def _as_sum(value: Any) -> Sum:
     raise TypeError(f"neither a symbol nor a number: {type(value).__name__}")
 
 
-def _number(exponent: Sum) -> float:
+def _exponent(exponent: Sum) -> float:
     if exponent.variables:
         raise TypeError("an exponent that varies")
-    value = exponent.parts[0][0] if exponent.parts else 0.0
+    value = value_of(exponent)
     if abs(value) > 64:
         raise ValueError("an exponent too large to multiply out")
     return value

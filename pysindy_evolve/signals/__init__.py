@@ -18,7 +18,7 @@ filtering
 filters          low-pass, derivative and integral of one signal
 spectral         the FFT filter behind `filters.py`
 windows          smooth windows over the rows: the weak form
-switches         rows on which the low-pass leaves the direction of motion certain
+decided          rows on which the low-pass leaves the direction of motion certain
 less noise
 noise            noise level of a sensor, and the cutoff that follows from it
 bands            bands of frequencies over which spectra are averaged
@@ -32,6 +32,7 @@ acting           inputs that act through a function, such as the square of a spe
 ===============  ====================================================================
 """
 
+from .decided import is_decided
 from .files import read_csv
 from .filters import Motion, differentiate, integrate, lowpass
 from .fuse import fuse
@@ -40,7 +41,6 @@ from .preparation import Preparation
 from .prepare import prepare
 from .record import Record
 from .sampling import resample
-from .switches import is_decided
 from .target import as_target
 from .windows import Windows, choose_windows, project, project_derivative
 

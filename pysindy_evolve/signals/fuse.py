@@ -22,7 +22,7 @@ from .. import checks
 from .bands import AGREE, geometric_edges
 from .filters import differentiate
 from .noise import floor, spectrum
-from .sampling import uniform
+from .sampling import mean_step, uniform
 from .spectral import Array
 
 FADE = 0.02  # share of the record, half at each end, over which the slope fades out
@@ -84,7 +84,7 @@ def fuse(t: ArrayLike, x: ArrayLike, x_dot: ArrayLike) -> Array:
         checks.refuse("fuse", "t", f"at least {MIN_SAMPLES} samples long", got, "Record longer.")
     grid, (even_x, even_rate) = uniform("fuse", times, states, rates)
     even_states, even_rates = np.asarray(even_x), np.asarray(even_rate)
-    dt = (grid[-1] - grid[0]) / (len(grid) - 1)
+    dt = mean_step(grid)
     window = tukey(len(grid), FADE)[:, None]
     gap = window * (differentiate(even_states, dt) - even_rates)
     gap_spectrum = fft.rfft(gap, axis=0)

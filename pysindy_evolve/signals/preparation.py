@@ -13,6 +13,7 @@ from .. import checks
 from .clipping import beyond, bridged, widened
 from .filters import derivatives
 from .record import Record
+from .sampling import mean_step
 from .spectral import Array, SpectralFilter
 
 
@@ -71,7 +72,7 @@ class Preparation:
     @property
     def dt(self) -> float:
         """Raw sampling time, units of t."""
-        return float((self.t[-1] - self.t[0]) / (self.t.size - 1))
+        return mean_step(self.t)
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -131,7 +132,7 @@ class Preparation:
         positions = self._raw(call, "y", y)
         inputs = None if u is None else self._raw(call, "u", u)
         self._raw(call, "t", times)
-        step = (times[-1] - times[0]) / (times.size - 1)
+        step = mean_step(times)
         if abs(step / self.dt - 1.0) > 1e-3:
             got = f"steps of {step:g}"
             advice = "Simulate at preparation.t."

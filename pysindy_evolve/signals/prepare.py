@@ -14,7 +14,7 @@ from .filters import METHODS, MOST_ORDERS
 from .noise import auto_cutoff, sensor_noise
 from .preparation import Preparation
 from .record import Record, constant_column
-from .sampling import uniform
+from .sampling import mean_step, uniform
 from .spectral import Array
 from .wrapping import refuse_wrapped
 from .zero_order_hold import HALF_SAMPLE, hold
@@ -122,7 +122,7 @@ def prepare(
         got = f"{raw_y[0, constant or 0]:g} in all samples of column {constant}"
         checks.refuse("prepare", "y", "changing", got, "Drop this column of y.")
     refuse_wrapped(raw_y)
-    dt = float((grid[-1] - grid[0]) / (grid.size - 1))
+    dt = mean_step(grid)
     ends = as_limits(limits, even_y)
     resolved_cutoff, filled = _resolve_cutoff(cutoff, even_y, dt, order, ends)
     trim = 2 if resolved_cutoff is None else int(np.ceil(TRIM / (resolved_cutoff * dt)))

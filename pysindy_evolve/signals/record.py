@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import checks
+from .sampling import mean_step
 from .spectral import Array
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ class Record:
     @property
     def dt(self) -> float:
         """Mean sampling time, units of t."""
-        return float((self.t[-1] - self.t[0]) / (self.n_samples - 1))
+        return mean_step(self.t)
 
     @property
     def cutoff(self) -> float | None:

@@ -14,6 +14,11 @@ MAX_ROUNDING = 0.01  # time stamps are rounded: taken as uniform
 MAX_JITTER = 0.5  # the clock jitters: the record is interpolated; beyond it, samples are missing
 
 
+def mean_step(t: Array) -> float:
+    """Return the mean sampling time of a record, units of t."""
+    return float((t[-1] - t[0]) / (t.size - 1))
+
+
 def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Array | None]]:
     """Return uniform times over the same span, and the columns at these times.
 
@@ -26,8 +31,7 @@ def uniform(call: str, t: Array, *columns: Array | None) -> tuple[Array, list[Ar
         If a time stamp is farther away.
     """
     grid = np.linspace(t[0], t[-1], t.size)
-    dt = (t[-1] - t[0]) / (t.size - 1)
-    deviation = np.abs(t - grid) / dt
+    deviation = np.abs(t - grid) / mean_step(t)
     worst = float(deviation.max())
     if worst > MAX_JITTER:
         steps = np.diff(t)

@@ -20,8 +20,7 @@ from typing import Any
 import sympy
 
 from ..operators import BUILTIN
-from ..terms import ONE as CONSTANT_TERM
-from ..terms import Atom, Product, Sum, Variable
+from ..terms import ONE, Atom, Product, Sum, Variable
 from .scalars import LOG, ROOT, Namespace, symbol, symbols
 from .structure import FIRST_MARK, FREE, Structure
 
@@ -96,7 +95,7 @@ class Rows:
     def _sum(self, expression: Sum) -> Any:
         parts = []
         for coefficient, term in expression.parts:
-            plain = abs(coefficient) == 1.0 and term != CONSTANT_TERM
+            plain = abs(coefficient) == 1.0 and term != ONE
             index = int(coefficient - FIRST_MARK)
             factor = sympy.Integer(int(coefficient)) if plain else self._constants[index]
             parts.append(factor * self._product(term))

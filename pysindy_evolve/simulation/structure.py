@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ..equations import Equations
 from ..operators import BUILTIN
-from ..terms import Call, Product, Sum, Variable
+from ..terms import Atom, Call, Product, Sum, Variable, only_atom
 
 FIRST_MARK = 2.0  # stands for the first inner constant; 1 and -1 would not count as constants
 FREE = 2  # kind of a coefficient that is a parameter; 1 and -1 stand for themselves
@@ -77,13 +76,12 @@ def structure_of(equations: Equations) -> tuple[Structure, tuple[float, ...]]:
     parameters : tuple of float
         Free coefficients row by row, then the distinct inner constants.
     """
-    used = [i for i in range(len(equations.terms)) if np.any(equations.coef[:, i] != 0.0)]
-    terms = tuple(equations.terms[i] for i in used)
+    terms = tuple(equations.terms[i] for i in equations.used)
     values = tuple(dict.fromkeys(c for term in terms for c in term.constants))
     mark = {value: FIRST_MARK + i for i, value in enumerate(values)}
     marked = tuple(term.with_constants([mark[c] for c in term.constants]) for term in terms)
     entries, free = [], []
-    for row in np.asarray(equations.coef, dtype=float)[:, used].tolist():
+    for row in np.asarray(equations.coef, dtype=float)[:, equations.used].tolist():
         kinds = [(i, _kind(c)) for i, c in enumerate(row) if c != 0.0]
         entries.append(tuple(kinds))
         free += [row[i] for i, kind in kinds if kind == FREE]
@@ -113,27 +111,16 @@ def is_affine(terms: tuple[Product, ...]) -> bool:
     return True
 
 
-def _sign_arguments(node: Any) -> Iterator[Sum]:
-    if isinstance(node, Product):
-        for atom, _ in node.factors:
-            yield from _sign_arguments(atom)
-    elif isinstance(node, Sum):
-        for _, term in node.parts:
-            yield from _sign_arguments(term)
-    elif isinstance(node, Call):
-        for argument in node.args:
-            yield from _sign_arguments(argument)
-        if node.operator == BUILTIN["sgn"]:
-            yield node.args[0]
+def _sign_arguments(node: Product | Atom) -> Iterator[Sum]:
+    for child in node.children:
+        yield from _sign_arguments(child)
+    if isinstance(node, Call) and node.operator == BUILTIN["sgn"]:
+        yield node.args[0]
 
 
 def _plain_state(g: Sum, n_states: int) -> int | None:
-    if len(g.parts) == 1 and g.parts[0][0] == 1.0:
-        factors = g.parts[0][1].factors
-        if len(factors) == 1 and factors[0][1] == 1 and isinstance(factors[0][0], Variable):
-            index = factors[0][0].index
-            return index if index < n_states else None
-    return None
+    atom = only_atom(g)
+    return atom.index if isinstance(atom, Variable) and atom.index < n_states else None
 
 
 def _kind(coefficient: float) -> int:

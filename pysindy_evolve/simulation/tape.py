@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..operators import BUILTIN
-from ..terms import ONE as CONSTANT_TERM
-from ..terms import Atom, Call, Product, Sum, Variable
+from ..terms import ONE, Atom, Call, Product, Sum, Variable
 from .structure import Switch
 
 
@@ -101,7 +100,7 @@ class Tape:
         total: int | None = None
         for coefficient, term in expression.parts:
             part = self._product(term)
-            if term == CONSTANT_TERM:
+            if term == ONE:
                 part = self._constant(coefficient)
             elif coefficient != 1.0:
                 part = self._emit(np.multiply, self._constant(coefficient), part)

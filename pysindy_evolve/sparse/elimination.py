@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .gram import MIN_SQUARE_SHARE, Gram, inverse, least_squares, rss
+from .gram import Gram, inverse, least_squares, rss
 
 HEALTHY = 0.1  # of 1 / n, the least diagonal element of the inverse for columns of unit RMS
 
@@ -106,7 +106,7 @@ def eliminate(
     part = part.scaled(part.scale)
     inverted = inverse(part)
     coef, price = inverted @ part.xy, penalty[columns]
-    floor = max(MIN_SQUARE_SHARE * gram.yy, np.finfo(float).tiny)
+    floor = gram.rounding
     error = max(float(gram.yy - coef @ part.xy), floor)
     path = [(columns, error)]
     alive = np.ones(len(columns), dtype=bool)
@@ -157,7 +157,7 @@ def gains(gram: Gram, support: Sequence[int] | np.ndarray) -> tuple[np.ndarray, 
     support = np.asarray(support, dtype=int)
     inverted = inverse(gram.select(support))
     coef = inverted @ gram.xy[support]
-    floor = max(MIN_SQUARE_SHARE * gram.yy, np.finfo(float).tiny)
+    floor = gram.rounding
     error = max(float(gram.yy - coef @ gram.xy[support]), floor)
     cross = gram.xx[support]
     slope = gram.xy - coef @ cross

@@ -64,6 +64,11 @@ class Gram:
         size = np.sqrt(np.maximum(np.diag(self.xx), 0.0) / self.n)  # rounding may be below zero
         return np.where(size > 0.0, size, 1.0)
 
+    @property
+    def rounding(self) -> float:
+        """Residual sum of squares below which there is only rounding."""
+        return max(MIN_SQUARE_SHARE * self.yy, np.finfo(float).tiny)
+
     def scaled(self, scale: np.ndarray) -> Gram:
         """Divide the columns by `scale`; the target stays."""
         return Gram(self.xx / np.outer(scale, scale), self.xy / scale, self.yy, self.n)
@@ -256,7 +261,7 @@ def least_squares(gram: Gram, support: Sequence[int] | np.ndarray) -> np.ndarray
 def rss(gram: Gram, coef: np.ndarray) -> float:
     """Residual sum of squares, at least the size of its rounding error."""
     value = gram.yy - 2.0 * coef @ gram.xy + coef @ gram.xx @ coef
-    return max(float(value), MIN_SQUARE_SHARE * gram.yy, np.finfo(float).tiny)
+    return max(float(value), gram.rounding)
 
 
 def inverse(part: Gram) -> np.ndarray:

@@ -33,10 +33,22 @@ from .canonical import simplified
 from .lowest import lowest
 from .node import Cache
 from .products import ONE, Product
-from .sums import Atom, Sum, as_product, as_sum, join_terms, of_term, only_term, signed
+from .sums import (
+    Atom,
+    Sum,
+    as_product,
+    as_sum,
+    join_terms,
+    of_term,
+    only_atom,
+    only_term,
+    signed,
+    value_of,
+)
 
 __all__ = [
     "ONE", "Atom", "Cache", "Call", "Product", "Sum", "Variable",
     "add", "as_product", "as_sum", "call", "constant", "div", "join_terms", "lowest", "mul",
-    "neg", "of_term", "only_term", "power", "signed", "simplified", "sub", "variable",
+    "neg", "of_term", "only_atom", "only_term", "power", "signed", "simplified", "sub",
+    "value_of", "variable",
 ]  # fmt: skip

@@ -42,6 +42,11 @@ class Variable(Node):
         return symbols[self.index]
 
     @property
+    def children(self) -> tuple[()]:
+        """Nodes one level below: none."""
+        return ()
+
+    @property
     def size(self) -> int:
         """Number of nodes: one."""
         return 1
@@ -93,6 +98,11 @@ class Call(Node):
     def to_sympy(self, symbols: Sequence[Any]) -> Any:
         """Return the sympy expression."""
         return self.operator.to_sympy(*(a.to_sympy(symbols) for a in self.args))
+
+    @property
+    def children(self) -> tuple[Sum, ...]:
+        """Nodes one level below: the arguments."""
+        return self.args
 
     @lazily
     def size(self) -> int:

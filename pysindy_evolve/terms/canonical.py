@@ -8,7 +8,7 @@ from typing import Any
 from ..operators import BUILTIN
 from .atoms import Call
 from .products import Product
-from .sums import Atom, Sum, collect
+from .sums import Atom, Sum, collect, only_atom
 
 EXP = BUILTIN["exp"]
 
@@ -52,10 +52,7 @@ def _join(exponents: dict[Atom, int], exponentials: list[Call]) -> None:
 
 def _fold(exponents: dict[Atom, int], argument: Sum) -> None:
     """Simplify x^n abs(x)^a sgn(x)^s: at most one abs or sgn remains beside a power of x."""
-    base: Atom = argument
-    if len(argument.parts) == 1 and argument.parts[0][0] == 1.0:
-        factors = argument.parts[0][1].factors
-        base = factors[0][0] if len(factors) == 1 and factors[0][1] == 1 else argument
+    base: Atom = only_atom(argument) or argument
     sign, magnitude = Call(BUILTIN["sgn"], (argument,)), Call(BUILTIN["abs"], (argument,))
     n, a, s = (exponents.pop(key, 0) for key in (base, magnitude, sign))
     if s < 0:

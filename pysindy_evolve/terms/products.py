@@ -80,6 +80,11 @@ class Product(Node):
         unit = symbols[0] ** 0 if len(symbols) else 1
         return math.prod((a.to_sympy(symbols) ** n for a, n in self.factors), start=unit)
 
+    @property
+    def children(self) -> tuple[Atom, ...]:
+        """Nodes one level below: the atoms."""
+        return tuple(atom for atom, _ in self.factors)
+
     @lazily
     def size(self) -> int:
         """Number of nodes; a power counts as one node above its atom."""

@@ -79,6 +79,11 @@ class Sum(Node):
         zero = 0 * symbols[0] if len(symbols) else 0
         return sum((_exact(c) * term.to_sympy(symbols) for c, term in self.parts), start=zero)
 
+    @property
+    def children(self) -> tuple[Product, ...]:
+        """Nodes one level below: the terms."""
+        return tuple(term for _, term in self.parts)
+
     @lazily
     def size(self) -> int:
         """Number of nodes: of terms and additions, and one for each coefficient but 1 and -1."""
@@ -134,6 +139,19 @@ def only_term(a: Sum) -> Product:
     """Return the term of a sum that has no other, without its coefficient."""
     ((_, term),) = a.parts
     return term
+
+
+def value_of(number: Sum) -> float:
+    """Return the value of a sum without variables."""
+    return float(number.evaluate(np.empty((1, 0)))[0])
+
+
+def only_atom(a: Sum) -> Atom | None:
+    """Return the atom that a sum is, such as v or sgn(v); None if it is anything else."""
+    if len(a.parts) != 1 or a.parts[0][0] != 1.0:
+        return None
+    factors = a.parts[0][1].factors
+    return factors[0][0] if len(factors) == 1 and factors[0][1] == 1 else None
 
 
 def as_product(a: Sum) -> Product:

@@ -5,24 +5,17 @@ import pysindy as ps
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.breeding.blur import least_explained_power
 from pysindy_evolve.breeding.denoise import denoise
 from pysindy_evolve.breeding.dictionary import Problem
+from pysindy_evolve.breeding.least_power import least_explained_power
 from pysindy_evolve.datasets.rigs import noisy
 from pysindy_evolve.equations import Equations
 from pysindy_evolve.operators import BUILTIN, resolve
 from pysindy_evolve.simulation import simulate
-from pysindy_evolve.sparse.gram import block_grams, total
-from pysindy_evolve.sparse.parsimony import drop_immaterial, drop_unstable
-from pysindy_evolve.terms import call, mul, variable
+from pysindy_evolve.terms import call, mul, only_term, variable
 
 PIECEWISE = ("add", "sub", "mul", "abs", "sgn")
 DT = 0.004
-
-
-def term(column):
-    ((_, product),) = column.parts
-    return product
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +24,7 @@ def slider():
     q, v, u = variable(0), variable(1), variable(2)
     columns = [v, q, call(BUILTIN["sgn"], v), u]
     coef = np.array([[1.0, 0, 0, 0], [-0.4, -9.0, -1.5, 1.0]])
-    equations = Equations(tuple(map(term, columns)), coef, ("q", "v"), ("u",))
+    equations = Equations(tuple(map(only_term, columns)), coef, ("q", "v"), ("u",))
     t = np.arange(12_000) * DT
     u = 8.0 * np.sin(2 * np.pi * (0.2 * t + 0.01 * t**2)) + 4.0 * np.sin(3.3 * t)
     x = simulate(equations, [0.5, 0.0], t, u)
@@ -118,30 +111,10 @@ def test_clean_states_are_not_touched(slider):
 def test_noise_moves_an_equation_by_its_slope():
     x = np.random.default_rng(0).normal(size=(500, 2))
     q, v = variable(0), variable(1)
-    terms = [term(mul(q, v)), term(v)]
+    terms = [only_term(mul(q, v)), only_term(v)]
     noise = np.array([0.1, 0.2])
     problem = Problem(x, x[:, 0], np.empty((500, 0)), noise=noise)
     share = least_explained_power(problem, terms, [2.0, 1.0]) / 500
     moved = np.mean((2 * x[:, 1] * 0.1) ** 2 + ((2 * x[:, 0] + 1) * 0.2) ** 2)
     assert share == pytest.approx(0.3 * moved)
     assert least_explained_power(Problem(x, x[:, 0], np.empty((500, 0))), terms, [2.0, 1.0]) == 0.0
-
-
-def test_a_term_worth_less_than_the_noise_moves_the_equation_by_is_dropped():
-    rng = np.random.default_rng(0)
-    theta = rng.normal(size=(2000, 2))
-    y = theta @ [1.0, 0.05] + 0.1 * rng.normal(size=2000)
-    (gram,) = block_grams(lambda rows: theta[rows], y)
-    assert list(drop_immaterial(gram, [0, 1])) == [0, 1]
-    assert list(drop_immaterial(gram, [0, 1], least=20.0)) == [0]
-
-
-def test_a_large_term_that_shows_in_one_part_of_the_record_only_is_kept():
-    rng = np.random.default_rng(0)
-    theta = rng.normal(size=(2400, 2)) * [1.0, 0.02]
-    theta[:200, 1] *= 50.0
-    y = theta @ [1.0, 1.0] + 0.3 * rng.normal(size=2400) * np.linspace(0.1, 1.0, 2400)
-    y[200:] += 0.5 * np.sign(theta[200:, 1]) * rng.normal(size=2200)
-    blocks = block_grams(lambda rows: theta[rows], y, 12)
-    whole = total(blocks)
-    assert 1 in drop_unstable(whole, [whole - block for block in blocks], [0, 1], min_ratio=50.0)

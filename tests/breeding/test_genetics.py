@@ -124,3 +124,11 @@ def test_an_operator_of_three_arguments_is_varied():
     clip = Operator("clip3", lambda a, b, c: np.minimum(np.maximum(a, b), c), 3)
     terms = breed(genetics((clip, "mul")), n=20)
     assert any("clip3(" in term.name(["a", "b"]) for term in terms)
+
+
+def test_no_wave_is_grown_within_another():
+    grown = genetics(("mul", "sin", "cos", "exp")).random_terms(300)
+    names = [term.name(["q", "v"]) for term in grown]
+    assert any("sin(" in name for name in names)
+    inner = [part for name in names for part in name.replace("exp(", "sin(").split("sin(")[1:]]
+    assert not any(call in part.split(")")[0] for part in inner for call in ("sin(", "cos("))

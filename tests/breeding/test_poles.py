@@ -6,8 +6,7 @@ import pytest
 from pysindy_evolve.breeding.dictionary import Problem
 from pysindy_evolve.breeding.poles import has_pole, keeps_sign
 from pysindy_evolve.breeding.refit import refit
-from pysindy_evolve.loop.growth.genetic_search import OPERATORS, _without_quotients
-from pysindy_evolve.operators import BUILTIN, resolve
+from pysindy_evolve.operators import BUILTIN
 from pysindy_evolve.terms import add, call, constant, div, mul, power, sub, variable
 
 GAP, SPEED = variable(0), variable(1)
@@ -58,11 +57,3 @@ def test_the_terms_of_an_equation_do_not_divide_by_what_crosses_zero():
     terms, coef = refit(Problem(x, target, np.empty((400, 0))), (straight, pole), 2, 5)
     assert terms == (straight,)
     assert coef[0] == pytest.approx(2.0, abs=0.02)
-
-
-def test_a_search_divides_only_where_there_are_sums_to_divide_by():
-    plain = [operator.name for operator in _without_quotients(resolve(OPERATORS))]
-    assert "div" in OPERATORS
-    assert plain == [name for name in OPERATORS if name != "div"]
-    rational = resolve(("add", "mul", "div"))
-    assert _without_quotients(rational) == list(rational)

@@ -4,21 +4,17 @@ import numpy as np
 
 from pysindy_evolve.breeding.relatives import product_alternatives
 from pysindy_evolve.operators import BUILTIN, resolve
-from pysindy_evolve.terms import add, call, constant, div, mul, power, variable
+from pysindy_evolve.terms import add, call, constant, div, mul, only_term, power, variable
 
 Q, V = variable(0), variable(1)
 SGN = BUILTIN["sgn"]
 OPERATORS = resolve(("add", "mul", "div", "sgn"))
 
 
-def term(expression):
-    ((_, product),) = expression.parts
-    return product
-
-
 def names(equation, operators=OPERATORS):
     return [
-        one.name(["q", "v"]) for one in product_alternatives([term(e) for e in equation], operators)
+        one.name(["q", "v"])
+        for one in product_alternatives([only_term(e) for e in equation], operators)
     ]
 
 
@@ -29,8 +25,8 @@ def test_a_quotient_of_a_sum_brings_the_products_it_stands_for():
     assert len(found) == len(set(found))
     q = np.random.default_rng(0).uniform(-0.03, 0.03, 400)
     x = np.column_stack([q, np.random.default_rng(1).normal(size=400)])
-    product = term(mul(power(Q, 2), call(SGN, V))).evaluate(x)
-    others = [term(e).evaluate(x) for e in (alias, Q, call(SGN, V))]
+    product = only_term(mul(power(Q, 2), call(SGN, V))).evaluate(x)
+    others = [only_term(e).evaluate(x) for e in (alias, Q, call(SGN, V))]
     left = product - np.column_stack(others) @ np.linalg.lstsq(np.column_stack(others), product)[0]
     assert np.std(left) < 0.05 * np.std(product)
 

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 import pysindy_evolve as pse
-from pysindy_evolve.breeding.genetics import Genetics
-from pysindy_evolve.operators import resolve
 from pysindy_evolve.sparse.beam import best_subsets, with_exchanges
 from pysindy_evolve.sparse.elimination import default_penalty
 from pysindy_evolve.sparse.gram import gram
@@ -38,15 +36,6 @@ def test_exchanges_leave_out_one_term_at_a_time_and_repeat_none():
     sets = [frozenset(support.tolist()) for support in with_exchanges(front)]
     assert len(sets) == len(set(sets))
     assert set(sets) == {frozenset(s) for s in [(1, 3, 4), (1, 4), (3, 4), (1, 3), (1,), (3,), ()]}
-
-
-def test_no_wave_is_grown_within_another():
-    operators = resolve(("mul", "sin", "cos", "exp"))
-    genetics = Genetics(operators, np.ones(2), max_depth=4, rng=np.random.default_rng(0))
-    names = [term.name(["q", "v"]) for term in genetics.random_terms(300)]
-    assert any("sin(" in name for name in names)
-    inner = [part for name in names for part in name.replace("exp(", "sin(").split("sin(")[1:]]
-    assert not any(call in part.split(")")[0] for part in inner for call in ("sin(", "cos("))
 
 
 @pytest.mark.slow

@@ -127,3 +127,25 @@ def test_a_term_that_one_part_knows_alone_stays_if_it_is_known_well_there():
     whole = total(blocks)
     folds = [whole - block for block in blocks]
     assert parsimony.drop_unstable(whole, folds, [0, 1, 2]).tolist() == [0, 1]
+
+
+def test_a_term_worth_less_than_the_noise_moves_the_equation_by_is_dropped():
+    rng = np.random.default_rng(0)
+    theta = rng.normal(size=(2000, 2))
+    y = theta @ [1.0, 0.05] + 0.1 * rng.normal(size=2000)
+    (gram,) = block_grams(lambda rows: theta[rows], y)
+    assert list(parsimony.drop_immaterial(gram, [0, 1])) == [0, 1]
+    assert list(parsimony.drop_immaterial(gram, [0, 1], least=20.0)) == [0]
+
+
+def test_a_large_term_that_shows_in_one_part_of_the_record_only_is_kept():
+    rng = np.random.default_rng(0)
+    theta = rng.normal(size=(2400, 2)) * [1.0, 0.02]
+    theta[:200, 1] *= 50.0
+    y = theta @ [1.0, 1.0] + 0.3 * rng.normal(size=2400) * np.linspace(0.1, 1.0, 2400)
+    y[200:] += 0.5 * np.sign(theta[200:, 1]) * rng.normal(size=2200)
+    blocks = block_grams(lambda rows: theta[rows], y, 12)
+    whole = total(blocks)
+    assert 1 in parsimony.drop_unstable(
+        whole, [whole - block for block in blocks], [0, 1], min_ratio=50.0
+    )
