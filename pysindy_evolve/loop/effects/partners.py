@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ...terms import Sum
-from ..given.design import Design
+from ..given.design import Column, Design
 from .candidate import Candidate, bare
 from .missing import terms_in
 
@@ -93,21 +93,28 @@ def shared_effects(design: Design, offered: Sequence[Candidate]) -> list[Candida
         Effects whose terms hold all variables of such a term, in all of its equations.
     """
     present, found = terms_in(design), list[Candidate]()
-    for column in design.columns:
-        states = [state for state in design.open_states if column.parts[state].parts]
-        acting = {column.parts[state].variables for state in states}
-        if len(states) < 2 or len(acting) > 1:  # two pumps of one make are two terms
-            continue
-        (variables,) = acting
+    for column, states in shared_terms(design):
+        variables = column.parts[states[0]].variables
         able = [
             one
             for one in offered
-            if variables
-            and variables <= one.variables
+            if variables <= one.variables
             and {(one.state, parent) for parent in one.parents} <= present
         ]
         found += acting_in(states, able)
     return list(dict.fromkeys(found))
+
+
+def shared_terms(design: Design) -> Iterator[tuple[Column, list[int]]]:
+    """Yield what stands in several equations with one coefficient, and in which equations.
+
+    It is one term if it holds the same variables in all of them: two pumps of one make are two.
+    """
+    for column in design.columns:
+        states = [state for state in design.open_states if column.parts[state].variables]
+        acting = {column.parts[state].variables for state in states}
+        if len(states) > 1 and len(acting) == 1:
+            yield column, states
 
 
 def _is_same(one: Candidate, other: Candidate) -> bool:

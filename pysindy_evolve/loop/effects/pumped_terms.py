@@ -9,9 +9,10 @@ import numpy as np
 
 from ...terms import Call, Sum
 from ..given.design import Column, Design
-from .candidate import Candidate, CandidateMaker, Shape
+from .candidate import Candidate, CandidateMaker, Shape, bare
 from .modulation import ActingTerm, pumping
 from .names import FORCING
+from .partners import joined, shared_terms
 from .periodic import PERIODS_IN_TIME, Signal, frequency_of, of_line, waves_of, waves_times
 from .varying_terms import parts_of
 
@@ -130,6 +131,38 @@ def partner_pumps(design: Design, length: float) -> list[Candidate]:
         for state in design.open_states
         for pump in _pumped(state, design, shape)
     ]
+
+
+def shared_pumps(design: Design, offered: Sequence[Candidate]) -> list[Candidate]:
+    """Return pumped terms as one effect of all equations that share the coefficient of the term.
+
+    What the seasons do to a rate of infection, they do where it takes from one group and where it
+    adds to another. A wave in one of these equations alone would bend the rate in the others.
+
+    Parameters
+    ----------
+    design : Design
+        The model.
+    offered : sequence of Candidate
+        Effects of single equations, pumped terms among them.
+
+    Returns
+    -------
+    list of Candidate
+        Each pumped term that is shared, at its own frequency in all equations.
+    """
+    found = []
+    for column, states in shared_terms(design):
+        parts = {state: bare(column.parts[state]) for state in states}
+        for pump in offered:
+            if pump.name == FORCING and pump.shape and pump.parents == (parts.get(pump.state),):
+                others = [
+                    _pump(state, design.time, part, pump.shape)
+                    for state, part in parts.items()
+                    if state != pump.state
+                ]
+                found.append(joined([pump, *others]))
+    return found
 
 
 def is_partner_pump(candidate: Candidate, found: Sequence[Column], time: int) -> bool:

@@ -22,7 +22,7 @@ from ..effects.periodic import (
     periodic_candidates,
     ripple_candidates,
 )
-from ..effects.pumped_terms import partner_pumps, pumped_candidates
+from ..effects.pumped_terms import partner_pumps, pumped_candidates, shared_pumps
 from ..effects.rippled_terms import rippled_candidates
 from ..effects.stops import begins_within, one_end_each
 from ..effects.varying_terms import parts_of
@@ -84,7 +84,7 @@ def propose(design: Design, equations: Equations, part: Segments) -> list[Candid
                 inputs = range(len(design.states), design.time)
                 proposed += inertias(state, position, equations.sums[state], ranges, inputs)
             proposed += _ripples(state, position, residuals, records)
-    shared = shared_effects(design, proposed)
+    shared = [*shared_effects(design, proposed), *shared_pumps(design, proposed)]
     return [*proposed, *shared, *partner_pumps(design, len(longest) * longest.dt)]
 
 

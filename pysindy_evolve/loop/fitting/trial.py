@@ -29,7 +29,7 @@ from .residual import MAX_GROWTH, forces, jacobian, respond
 from .saltation import saltation
 
 ROWS_PER_STEP = 2000  # about how many rows of the runs a step uses
-N_STEPS = 6  # Gauss-Newton steps, shortened ones included
+N_STEPS = 12  # Gauss-Newton steps, shortened ones included
 MAX_LATER_GROWTH = 2.0  # of deviations after the first quarter of a stretch, if it is not chaotic
 SHORTER = 0.3  # factor for a step that made the error larger, when it is tried again
 MIN_GAIN_SHARE = 1e-4  # stop when a step gains less than this share of the error

@@ -3,7 +3,8 @@
 A search may end at T^4 / (800 + sqrt(T)) where T^4 is right, since the denominator hardly changes,
 or at w^2 tanh(q) where the angle q swings so far that w^2 sin(q) is clearly closer. And a diode
 passes exp(k v) - 1: without the -1, the exponential fits worse than a wrong form does, whatever k
-is.
+is. The rate of a reaction is exp(-b / T), which exp(a T) follows for a few degrees (Arrhenius, Z.
+phys. Chem. 4 (1889), DOI 10.1515/zpch-1889-0416).
 """
 
 from __future__ import annotations
@@ -15,7 +16,18 @@ import numpy as np
 
 from ...breeding.poles import has_pole
 from ...operators import BUILTIN, Operator
-from ...terms import Call, Product, Sum, call, mul, of_term, only_term, power
+from ...terms import (
+    Call,
+    Product,
+    Sum,
+    call,
+    constant,
+    mul,
+    of_term,
+    only_term,
+    power,
+    variable,
+)
 from ..effects.candidate import OFFSET, Candidate, bare
 from ..effects.frictions import tustin_form
 from ..effects.missing import terms_in
@@ -36,8 +48,8 @@ def other_forms(
     """Return the other forms of a grown term, of stops and of Stribeck friction.
 
     Those of a grown term lack one factor, or hold a power or a similar function in place of one
-    function. Each of them, and the term, is also offered beside an offset unless the records show
-    that it vanishes at zero.
+    function, or exp(-b / T) for exp(a T) where T stays positive. Each of them, and the term, is
+    also offered beside an offset unless the records show that it vanishes at zero.
 
     Parameters
     ----------
@@ -63,7 +75,12 @@ def other_forms(
     if candidate.name != EVOLVED or len(candidate.terms) != 1 or len(candidate.terms[0].parts) != 1:
         return []
     product = only_term(candidate.terms[0])
-    others = [*_shorter(product), *_straight(product), *_bent_alike(product, operators)]
+    others = [
+        *_shorter(product),
+        *_straight(product),
+        *_bent_alike(product, operators),
+        *_activated(product, part.ranges),
+    ]
     forms: list[tuple[Sum, ...]] = [(term,) for term in others]
     not_zero = (t for t in (*candidate.terms, *others) if not _vanishes_at_rest(t, part.rows))
     forms += [(term, OFFSET) for term in not_zero]
@@ -102,6 +119,19 @@ def _bent_alike(product: Product, operators: Collection[Operator]) -> Iterator[S
             rest = of_term(product.without(place))
             for other in (other for other in alike if other != atom.operator):
                 yield mul(rest, power(call(other, *atom.args), exponent))
+
+
+def _activated(product: Product, ranges: Ranges) -> Iterator[Sum]:
+    """Yield the product with exp(a x) replaced by exp(-b / x) of the same slope in the middle."""
+    for place, (atom, exponent) in enumerate(product.factors):
+        if not isinstance(atom, Call) or atom.operator != BUILTIN["exp"]:
+            continue
+        slope, index = atom.args[0].parts[0][0], min(atom.args[0].variables)
+        x = variable(index)
+        if atom.args[0] == mul(constant(slope), x) and ranges.stays_positive(index):
+            b = slope * ranges.middle[index] ** 2
+            activated = call(BUILTIN["exp"], mul(constant(-b), power(x, -1)))
+            yield mul(of_term(product.without(place)), power(activated, exponent))
 
 
 def _vanishes_at_rest(term: Sum, rows: np.ndarray) -> bool:

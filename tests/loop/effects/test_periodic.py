@@ -1,5 +1,7 @@
 """Forcing and ripple: which lines of a residual are proposed, and which are not its own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from loop_systems import equations_of, multisine
@@ -8,6 +10,7 @@ import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.effects.modulation import pumping
 from pysindy_evolve.loop.effects.names import FORCING
+from pysindy_evolve.loop.effects.partners import apart
 from pysindy_evolve.loop.effects.periodic import (
     Signal,
     other_ripples,
@@ -15,10 +18,16 @@ from pysindy_evolve.loop.effects.periodic import (
     ripple_candidates,
     waves_of,
 )
-from pysindy_evolve.loop.effects.pumped_terms import is_partner_pump, other_pumps, partner_pumps
+from pysindy_evolve.loop.effects.pumped_terms import (
+    is_partner_pump,
+    other_pumps,
+    partner_pumps,
+    shared_pumps,
+)
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.terms import mul, variable
 
+N_TIMES_P = mul(variable(0), variable(1))
 STILL = np.empty((1000, 0))  # no inputs
 
 
@@ -251,6 +260,18 @@ def test_what_is_pumped_in_one_equation_may_be_in_another():
     assert not is_partner_pump(wave, added, 2)
 
 
+@pytest.mark.parametrize(("gained", "is_shared"), [("a", True), ("b", False)])
+def test_a_pumped_term_is_offered_in_all_equations_of_its_coefficient(gained, is_shared):
+    design = pse.DeclaredModel({"N": "r*N - a*N*P", "P": f"{gained}*N*P - m*P"}).design()
+    wave, *_ = periodic_candidates(0, 2, Signal(np.cos(7.0 * T), np.empty((len(T), 0)), 0.02))
+    offered = other_pumps(wave, design)
+    shared = [apart(one) for one in shared_pumps(design, offered)]
+    assert [[one.state for one in both] for both in shared] == ([[0, 1]] if is_shared else [])
+    for here, there in shared:
+        assert here in [replace(one, parents=(), never_paired=True) for one in offered]
+        assert here.terms == there.terms == tuple(mul(N_TIMES_P, term) for term in wave.terms)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_a_pumped_population_is_told_from_one_that_is_stocked(seed):
@@ -270,6 +291,31 @@ def test_a_pumped_population_is_told_from_one_that_is_stocked(seed):
     assert effect.name == FORCING
     assert all(term.variables == {0, 1, 2} for term in effect.expressions)
     assert report.after.simulation_error.max() < 3.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_a_rate_that_is_pumped_is_found_in_both_its_equations_at_once(seed):
+    """A wave in one of them alone bends the rate in the other, and other terms took its place."""
+    flow = "100*(1 + 0.06*cos(2*pi*t))*S*I"
+    truth = {"S": f"0.25*(1 - S) - {flow}", "I": f"{flow} - 25.25*I"}
+    rng = np.random.default_rng(seed)
+
+    def measured(start, end):
+        t = np.arange(0.0, end, 1.0 / 52.0)
+        x = pse.simulate(equations_of(truth), start, t)
+        return pse.prepare(t, x + 0.005 * x.std(axis=0) * rng.standard_normal(x.shape), order=1)
+
+    model = pse.DeclaredModel({"S": "m*(1 - S) - b*S*I", "I": "b*S*I - g*I"})
+    train, test = measured([0.27, 0.005], 25.0), measured([0.24, 0.012], 12.0)
+    report = pse.close_loop(model, train, test, operators=(), random_state=0)
+    assert sorted((effect.state, effect.name) for effect in report.effects) == [
+        ("I", FORCING),
+        ("S", FORCING),
+    ]
+    for effect in report.effects:
+        assert np.hypot(*effect.coefficients) == pytest.approx(6.0, rel=0.03)
+    assert np.max(report.after.simulation_error) < 2.0
 
 
 @pytest.mark.slow

@@ -115,6 +115,23 @@ def test_a_grown_term_is_tried_without_a_factor_straight_bent_otherwise_and_besi
     assert other_forms(Candidate("cubic stiffness", 1, (power(Q, 3),)), design, part) == []
 
 
+def test_an_exponential_of_a_temperature_is_tried_as_the_rate_of_arrhenius():
+    model, t = pse.DeclaredModel({"c": "-k*c", "T": "a - g*T"}), np.arange(0.0, 50.0, 0.1)
+    x = np.column_stack([1.0 + np.cos(t), 350.0 + 10.0 * np.sin(t)])
+    record = pse.prepare(t, x, order=1)
+    design, part = design_of(model, [record]), segments([record])
+
+    def with_exponential_of(inner, factor):
+        return Candidate("evolved term", 0, (mul(factor, call(BUILTIN["exp"], inner)),))
+
+    for factor, by, is_tried in ((0, 1, True), (1, 0, False)):  # c goes down to zero
+        factor, by = variable(factor), variable(by)
+        grown = with_exponential_of(mul(constant(0.04), by), factor)
+        rate = with_exponential_of(mul(constant(-4900.0), power(by, -1)), factor)
+        forms = [one.form for one in other_forms(grown, design, part)]
+        assert (rate.form in forms) is is_tried
+
+
 @pytest.mark.slow
 def test_an_exponential_that_takes_the_place_of_an_offset_needs_none():
     """It was found, and then dropped for want of the offset that it had replaced."""
