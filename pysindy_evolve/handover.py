@@ -4,7 +4,8 @@
 it shows the library every array: ``correct_shape`` gets each x, then each x_dot, then each u, and
 where x_dot is not given, ``calc_trajectory`` gets each x and makes its x_dot. So the library notes
 these arrays. ``fit`` looks up its x in the notes, bit by bit, and takes the x_dot next to it. This
-works with any optimizer, unlike a hand-over to the optimizer.
+works with any optimizer, unlike a hand-over to the optimizer. ``DiscreteSINDy.fit`` without x_next
+takes the x that it showed without the last sample; then the target is that x without the first.
 
 The notes are kept outside the library, separately for each thread, so they are not cloned, pickled
 or seen by another thread. They are dropped at ``fit`` and ``transform``, and when a ``SINDy`` call
@@ -80,7 +81,7 @@ def forget(library: Any) -> None:
 
 
 def target(library: Any, x: Sequence[np.ndarray]) -> list[np.ndarray] | None:
-    """Return the x_dot of each trajectory of x, or None if they were not noted.
+    """Return the x_dot or x_next of each trajectory of x, or None if they were not noted.
 
     Parameters
     ----------
@@ -91,7 +92,7 @@ def target(library: Any, x: Sequence[np.ndarray]) -> list[np.ndarray] | None:
 
     Returns
     -------
-    list of ndarray of shape (n_samples, n_states), or None
+    list of ndarray of shape (n_samples, n_targets), or None
     """
     notes = _of_thread.notes.pop(library, None)
     if notes is None:
@@ -102,24 +103,41 @@ def target(library: Any, x: Sequence[np.ndarray]) -> list[np.ndarray] | None:
         return list(targets) if all(map(_begins_with, x, states)) else None
     if notes.pairs:
         return None
-    for groups in (2, 3):  # x and x_dot; x, x_dot and u
-        shown = notes.shown[-groups * k :]
-        if len(shown) == groups * k and _is_fit(
-            x, [shown[i : i + k] for i in range(0, len(shown), k)]
-        ):
-            return shown[k : 2 * k]
-    return None
+    shown = notes.shown
+    groups = [shown[i : i + k] for i in range(len(shown) % k, len(shown), k)]
+    return _target_given(x, groups) or _next_samples(x, groups)
 
 
-def _is_fit(x: Sequence[np.ndarray], groups: list[list[np.ndarray]]) -> bool:
-    """Tell whether groups are the x, x_dot and u of the x that `fit` received.
+def _target_given(
+    x: Sequence[np.ndarray], groups: list[list[np.ndarray]]
+) -> list[np.ndarray] | None:
+    """Return the x_dot if the last groups are x and x_dot, or x, x_dot and u.
 
     An x_dot of another length is accepted here; a later check raises its error.
     """
+    for n in range(2, min(3, len(groups)) + 1):
+        states, derivatives, *inputs = groups[-n:]
+        if _is_joined(x, [states, *inputs]):
+            return derivatives
+    return None
+
+
+def _next_samples(
+    x: Sequence[np.ndarray], groups: list[list[np.ndarray]]
+) -> list[np.ndarray] | None:
+    """Return the x one sample on if the last groups are x, or x and u, each one sample longer."""
+    for n in range(1, min(2, len(groups)) + 1):
+        states, *inputs = groups[-n:]
+        if _is_joined(x, [[array[:-1] for array in group] for group in (states, *inputs)]):
+            return [array[1:] for array in states]
+    return None
+
+
+def _is_joined(x: Sequence[np.ndarray], groups: list[list[np.ndarray]]) -> bool:
+    """Tell whether groups, the states and perhaps the inputs, are the columns of each x."""
     for i, xi in enumerate(x):
-        state, derivative, *inputs = (group[i] for group in groups)
-        columns = [state, *inputs]
-        if state.shape[1:] != derivative.shape[1:] or any(len(c) != len(xi) for c in columns):
+        columns = [group[i] for group in groups]
+        if any(len(column) != len(xi) for column in columns):
             return False
         edges = np.cumsum([0, *(column.shape[1] for column in columns)])
         if xi.shape != (len(xi), edges[-1]):

@@ -6,12 +6,13 @@ from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from functools import partial
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed, effective_n_jobs
 from pysindy.feature_library.base import BaseFeatureLibrary, x_sequence_or_item
-from sklearn.utils import check_random_state
+from pysindy.utils import AxesArray, comprehend_axes
 
 from . import checks, handover
 from .breeding.denoise import Rows, denoise
@@ -22,7 +23,7 @@ from .operators import Operator, resolve
 from .term_library import TermColumns
 from .terms import ONE, Product
 from .threads import one_thread
-from .training import finite, same_samples, training_data
+from .training import differentiated, finite, same_samples, training_data
 
 OPERATORS = ("add", "sub", "mul", "div", "sin", "cos", "abs", "sgn")
 
@@ -156,6 +157,7 @@ class EvolvingLibrary(TermColumns):
         TypeError
             If something is not made of real numbers, or a parameter is of the wrong type.
         """
+        x_full, y, _ = self._data(x_full, y)
         self._grow(x_full, y)
         return self
 
@@ -181,19 +183,19 @@ class EvolvingLibrary(TermColumns):
         ValueError, TypeError
             As in `fit`.
         """
+        lengths = [len(x) for x in x_full]
+        x_full, y, places = self._data(x_full, y)
         rows = self._grow(x_full, y)
         edges = np.cumsum([len(x) for x in x_full])[:-1]
         theta = [self._theta(x) for x in np.split(rows.x, edges)]
         if rows.kept is not None:
             for part, kept in zip(theta, np.split(rows.kept, edges), strict=True):
                 part[~kept] = 0.0
-        return theta
+        return [_padded(*each) for each in zip(theta, places, lengths, strict=True)]
 
     @one_thread()
     def _grow(self, x_full: list[Any], y: Any) -> Rows:
         """Grow the terms; return the rows that they were grown on."""
-        y = self._shown_by_sindy(x_full) if y is None else y
-        handover.forget(self)
         x, targets = training_data(x_full, y)
         lengths = [len(xi) for xi in x_full]
         domain = _edges(x, lengths)
@@ -201,7 +203,7 @@ class EvolvingLibrary(TermColumns):
         rows = denoise(x, targets, lengths, operators)
         x, targets = rows.of(rows.x), rows.of(targets)
         base = self._fitted_base(x_full)
-        fixed = np.empty((len(x), 0)) if base is None else np.asarray(base.transform(x))
+        fixed = np.empty((len(x), 0)) if base is None else _columns_of(base, x)
         search = partial(
             evolve, x, operators=operators, fixed=fixed, noise=rows.noise, domain=domain,
             progress=self.progress,
@@ -221,10 +223,23 @@ class EvolvingLibrary(TermColumns):
         self.n_output_features_ = fixed.shape[1] + len(self.terms_)
         return rows
 
-    def _shown_by_sindy(self, x_full: list[Any]) -> list[np.ndarray] | None:
-        """Return the x_dot that ``SINDy`` showed beside x, see `handover`; None if it did not."""
+    def _data(self, x_full: list[Any], y: Any) -> tuple[list[Any], Any, list[slice]]:
+        """Return x, its target, and the rows of each trajectory that they are.
+
+        Without y it is the target that ``SINDy`` showed beside x, see `handover`, and None if it
+        did not. PySINDy leaves its derivatives NaN at the ends if asked to; there x is cut.
+        """
+        whole = [slice(None)] * len(x_full)
+        if y is not None:
+            handover.forget(self)
+            return x_full, y, whole
         same_samples(handover.input_repeated_by_sindy(self))
-        return handover.target(self, x_full)
+        y = handover.target(self, x_full)
+        if y is None:
+            return x_full, None, whole
+        places = [differentiated(yi) for yi in y]
+        x = [xi[place] for xi, place in zip(x_full, places, strict=True)]
+        return x, [yi[place] for yi, place in zip(y, places, strict=True)], places
 
     def _fitted_base(self, x_full: list[Any]) -> BaseFeatureLibrary | None:
         """Return the base library after its fit; a copy, as `clone` refuses a CustomLibrary."""
@@ -248,7 +263,15 @@ class EvolvingLibrary(TermColumns):
             checks.real(
                 "EvolvingLibrary", name, given[name], "in [0, 1]", lambda v: 0 <= v <= 1, advice
             )
+        self._check_jobs()
         return Settings(**given)
+
+    def _check_jobs(self) -> None:
+        n_jobs, advice = self.n_jobs, "Give 1, or -1 for all cores."
+        if n_jobs is not None and (isinstance(n_jobs, bool) or not isinstance(n_jobs, Integral)):
+            checks.refuse_type("EvolvingLibrary", "n_jobs", "an integer or None", n_jobs, advice)
+        if n_jobs == 0:
+            checks.refuse("EvolvingLibrary", "n_jobs", "above or below 0", "0", advice)
 
 
 def _run_each(
@@ -277,6 +300,25 @@ def _edges(x: np.ndarray, lengths: Sequence[int]) -> np.ndarray:
     return x[np.unique(np.concatenate([*places, np.abs(x).argmin(axis=0)]))]
 
 
+def _padded(theta: AxesArray, place: slice, n_samples: int) -> AxesArray:
+    """Return the rows of a library at their place among rows of zeros."""
+    if len(theta) == n_samples:
+        return theta
+    whole = np.zeros((n_samples, theta.shape[1]))
+    whole[place] = theta
+    return AxesArray(whole, comprehend_axes(whole))
+
+
+def _columns_of(base: BaseFeatureLibrary, x: np.ndarray) -> np.ndarray:
+    """Return the columns of a base library."""
+    columns = np.asarray(base.transform(x))
+    if columns.shape[:1] != x.shape[:1]:
+        constraint, got = "a library with a row for each sample", f"{len(columns)} for {len(x)}"
+        advice = "A weak library has none; take one of ordinary terms."
+        checks.refuse("EvolvingLibrary", "base_library", constraint, got, advice)
+    return columns
+
+
 def _union(x: np.ndarray, fixed: np.ndarray, found: Sequence[Evolution]) -> tuple[Product, ...]:
     """Join the terms of all targets and drop duplicates, which would confuse an optimizer."""
     terms = list(dict.fromkeys(term for evolution in found for term in evolution.terms))
@@ -292,4 +334,7 @@ def _entropy(random_state: Any) -> int | None:
         return None if random_state is None else int(random_state)
     if isinstance(random_state, np.random.Generator):
         return int(random_state.integers(2**62))
-    return int(check_random_state(random_state).randint(2**31 - 1))
+    if not isinstance(random_state, np.random.RandomState):
+        must, advice = "an integer, a numpy generator or None", "Give a seed."
+        checks.refuse_type("EvolvingLibrary", "random_state", must, random_state, advice)
+    return int(random_state.randint(2**31 - 1))

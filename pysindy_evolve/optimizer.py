@@ -20,6 +20,7 @@ from .sparse.parsimony import MIN_ROWS, N_BLOCKS
 from .sparse.proposals import LAMBDA2, supports
 from .sparse.selection import select
 from .threads import one_thread
+from .training import house_form, with_target
 from .warn import warn
 
 TOLERANCE = 1e-9  # of coordinate descent: duality gap, as a share of the target's power
@@ -111,12 +112,14 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         ------
         ValueError
             If a parameter is out of its range, there are fewer samples than terms, or a value is
-            not finite.
+            not finite. Rows at which y is NaN throughout are left out, as in PySINDy's optimizers.
         TypeError
             If a parameter is of the wrong type.
         """
         self._check_parameters()
-        X, y = validate_data(self, X, y, multi_output=True, y_numeric=True)
+        X, y = with_target(X, y)
+        with house_form("ElasticNet.fit(X=..., y=...)"):
+            X, y = validate_data(self, X, y, multi_output=True, y_numeric=True)
         theta, targets = np.asarray(X, dtype=float), np.asarray(y, dtype=float)
         self._one_target = targets.ndim == 1
         targets = targets.reshape(len(theta), -1)
@@ -155,7 +158,8 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
             If X has other columns than in `fit`.
         """
         check_is_fitted(self)
-        X = validate_data(self, X, reset=False)
+        with house_form("ElasticNet.predict(X=...)"):
+            X = validate_data(self, X, reset=False)
         result = np.asarray(X) @ self.coef_.T
         return result[:, 0] if self._one_target else result
 
@@ -169,11 +173,14 @@ class ElasticNet(MultiOutputMixin, RegressorMixin, BaseEstimator):
         """Warn of targets that vary, but kept no term."""
         empty = np.flatnonzero(~self.coef_.any(axis=1) & (np.ptp(targets, axis=0) > 0.0))
         if len(empty):
-            warn(
-                f"ElasticNet kept no term for target {', '.join(map(str, empty))}: none predicts "
-                "the rows that it was not fitted on well enough. Offer other terms, record more, "
-                "filter x_dot, or set lambda1, such as 1e-3, to keep terms all the same."
+            reason = (
+                "none predicts the rows that it was not fitted on well enough. Offer other terms, "
+                "record more, filter x_dot, or set lambda1, such as 1e-3, to keep terms all the "
+                "same."
             )
+            if self.lambda1 is not None:
+                reason = f"lambda1={self.lambda1:g} is too large. Lower it, or leave it out."
+            warn(f"ElasticNet kept no term for target {', '.join(map(str, empty))}: {reason}")
 
     def _fit_targets(self, theta: np.ndarray, targets: np.ndarray) -> np.ndarray:
         n, p = theta.shape

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,44 @@ def numbers(call: str, parameter: str, array: Any) -> np.ndarray:
     return values.astype(float, copy=False)
 
 
+def differentiated(y: np.ndarray) -> slice:
+    """Return the rows between those at the ends that are NaN throughout.
+
+    PySINDy's finite differences leave them so where `drop_endpoints` is set, and its optimizers
+    drop them.
+    """
+    known = ~np.isnan(y).all(axis=1)
+    if known.all() or not known.any():
+        return slice(None)
+    rows = np.flatnonzero(known)
+    return slice(int(rows[0]), int(rows[-1]) + 1)
+
+
+def with_target(x: Any, y: Any) -> tuple[Any, Any]:
+    """Leave out the rows at which y is NaN throughout, as the optimizers of PySINDy do."""
+    targets = np.asarray(y)
+    if targets.dtype.kind != "f" or targets.size == 0:
+        return x, y
+    known = ~np.isnan(targets).reshape(len(targets), -1).all(axis=1)
+    if known.all() or not known.any() or len(x) != len(known):
+        return x, y
+    return np.asarray(x)[known], targets[known]
+
+
+@contextmanager
+def house_form(call: str) -> Iterator[None]:
+    """Give scikit-learn's errors about arrays the form of all errors, without the values."""
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        told = str(error).split("\n", 1)[0].removesuffix(":").removesuffix(".")
+        raise type(error)(
+            f"{call} must be finite numbers, X of shape (n_samples, n_terms) and y as long; got "
+            f"what scikit-learn refuses: {told}. Give one row per sample. Reshape your data with "
+            "X.reshape(-1, 1) if it has one column."
+        ) from None
+
+
 def same_samples(repeated: np.ndarray | None) -> None:
     """Raise if PySINDy made constant inputs of a u that is shorter or longer than x."""
     if repeated is not None:
@@ -90,8 +129,7 @@ def training_data(x: Sequence[Any], y: Any) -> tuple[np.ndarray, np.ndarray]:
             "EvolvingLibrary.fit(y=...) must be x_dot, which ps.SINDy lets the library see; got "
             "None. Use the library by itself in ps.SINDy: inside a ConcatLibrary, TensoredLibrary "
             "or GeneralizedLibrary x_dot cannot reach it, so pass the other library as "
-            "EvolvingLibrary(base_library=...) instead; outside of ps.SINDy, pass y. "
-            "ps.DiscreteSINDy does not hand on what it fits to: library.fit(x[:-1], x[1:]) does."
+            "EvolvingLibrary(base_library=...) instead; outside of ps.SINDy, pass y."
         )
     trajectories = [numbers("EvolvingLibrary.fit", "x", xi) for xi in x]
     given = list(y) if isinstance(y, list | tuple) and y and np.ndim(y[0]) > 0 else [y]

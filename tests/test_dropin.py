@@ -314,3 +314,69 @@ def test_a_base_library_of_another_kind_is_a_type_error(base, free):
     t, x, x_dot, _ = free
     with pytest.raises(TypeError, match=r"base_library=\.\.\.\) must be a PySINDy feature library"):
         model(base_library=base).fit(x, t, x_dot=x_dot)
+
+
+def test_ends_without_a_derivative_are_left_out_as_pysindy_leaves_them_out(driven):
+    t, x, _, u = driven
+    centered = ps.FiniteDifference(order=2, drop_endpoints=True)
+    for library in (EvolvingLibrary(OPERATORS, random_state=0), ps.PolynomialLibrary(degree=3)):
+        for optimizer in (ElasticNet(), ps.STLSQ(threshold=0.05)):
+            model = ps.SINDy(optimizer, library, differentiation_method=centered).fit(x, t, u=u)
+            assert model.score(x, t, u=u) > 0.999
+
+
+def test_ends_without_a_derivative_are_left_out_of_each_trajectory(driven):
+    t, x, _, u = driven
+    centered = ps.FiniteDifference(order=2, drop_endpoints=True)
+    library = EvolvingLibrary(OPERATORS, random_state=0)
+    theta = {}
+
+    class Spy(ps.STLSQ):
+        def fit(self, x, y, **options):
+            theta.update(x=np.asarray(x), y=np.asarray(y))
+            return super().fit(x, y, **options)
+
+    model = ps.SINDy(Spy(threshold=0.05), library, differentiation_method=centered)
+    model.fit([x, x[:301]], [t, t[:301]], u=[u, u[:301]])
+    empty = np.flatnonzero(np.isnan(theta["y"]).all(axis=1))
+    np.testing.assert_array_equal(empty, [0, len(x) - 1, len(x), len(x) + 300])
+    assert not theta["x"][empty].any()
+
+
+@pytest.mark.parametrize("optimizer", [ElasticNet(), ps.STLSQ(threshold=0.05)])
+def test_the_derivative_of_one_state_is_enough(optimizer, driven):
+    t, x, x_dot, u = driven
+    model = ps.SINDy(optimizer, EvolvingLibrary(OPERATORS, random_state=0))
+    model.fit(x, t, x_dot=x_dot[:, 1:], u=u)
+    assert model.coefficients().shape[0] == 1
+    assert model.score(x, t, x_dot=x_dot[:, 1:], u=u) > 0.9999
+
+
+@pytest.mark.parametrize("n_trajectories", [1, 2])
+@pytest.mark.parametrize("with_input", [False, True])
+def test_a_discrete_model_takes_the_next_samples_by_itself(n_trajectories, with_input):
+    rng = np.random.default_rng(0)
+    xs, us = [], []
+    for _ in range(n_trajectories):
+        u = 0.1 * rng.uniform(size=(150, 1))
+        x = np.full((150, 1), 0.3)
+        for i in range(149):
+            x[i + 1] = 3.2 * x[i] * (1.0 - x[i]) + with_input * u[i]
+        xs.append(x)
+        us.append(u)
+    model = ps.DiscreteSINDy(ElasticNet(), EvolvingLibrary(("add", "mul"), random_state=0))
+    given = {"u": us if n_trajectories > 1 else us[0]} if with_input else {}
+    model.fit(xs if n_trajectories > 1 else xs[0], 1, **given)
+    found = dict(zip(model.get_feature_names(), model.coefficients()[0], strict=True))
+    assert found["x0"] == pytest.approx(3.2)
+    assert found["x0^2"] == pytest.approx(-3.2)
+    assert found.get("u0", 0.0) == pytest.approx(float(with_input), abs=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore:2 axes labeled")  # PySINDy, of the grid of a weak library
+def test_a_weak_library_is_refused_as_base(free):
+    t, x, _, _ = free
+    weak = ps.WeakPDELibrary(function_library=ps.PolynomialLibrary(), spatiotemporal_grid=t)
+    grown = EvolvingLibrary(OPERATORS, weak, random_state=0)
+    with pytest.raises(ValueError, match="must be a library with a row for each sample"):
+        ps.SINDy(ElasticNet(), grown).fit(x, t)

@@ -240,6 +240,9 @@ def test_bad_data_is_named_and_the_object_stays_usable(change, message, data):
         ({"mutation_rate": "high"}, TypeError, r"mutation_rate=...\) must be a number"),
         ({"population_size": 0}, ValueError, r"population_size=...\) must be at least 1; got 0"),
         ({"n_generations": 2.5}, TypeError, r"n_generations=...\) must be an integer; got 2.5"),
+        ({"n_jobs": "all"}, TypeError, r"n_jobs=...\) must be an integer or None; got str"),
+        ({"n_jobs": 0}, ValueError, r"n_jobs=...\) must be above or below 0; got 0"),
+        ({"random_state": "0"}, TypeError, r"random_state=...\) must be an integer, a numpy gen"),
         ({"operators": ("plus",)}, ValueError, "must name built-in operators; got 'plus'"),
         (
             {"operators": (Operator("bad", lambda a: a[0], 1),)},

@@ -115,3 +115,45 @@ def test_fewer_samples_than_terms_are_named():
     theta = np.random.default_rng(0).normal(size=(10, 20))
     with pytest.raises(ValueError, match="at least as many samples as terms"):
         ElasticNet().fit(theta, theta[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda x, y: (x[:, 0], y), "Expected 2D array, got 1D array instead"),
+        (lambda x, y: (x, y[:-1]), "inconsistent numbers of samples"),
+        (lambda x, y: (np.where(x == x.max(), np.nan, x), y), "Input X contains NaN"),
+        (lambda x, y: (x.astype(str).astype(object) + "m", y), "could not convert string"),
+    ],
+)
+def test_errors_of_the_data_are_short_and_of_one_form(problem, change, told):
+    theta, _, y = problem
+    form = rf"ElasticNet\.fit\(X=..., y=...\) must be .*; got .*{told}.*\. Give one row per sample"
+    with pytest.raises(ValueError, match=form) as said:
+        ElasticNet().fit(*change(theta, y))
+    assert len(str(said.value)) < 400
+
+
+def test_other_columns_than_in_fit_are_refused_in_the_same_form(problem):
+    theta, _, y = problem
+    fitted = ElasticNet().fit(theta, y)
+    with pytest.raises(ValueError, match=r"predict\(X=...\) must be .* has 3 features"):
+        fitted.predict(theta[:, :3])
+
+
+def test_rows_without_a_target_are_left_out(problem):
+    theta, _, y = problem
+    holes = y.copy()
+    holes[[0, 17, -1]] = np.nan
+    inner = np.isfinite(holes[:, 0])
+    one, other = ElasticNet().fit(theta, holes), ElasticNet().fit(theta[inner], y[inner])
+    np.testing.assert_array_equal(one.coef_, other.coef_)
+    holes[5, 0] = np.nan
+    with pytest.raises(ValueError, match="contains NaN"):
+        ElasticNet().fit(theta, holes)
+
+
+def test_a_weight_that_leaves_no_term_is_named(problem):
+    theta, _, y = problem
+    with pytest.warns(UserWarning, match="target 0, 1: lambda1=9 is too large. Lower it"):
+        ElasticNet(lambda1=9).fit(theta, y)

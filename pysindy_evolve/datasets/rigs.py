@@ -21,12 +21,14 @@ Goharoodi, Dekemele, Loccufier, Dupre, Crevecoeur, Mathematical Problems in Engi
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
+from .. import checks
 from ..equations import Equations
 from ..operators import BUILTIN
 from ..signals import Record, integrate
@@ -86,6 +88,7 @@ class DuffingRig:
 
     def record(self, part: Literal["train", "validation"]) -> Record:
         """Return the measured signals of one part, as a record for the loop."""
+        checks.choice("DuffingRig.record", "part", part, ("train", "validation"))
         at = {"train": self.train, "validation": self.validation}[part]
         columns = (self.t, self.x, self.x_dot, self.u)
         t, x, x_dot, u = (column[at] for column in columns)
@@ -245,16 +248,13 @@ def _check(experiment: int, snr_db: float | None, noise_on: str, n_samples: int 
             f"duffing(experiment=...) must be 1, 2 or 3; got {experiment!r}. "
             "Choose a row of table 4."
         )
-    if snr_db is not None and not np.isfinite(snr_db):
-        raise ValueError(
-            f"duffing(snr_db=...) must be finite; got {snr_db!r}. Give None for no noise."
-        )
+    if snr_db is not None:
+        advice = "Give None for no noise."
+        checks.real("duffing", "snr_db", snr_db, "finite", math.isfinite, advice)
     if noise_on not in ("target", "all"):
         raise ValueError(
             f'duffing(noise_on=...) must be "target" or "all"; got {noise_on!r}. Choose one.'
         )
-    if n_samples is not None and n_samples < 100:
-        raise ValueError(
-            f"duffing(n_samples=...) must be at least 100; got {n_samples!r}. "
-            "Give None for the size of the paper."
-        )
+    if n_samples is not None:
+        advice = "Give None for the size of the paper."
+        checks.integer("duffing", "n_samples", n_samples, 100, advice)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import checks
+from ..warn import warn
 from .clipping import as_limits, beyond, bridged
 from .filters import METHODS, MOST_ORDERS
 from .noise import auto_cutoff, sensor_noise
@@ -28,6 +29,8 @@ LEAST_ROWS = 500
 LEAST_OVERSAMPLING = 3.0
 # Iterations of cutoff and bridges over gaps, which depend on each other.
 N_ITERATIONS = 3
+# Share of the variance of a column, its noise apart, whose loss is that of most of the motion.
+MOST_OF_MOTION = 0.5
 # Periods of the cutoff dropped at each end, where the unknown continuation is felt.
 TRIM = 1.5
 
@@ -96,6 +99,11 @@ def prepare(
     TypeError
         If an argument has the wrong type.
 
+    Warns
+    -----
+    UserWarning
+        If the cutoff that was given removes more of a position than it keeps, noise apart.
+
     Examples
     --------
     >>> import numpy as np
@@ -140,7 +148,24 @@ def prepare(
         limits=ends,
     )
     held_columns = _held_columns(held, even_u)
-    return hold(plan.apply(plan.t, plan.y, plan.u), dict.fromkeys(held_columns, HALF_SAMPLE))
+    record = plan.apply(plan.t, plan.y, plan.u)
+    if cutoff != "auto" and resolved_cutoff is not None:
+        _warn_of_lost_motion(record, plan, filled, resolved_cutoff)
+    return hold(record, dict.fromkeys(held_columns, HALF_SAMPLE))
+
+
+def _warn_of_lost_motion(record: Record, plan: Preparation, y: Array, cutoff: float) -> None:
+    """Warn if a given low-pass leaves out more of a column than it keeps, its noise apart."""
+    rows = np.searchsorted(plan.t, record.t - 0.5 * mean_step(plan.t))
+    kept, measured, noise = record.x[:, :: plan.order], y[rows], plan.noise**2
+    lost = np.mean((measured - kept) ** 2, axis=0) - noise
+    motion = np.var(measured, axis=0) - noise
+    columns = np.flatnonzero((lost > noise) & (lost > MOST_OF_MOTION * motion))
+    if len(columns):
+        warn(
+            f"prepare(cutoff={cutoff:g}) removes most of the motion in column "
+            f"{', '.join(map(str, columns))} of y. Raise the cutoff, or leave it out."
+        )
 
 
 def _held_columns(held: Any, u: Array | None) -> list[int]:

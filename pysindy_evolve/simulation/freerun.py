@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import repeat
 from typing import Any
@@ -26,16 +27,36 @@ _HUGE = math.inf
 SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 4.0, 0.2  # usual factors of a step-size controller
 # Of a sample interval: shorter steps are never rejected, as at a jump without sgn.
 MIN_STEP_SHARE = 1e-6
+OUTGROWN = 2.0  # growth of a state at which the error weights are renewed
+ROUNDING = 1e-14  # of the sum of the sizes of terms: rounding errors of a sum of many
+LEAST_ERROR = 1e-290  # so that weights are finite
 EVENT_TOLERANCE = 1e-12  # of the step in which a switch is located
-MAX_STEPS = 10_000  # in one sample interval: a pole, or much too stiff
 MAX_EVENTS = 200  # in one sample interval; more would be chatter
+MAX_FORCED = 200  # steps too short to be rejected, in one sample interval: no jumps, but chatter
 SWEEPS = 60  # of the fixed-point iteration over several switches at zero
 LIMIT = 1.0 - 1e-9  # largest magnitude of the equivalent sign at which a switch is held
 SAMPLES_PER_CHUNK = 1024  # samples between two checks of the bound, and updates of the progress bar
 
 
 class Diverged(Exception):
-    """The states are not finite, the right-hand side has no value, or the steps are too many."""
+    """The states are not finite, or the right-hand side has no value."""
+
+    outcome = "diverged"
+    advice = "Check the coefficients and x0, or give t in shorter steps if the model is stiff."
+
+
+class TooManySteps(Diverged):
+    """A mode is so fast that its steps are too many."""
+
+    outcome = "stopped"
+    advice = "If the model is right, it has a mode much faster than the samples: raise max_steps."
+
+
+class TooShortSteps(Diverged):
+    """The error stays above the tolerance in the shortest steps."""
+
+    outcome = "stopped"
+    advice = "Give t in shorter steps; a jump at which the motion may stick must be a sgn."
 
 
 @dataclass(frozen=True)
@@ -50,6 +71,8 @@ class Limits:
         Steps in each sample interval without error control, or None to control the error.
     max_steps : int
         Steps in the whole run.
+    max_steps_of_sample : int
+        Steps in one sample interval: many fewer, so that a pole costs little time.
     bound : float
         Largest absolute value of a state.
     """
@@ -57,6 +80,7 @@ class Limits:
     tolerance: float
     substeps: int | None
     max_steps: int
+    max_steps_of_sample: int
     bound: float
 
 
@@ -120,22 +144,30 @@ class FreeRun:
     def _switches(self) -> tuple[Switch, ...]:
         return self.program.structure.switches
 
-    def _weigh(self, h: float, t: float, x: Vector, u: Vector) -> bool:
-        """Update the error weights to the largest states so far; tell whether they changed.
+    def _weigh(self, h: float, t: float, x: Vector, u: Vector) -> None:
+        """Set the error weights of a step of length h, by the largest states so far.
 
-        The change by each single term in this step and the next counts as well. If large terms
-        cancel and hold a state at zero, this is the scale of its rounding errors.
+        The rounding errors of the step are allowed as well: large terms may cancel and hold a
+        state at zero.
         """
-        rates = self.program.sizes
+        self._size = [max(pair) for pair in zip(self._size, map(abs, x), strict=True)]
+        rounding = self._rounding(h, t, x, u)
+        tolerance = self.limits.tolerance
+        self._weights = [
+            1.0 / max(tolerance * size + error, LEAST_ERROR)
+            for size, error in zip(self._size, rounding, strict=True)
+        ]
+
+    def _rounding(self, h: float, t: float, x: Vector, u: Vector) -> list[float]:
+        """Return the rounding errors of a step: of each sum of terms, and what follows of them."""
         signs = [1.0 if i in self.sliding else s for i, s in enumerate(self.signs)]
-        moves = [h * rate for rate in rates(t, x, u, signs, self.parameters)]
-        moved = [value + move for value, move in zip(x, moves, strict=True)]
-        next_moves = [h * rate for rate in rates(t, moved, u, signs, self.parameters)]
-        size = [max(z) for z in zip(self._size, map(abs, x), moves, next_moves, strict=True)]
-        changed = size != self._size
-        self._size = size
-        self._weights = [1.0 / max(self.limits.tolerance * value, 1e-290) for value in size]
-        return changed
+        rates, sizes = self.program.rates(t, x, u, signs, self.parameters)
+        errors = [h * ROUNDING * size for size in sizes]
+        near = [value + error for value, error in zip(x, errors, strict=True)]
+        near_rates, _ = self.program.rates(t, near, u, signs, self.parameters)
+        return [
+            error + h * abs(b - a) for error, a, b in zip(errors, rates, near_rates, strict=True)
+        ]
 
     def _start(
         self, h: float, t: float, x: Any, u: Any, du: Any, first: bool, external: list[int]
@@ -156,19 +188,22 @@ class FreeRun:
 
     def _interval(self, h: float, t: float, x: Any, u: Any, du: Any) -> Any:
         """Integrate over one sample interval in as many steps as it takes."""
-        done, events, substeps = 0.0, 0, self.limits.substeps
-        most = self.n_steps + MAX_STEPS
+        done, events, forced, substeps = 0.0, 0, 0, self.limits.substeps
+        if not substeps and self._outgrown(x):
+            self._renew(h, t, x, u)
+        begun = self.n_steps
         while done < h:
-            if self.n_steps > most:
-                raise Diverged(f"one sample interval took more than {MAX_STEPS} steps")
+            self._guard(self.n_steps - begun, forced)
             rest = h - done
             wanted = h / substeps if substeps else self.trial
             trial = rest / max(math.ceil(rest / wanted - 1e-9), 1)
             u_here = [a + done * b for a, b in zip(u, du, strict=True)]
             after, margins, error = self._try(trial, t + done, x, u_here, du)
-            if not error <= 1.0 and not substeps and trial > MIN_STEP_SHARE * h:
-                self._reject(trial, t + done, after, u_here, error)
-                continue
+            if not error <= 1.0 and not substeps:
+                self._reject(trial, t + done, x, u_here, error)
+                if trial > MIN_STEP_SHARE * h:
+                    continue
+                forced += 1
             if not all(map(math.isfinite, after)):
                 raise Diverged("the states are not finite")
             lowest = min(margins, default=1.0)
@@ -182,10 +217,18 @@ class FreeRun:
             x, done = after, h if trial == rest else done + trial
         return x
 
+    def _guard(self, n_steps: int, forced: int) -> None:
+        """Give up on a sample interval whose steps are too many, or too short."""
+        most = self.limits.max_steps_of_sample
+        if n_steps > most:
+            raise TooManySteps(f"one sample interval took more than {most} steps")
+        if forced > MAX_FORCED:
+            raise TooShortSteps(f"{MAX_FORCED} steps of the least length had too large an error")
+
     def _try(self, h: float, t: float, x: Any, u: Any, du: Any) -> tuple[Any, Any, float]:
         self.n_steps += 1
         if self.n_steps > self.limits.max_steps:
-            raise Diverged(f"it took more than max_steps={self.limits.max_steps} steps")
+            raise TooManySteps(f"it took more than max_steps={self.limits.max_steps} steps")
         try:
             after, margins, _, error = self.program.step(self.sliding)(
                 h, t, x, u, du, self.signs, self._weights, self.parameters
@@ -194,15 +237,19 @@ class FreeRun:
             return [math.nan] * len(x), [], math.nan
         return after, margins, error
 
-    def _reject(self, h: float, t: float, after: Vector, u: Vector, error: float) -> None:
-        """Shorten the next trial step, unless only the weights were out of date."""
-        try:
-            if math.isfinite(error) and self._weigh(h, t, after, u):
-                return
-        except _FAILURES:
-            error = math.nan
+    def _reject(self, h: float, t: float, x: Vector, u: Vector, error: float) -> None:
+        """Shorten the next trial step, and renew the weights, which may be out of date."""
         shrink = SAFETY * error**-ORDER if math.isfinite(error) else 0.0
         self.trial = h * max(min(shrink, SAFETY), SHRINK)
+        self._renew(self.trial, t, x, u)
+
+    def _renew(self, h: float, t: float, x: Vector, u: Vector) -> None:
+        with suppress(*_FAILURES):  # where the rates have no value, the step has none either
+            self._weigh(h, t, x, u)
+
+    def _outgrown(self, x: Vector) -> bool:
+        """Tell whether a state is so much larger than before that steps are needlessly short."""
+        return any(abs(a) > OUTGROWN * b for a, b in zip(x, self._size, strict=True))
 
     def _accept(self, h: float, error: float, whole: bool) -> None:
         """Set the next trial step; the cut last step of an interval cannot shorten it."""

@@ -65,11 +65,13 @@ class Program:
         return rows.namespace.compiled(arguments, [], [rows.g, slopes])
 
     @cached_property
-    def sizes(self) -> Callable[..., Any]:
-        """Function sizes(t, x, u, s, p): for each row, the sum of the sizes of its terms."""
+    def rates(self) -> Callable[..., Any]:
+        """Function rates(t, x, u, s, p) -> (x_dot, sum of the sizes of its terms), row by row."""
         rows = self._rows
         sizes = [sympy.Add(*map(sympy.Abs, parts)) for parts in rows.parts]
-        return rows.namespace.compiled([rows.t, rows.x, rows.u, rows.s, rows.p], [], sizes)
+        return rows.namespace.compiled(
+            [rows.t, rows.x, rows.u, rows.s, rows.p], [], [rows.f, sizes]
+        )
 
 
 @lru_cache(maxsize=512)

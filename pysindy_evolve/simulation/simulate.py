@@ -21,6 +21,8 @@ from .structure import structure_of
 
 OnDivergence = Literal["warn", "nan", "raise"]
 POINTS_PER_SAMPLE = 10  # at which an input that is a function is evaluated
+MAX_STEPS, STEPS_PER_SAMPLE = 20_000, 100  # at which a run counts as too stiff
+MAX_STEPS_OF_SAMPLE = 10_000  # at which one sample interval does: a pole, or much too stiff
 
 
 def simulate(
@@ -62,8 +64,8 @@ def simulate(
     tolerance : float
         Error of one step, relative to the largest value each state has had. Dimensionless.
     max_steps : int, optional
-        Number of steps at which a run counts as diverged (too stiff); by default 20 000 and
-        100 for each sample.
+        Number of steps at which a run counts as too stiff; by default 20 000 and 100 for each
+        sample, besides the substeps, and at most 10 000 in one sample interval.
     bound : float
         Absolute value of a state at which the run counts as diverged.
     on_divergence : {"warn", "nan", "raise"}
@@ -114,14 +116,25 @@ def simulate(
         x0 = equations.complete(np.asarray(x0, dtype=float), inputs[0], float(fine[0]))
     start = check_start(x0, equations)
     structure, parameters = structure_of(equations)
-    limits = Limits(tolerance, substeps, max_steps or 20_000 + 100 * len(times), bound)
+    limits = _limits(len(fine), tolerance, substeps, max_steps, bound)
     run = FreeRun(program_of(structure), parameters, limits)
     out = np.full((len(fine), len(start)), np.nan)
     out[0] = start
-    reason = _fill(out, run.samples(start.tolist(), fine, inputs), bound, progress)
-    if reason:
-        _report(reason, out, fine, on_divergence)
+    failure = _fill(out, run.samples(start.tolist(), fine, inputs), bound, progress)
+    if failure:
+        _report(failure, out, fine, on_divergence)
     return out[::keep]
+
+
+def _limits(
+    n_samples: int, tolerance: float, substeps: int | None, max_steps: int | None, bound: float
+) -> Limits:
+    """Return the limits of a run; those of steps are above the substeps that were asked for."""
+    if max_steps:
+        return Limits(tolerance, substeps, max_steps, max_steps, bound)
+    at_least = substeps or 0
+    whole = MAX_STEPS + (STEPS_PER_SAMPLE + at_least) * n_samples
+    return Limits(tolerance, substeps, whole, MAX_STEPS_OF_SAMPLE + at_least, bound)
 
 
 def _refuse_algebraic(equations: Equations) -> None:
@@ -133,34 +146,34 @@ def _refuse_algebraic(equations: Equations) -> None:
         )
 
 
-def _fill(out: np.ndarray, samples: Iterator[Any], bound: float, progress: bool) -> str:
-    """Write samples into out, chunk by chunk; return why the run ended early, else ""."""
-    done, reason = 1, ""
+def _fill(out: np.ndarray, samples: Iterator[Any], bound: float, progress: bool) -> Diverged | None:
+    """Write samples into out, chunk by chunk; return why the run ended early, or None."""
+    done, failure = 1, None
     with tqdm(total=len(out) - 1, disable=not progress, unit="sample") as bar:
-        while done < len(out) and not reason:
+        while done < len(out) and not failure:
             chunk: list[Any] = []
             try:
                 for _ in range(min(SAMPLES_PER_CHUNK, len(out) - done)):
                     chunk.append(next(samples))
             except Diverged as diverged:
-                reason = str(diverged)
+                failure = diverged
             if chunk:
                 block = np.array(chunk, dtype=float)
                 out[done : done + len(block)] = block
                 outside = ~np.all(np.abs(block) <= bound, axis=1)
                 if outside.any():
                     out[done + int(np.argmax(outside)) :] = np.nan
-                    reason = f"a state left the bound of {bound:g}"
+                    failure = Diverged(f"a state left the bound of {bound:g}")
                 done += len(block)
                 bar.update(len(block))
-    return reason
+    return failure
 
 
-def _report(reason: str, out: np.ndarray, t: np.ndarray, on_divergence: str) -> None:
+def _report(failure: Diverged, out: np.ndarray, t: np.ndarray, on_divergence: str) -> None:
     at = int(np.argmax(np.isnan(out).any(axis=1)))
     message = (
-        f"simulate: the run diverged at t = {t[at]:.6g} (sample {at}): {reason}. "
-        "The rest is NaN. Check the coefficients and x0, or raise max_steps if the model is stiff."
+        f"simulate: the run {failure.outcome} at t = {t[at]:.6g} (sample {at}): {failure}. "
+        f"The rest is NaN. {failure.advice}"
     )
     if on_divergence == "raise":
         raise FloatingPointError(message)

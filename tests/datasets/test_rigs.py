@@ -177,3 +177,20 @@ class TestDrives:
     def test_bad_values_are_named(self, given, match):
         with pytest.raises(ValueError, match=match):
             friction_drive(**given)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"snr_db": "a"}, r"duffing\(snr_db=...\) must be a number; got 'a'"),
+        ({"n_samples": "a"}, r"duffing\(n_samples=...\) must be an integer; got 'a'"),
+    ],
+)
+def test_options_of_another_type_are_named(wrong, message):
+    with pytest.raises(TypeError, match=message):
+        duffing(**wrong)
+
+
+def test_an_unknown_part_of_the_record_is_named():
+    with pytest.raises(ValueError, match=r'must be one of "train", "validation"; got \'foo\''):
+        duffing(n_samples=400).record("foo")

@@ -262,3 +262,21 @@ def test_the_noise_of_a_sensor_is_known_without_bias(n):
         made = prepare(t, np.sin(4.0 * t) + 0.5 * np.sin(19.0 * t) + noise, order=2).preparation
         ratios.append(made.noise[0] / noise.std())
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.025)
+
+
+class TestLostMotion:
+    t = np.arange(0.0, 20.0, 0.02)
+    swing = np.sin(1.4 * t)
+
+    @pytest.mark.parametrize("cutoff", [0.001, 0.02, 0.1])
+    def test_a_cutoff_below_the_motion_is_warned_of(self, cutoff):
+        """The equation of what was left looked fine, and was not that of the motion."""
+        both = np.column_stack([self.swing, 0.05 * self.t])
+        with pytest.warns(UserWarning, match=r"removes most of the motion in column 0 of y\."):
+            prepare(self.t, both, cutoff=cutoff)
+
+    @pytest.mark.parametrize("noise", [0.0, 0.1, 3.0])
+    def test_noise_is_removed_without_a_word(self, noise):
+        rng = np.random.default_rng(0)
+        prepare(self.t, self.swing + noise * rng.normal(size=1000), cutoff=0.8)
+        prepare(self.t, self.swing + noise * rng.normal(size=1000))
