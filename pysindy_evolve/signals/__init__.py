@@ -16,6 +16,7 @@ wrapping         angles that jump after a whole turn
 clipping         readings at the end of a sensor's range, and curves that bridge them
 filtering
 filters          low-pass, derivative and integral of one signal
+lost_motion      a warning of a low-pass that leaves out most of the motion
 spectral         the FFT filter behind `filters.py`
 windows          smooth windows over the rows: the weak form
 decided          rows on which the low-pass leaves the direction of motion certain

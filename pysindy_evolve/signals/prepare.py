@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import checks
-from ..warn import warn
 from .clipping import as_limits, beyond, bridged
 from .filters import METHODS, MOST_ORDERS
+from .lost_motion import warn_of_lost_motion
 from .noise import auto_cutoff, sensor_noise
 from .preparation import Preparation
 from .record import Record, constant_column
@@ -29,8 +29,6 @@ LEAST_ROWS = 500
 LEAST_OVERSAMPLING = 3.0
 # Iterations of cutoff and bridges over gaps, which depend on each other.
 N_ITERATIONS = 3
-# Share of the variance of a column, its noise apart, whose loss is that of most of the motion.
-MOST_OF_MOTION = 0.5
 # Periods of the cutoff dropped at each end, where the unknown continuation is felt.
 TRIM = 1.5
 
@@ -114,6 +112,24 @@ def prepare(
     >>> bool(np.abs(record.x_dot[:, 1] + 4 * record.x[:, 0]).max() < 0.01)
     True
     """
+    record = prepared(t, y, u, order, cutoff, decimate, method, limits, held)
+    if cutoff != "auto" and record.preparation is not None:
+        warn_of_lost_motion(record.preparation, record)
+    return record
+
+
+def prepared(
+    t: ArrayLike,
+    y: ArrayLike,
+    u: ArrayLike | None = None,
+    order: int = 2,
+    cutoff: float | str | None = "auto",
+    decimate: int | str = "auto",
+    method: str = "fft",
+    limits: str | Sequence[Any] | None = "auto",
+    held: bool | Sequence[int] = False,
+) -> Record:
+    """Do as `prepare` does, without its warning: for a cutoff that no user chose."""
     times = checks.times("prepare", t)
     raw_y = checks.columns("prepare", "y", y)
     if np.asarray(y).dtype == bool:
@@ -148,24 +164,7 @@ def prepare(
         limits=ends,
     )
     held_columns = _held_columns(held, even_u)
-    record = plan.apply(plan.t, plan.y, plan.u)
-    if cutoff != "auto" and resolved_cutoff is not None:
-        _warn_of_lost_motion(record, plan, filled, resolved_cutoff)
-    return hold(record, dict.fromkeys(held_columns, HALF_SAMPLE))
-
-
-def _warn_of_lost_motion(record: Record, plan: Preparation, y: Array, cutoff: float) -> None:
-    """Warn if a given low-pass leaves out more of a column than it keeps, its noise apart."""
-    rows = np.searchsorted(plan.t, record.t - 0.5 * mean_step(plan.t))
-    kept, measured, noise = record.x[:, :: plan.order], y[rows], plan.noise**2
-    lost = np.mean((measured - kept) ** 2, axis=0) - noise
-    motion = np.var(measured, axis=0) - noise
-    columns = np.flatnonzero((lost > noise) & (lost > MOST_OF_MOTION * motion))
-    if len(columns):
-        warn(
-            f"prepare(cutoff={cutoff:g}) removes most of the motion in column "
-            f"{', '.join(map(str, columns))} of y. Raise the cutoff, or leave it out."
-        )
+    return hold(plan.apply(plan.t, plan.y, plan.u), dict.fromkeys(held_columns, HALF_SAMPLE))
 
 
 def _held_columns(held: Any, u: Array | None) -> list[int]:

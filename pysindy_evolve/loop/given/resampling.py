@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...signals import Preparation, Record, as_target, prepare
-from ...signals.prepare import LEAST_OVERSAMPLING
+from ...signals import Preparation, Record, as_target
+from ...signals.prepare import LEAST_OVERSAMPLING, prepared
 
 SEARCH_CUTOFF_RATIO = 2.0  # cutoff of the search, in cutoffs of the record ...
 MAX_SAMPLING_RATE_SHARE = 0.4  # ... and at most, in sampling rates of the raw record
@@ -45,7 +45,9 @@ def at_one_step(train: list[Record], test: list[Record]) -> tuple[list[Record], 
     cutoff = float(np.exp(np.mean(np.log(cutoffs)))) if len(cutoffs) == len(train) else None
     step = float(np.quantile(steps[: len(train)], 0.5, method="lower"))  # one of them
     step = common_step([one.dt for one in made], step, cutoff)
-    return [_prepared(r, cutoff, step) for r in train], [_prepared(r, cutoff, step) for r in test]
+    return [_prepared_again(r, cutoff, step) for r in train], [
+        _prepared_again(r, cutoff, step) for r in test
+    ]
 
 
 def undecimated(train: list[Record], test: list[Record]) -> tuple[list[Record], list[Record]]:
@@ -61,7 +63,7 @@ def undecimated(train: list[Record], test: list[Record]) -> tuple[list[Record], 
     if len(made) < len(records) or np.ptp(steps) > TOLERANCE * steps[0] or n_raw > MOST_RAW:
         return train, test
     fine = [
-        record if one.decimation == 1 else _prepared(record, one.cutoff, one.dt)
+        record if one.decimation == 1 else _prepared_again(record, one.cutoff, one.dt)
         for record, one in zip(records, made, strict=True)
     ]
     return fine[: len(train)], fine[len(train) :]
@@ -72,13 +74,13 @@ def _made(record: Record) -> Preparation | None:
     return record.preparation if record.motion is None else record.motion
 
 
-def _prepared(record: Record, cutoff: float | None, step: float) -> Record:
+def _prepared_again(record: Record, cutoff: float | None, step: float) -> Record:
     """Prepare a record again from its raw data, over the same span of time."""
     made = _made(record)
     if made is None:  # excluded by the caller
         return record
     settings = made.settings | {"cutoff": cutoff, "decimate": round(step / made.dt)}
-    again = prepare(made.t, made.y, made.u, **settings)
+    again = prepared(made.t, made.y, made.u, **settings)
     again = _with_known_inputs(again, record, made) if record.motion is None else as_target(again)
     inside = np.flatnonzero((again.t >= record.t[0] - step) & (again.t <= record.t[-1] + step))
     return again[int(inside[0]) : int(inside[-1]) + 1]
@@ -108,7 +110,7 @@ def widened(records: list[Record]) -> list[Record]:
     if cutoff <= max(cutoffs):
         return records
     step = raw * max(1, int(1.0 / (8.0 * cutoff * raw)))
-    return [_prepared(record, cutoff, step) for record in records]
+    return [_prepared_again(record, cutoff, step) for record in records]
 
 
 def common_step(raw: Sequence[float], wanted: float, cutoff: float | None) -> float:

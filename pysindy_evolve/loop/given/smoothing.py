@@ -18,7 +18,8 @@ from dataclasses import replace
 import numpy as np
 from scipy import fft
 
-from ...signals import Record, prepare
+from ...signals import Record
+from ...signals.prepare import prepared
 from ...warn import warn
 from .design import Design
 
@@ -158,5 +159,5 @@ def _spectrum(column: np.ndarray) -> np.ndarray:
 def _prepared_anew(record: Record, order: int, cutoff: float) -> Record:
     """Return a record prepared from the states of another one."""
     y = record.x[:, ::order]
-    made = prepare(record.t, y, record.u, order=order, cutoff=cutoff, limits=None)
+    made = prepared(record.t, y, record.u, order=order, cutoff=cutoff, limits=None)
     return replace(made, states=record.states, inputs=record.inputs, held=record.held)
