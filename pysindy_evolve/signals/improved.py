@@ -3,7 +3,7 @@ r"""Rows on which an estimate of a signal is nearer to it than its measurement.
 One filter serves a whole record, as if its motion were alike from start to end. Where it is not,
 as in a transient of a few rows, and next to the ends, the filter smooths away motion too. What it
 took away, the measurement less the estimate, should be noise alone. White noise takes no side:
-neighboring rows of it are uncorrelated, however large it is. An error of the estimate does, so the
+neighboring rows of it are uncorrelated. An error of the estimate does, so the
 local covariance of neighboring rows is the square of that error.
 
 ========  ======  ===============================================================

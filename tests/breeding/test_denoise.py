@@ -108,6 +108,32 @@ def test_clean_states_are_not_touched(slider):
     assert rows.noise is None
 
 
+def test_transients_at_the_start_are_fitted_on():
+    t = np.arange(6000) * 1e-3
+    fast = np.exp(-10.0 * t)
+    x = np.column_stack([np.exp(-0.5 * t) + 0.2 * fast, fast])
+    rates = np.array([[-0.5, -1.9], [0.0, -10.0]])
+    rng = np.random.default_rng(2)
+    measured = [y + 3e-3 * y.std(0) * rng.normal(size=y.shape) for y in (x, x @ rates.T)]
+    library = pse.EvolvingLibrary(random_state=0)
+    model = ps.SINDy(feature_library=library, optimizer=pse.ElasticNet())
+    model.fit(measured[0], t, x_dot=measured[1], feature_names=["a", "b"])
+    off = model.predict(x) - x @ rates.T
+    assert np.all(off.std(axis=0) < 1e-3 * (x @ rates.T).std(axis=0))
+
+
+def test_noise_that_lies_where_the_slope_is_large_moves_an_equation_more():
+    x = np.linspace(0.0, 1.0, 500)[:, None]
+    square = [only_term(mul(variable(0), variable(0)))]
+    steep = np.where(x > 0.9, 0.1, 0.0)
+    even = np.full(x.shape, np.sqrt(np.mean(steep**2)))
+    there, anywhere = (
+        least_explained_power(Problem(x, x[:, 0], np.empty((500, 0)), noise=noise), square, [1.0])
+        for noise in (steep, even)
+    )
+    assert there > 2.0 * anywhere
+
+
 def test_noise_moves_an_equation_by_its_slope():
     x = np.random.default_rng(0).normal(size=(500, 2))
     q, v = variable(0), variable(1)
