@@ -73,9 +73,9 @@ def evolve(
     project : callable, optional
         A linear map on the rows of columns, (n, p) to (m, p), applied to theta, fixed columns and
         target alike, such as smooth windows. All rows are then used in each generation.
-    noise : ndarray of shape (n_variables,), optional
-        Standard deviation of the noise in each variable. Terms that explain less than this noise
-        does are dropped.
+    noise : ndarray of shape (n_variables,) or (n, n_variables), optional
+        Standard deviation of the noise in each variable, or in each of its values. Terms that
+        explain less than this noise does are dropped.
     domain : ndarray of shape (k, n_variables), optional
         Further states at which every term must have a value.
     begin : sequence of Product, optional

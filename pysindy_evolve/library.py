@@ -202,10 +202,11 @@ class EvolvingLibrary(TermColumns):
         operators, settings = resolve(self.operators, "EvolvingLibrary"), self._settings()
         rows = denoise(x, targets, lengths, operators)
         x, targets = rows.of(rows.x), rows.of(targets)
+        noise = None if rows.noise is None else rows.of(rows.noise)
         base = self._fitted_base(x_full)
         fixed = np.empty((len(x), 0)) if base is None else _columns_of(base, x)
         search = partial(
-            evolve, x, operators=operators, fixed=fixed, noise=rows.noise, domain=domain,
+            evolve, x, operators=operators, fixed=fixed, noise=noise, domain=domain,
             progress=self.progress,
         )  # fmt: skip
         streams = np.random.SeedSequence(_entropy(self.random_state)).spawn(targets.shape[1])

@@ -34,8 +34,8 @@ class Rows:
         States and inputs.
     kept : ndarray of bool of shape (n_samples,), or None
         Rows to fit on; None means all.
-    noise : ndarray of shape (n_columns,), or None
-        Standard deviation of the remaining noise in each column; None if nothing was smoothed.
+    noise : ndarray of shape (n_samples, n_columns), or None
+        Standard deviation of the remaining noise in each value; None if nothing was smoothed.
     """
 
     x: np.ndarray
@@ -76,20 +76,18 @@ def denoise(
     if all(smoothed is None for smoothed in found):
         return Rows(x)
     kinks = any(map(_has_kink, operators))
-    smooth, kept = x.copy(), np.ones(len(x), dtype=bool)
+    smooth, noise, kept = x.copy(), np.zeros(x.shape), np.ones(len(x), dtype=bool)
     for part, smoothed in zip(parts, found, strict=True):
         if smoothed is not None:
-            smooth[part] = smoothed.x
+            smooth[part], noise[part] = smoothed.x, smoothed.noise_of_values
             kept[part] = _sure(smoothed) if kinks else True
-            kept[part][: smoothed.ends] = kept[part][len(smoothed.x) - smoothed.ends :] = False
-    squares = [np.zeros(x.shape[1]) if f is None else len(f.x) * f.noise**2 for f in found]
-    return Rows(smooth, kept, np.sqrt(np.sum(squares, axis=0) / len(x)))
+    return Rows(smooth, kept, noise)
 
 
 def _sure(smoothed: Smoothed) -> np.ndarray:
     """Tell on which rows the sign of the variables is known, see `UNSURE` and `MIN_KEPT_SHARE`."""
     sure = np.ones(len(smoothed.x), dtype=bool)
-    for column, noise in zip(smoothed.x.T, smoothed.noise, strict=True):
+    for column, noise in zip(smoothed.x.T, smoothed.noise_of_values.T, strict=True):
         clear = np.abs(column) > UNSURE * noise
         if column.min() < 0.0 < column.max() and np.mean(clear & sure) >= MIN_KEPT_SHARE:
             sure &= clear

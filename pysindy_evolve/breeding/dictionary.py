@@ -50,8 +50,8 @@ class Problem:
         Columns that are always in the equation.
     project : callable, optional
         A linear map on rows, (n, p) to (m, p), applied to theta, fixed columns and target alike.
-    noise : ndarray of shape (n_variables,), optional
-        Standard deviation of the noise in each variable, in the user's units.
+    noise : ndarray of shape (n_variables,) or (n, n_variables), optional
+        Standard deviation of the noise in each variable, or in each of its values.
     domain : ndarray of shape (k, n_variables), optional
         Further states at which every term must have a value, such as those where a record begins.
     """

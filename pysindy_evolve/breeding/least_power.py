@@ -40,10 +40,11 @@ def least_explained_power(
     """
     if problem.noise is None or not np.any(problem.noise):
         return 0.0
-    x = problem.x[:: max(len(problem.x) // N_ROWS, 1)]
+    every = slice(None, None, max(len(problem.x) // N_ROWS, 1))
+    x, noise = problem.x[every], np.broadcast_to(problem.noise, problem.x.shape)[every]
     moved = 0.0
-    for j in np.flatnonzero(problem.noise):
-        step = problem.noise * (np.arange(x.shape[1]) == j)
+    for j in np.flatnonzero(noise.any(axis=0)):
+        step = noise * (np.arange(x.shape[1]) == j)
         slope = 0.5 * (_sum(x + step, terms, coef) - _sum(x - step, terms, coef))
         moved += float(np.mean(slope**2, where=np.isfinite(slope)))
     return MIN_EXPLAINED_SHARE * moved * len(problem.x)

@@ -24,6 +24,7 @@ less noise
 noise            noise level of a sensor, and the cutoff that follows from it
 bands            bands of frequencies over which spectra are averaged
 smoothing        states with less noise, estimated with the help of their derivatives
+improved         where an estimate is nearer to the signal than its measurement
 time_step        the sampling time of states, estimated from their derivatives
 fuse             measured derivatives combined with the slopes of the states
 wiener           the Wiener filter that combines measurements of a signal and its derivatives

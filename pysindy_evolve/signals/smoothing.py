@@ -2,7 +2,8 @@ r"""States with less noise, estimated with the help of their derivatives.
 
 The states x and the derivatives x_dot measure one signal, as x_dot is the slope of x. So noisy
 states are estimated from both, see `wiener`. A regression on the estimate has no
-errors-in-variables bias, as the remaining error is not correlated with it.
+errors-in-variables bias, as the remaining error is not correlated with it. Values that the estimate
+does not improve, see `improved`, stay as they were measured.
 
 References
 ----------
@@ -14,7 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .improved import improved
 from .spectral import Array
 from .time_step import time_step
 from .wiener import MAX_QUIET_NOISE, estimate
@@ -32,14 +35,22 @@ class Smoothed:
     x : ndarray of shape (n_samples, n_columns)
         States and inputs, in the user's units.
     noise : ndarray of shape (n_columns,)
-        Standard deviation of the remaining noise of each.
-    ends : int
-        Rows at each end that are not improved.
+        Standard deviation of the noise that remains in the improved values of each.
+    measured_noise : ndarray of shape (n_columns,)
+        Standard deviation of the noise in the other values.
+    improved : ndarray of bool of shape (n_samples, n_columns)
+        False for values that are as they were measured.
     """
 
     x: Array
     noise: Array
-    ends: int
+    measured_noise: Array
+    improved: NDArray[np.bool_]
+
+    @property
+    def noise_of_values(self) -> Array:
+        """Standard deviation of the noise in each value of x."""
+        return np.where(self.improved, self.noise, self.measured_noise)
 
 
 def is_noisy(x: Array) -> bool:
@@ -87,17 +98,17 @@ def smooth_states(x: Array, x_dot: Array) -> Smoothed | None:
     dt = time_step(x[:, :n_states], x_dot)
     if dt is None:
         return None
-    smooth, noise, ends = x.copy(), np.zeros(x.shape[1]), 0
+    smooth, noise = x.copy(), np.zeros(x.shape[1])
     for columns in _chains(x, x_dot):
         last_column = columns[-1]
         levels = [x[:, j] for j in columns]
         levels += [x_dot[:, last_column]] if last_column < n_states else []
         scaled = np.column_stack([level * dt**m for m, level in enumerate(levels)])
-        estimated, noise_left, end_rows = estimate(scaled)
-        ends = max(ends, end_rows)
+        estimated, noise_left = estimate(scaled)
         for m, j in enumerate(columns):
             smooth[:, j], noise[j] = estimated[:, m] / dt**m, noise_left[m] / dt**m
-    return Smoothed(smooth, noise, ends)
+    trusted, measured_noise = improved(x, smooth)
+    return Smoothed(np.where(trusted, smooth, x), noise, measured_noise, trusted)
 
 
 def _chains(x: Array, x_dot: Array) -> list[list[int]]:

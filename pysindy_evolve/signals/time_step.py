@@ -22,6 +22,7 @@ COHERENT = 0.9  # least coherence of x_dot with the slope of x in a uniform time
 # Radians per row (six rows a period): largest median of the loud frequencies. If x_dot is really
 # the next value of a map, its phase is then off by 30 degrees or more, and coherence is too low.
 MAX_OMEGA = np.pi / 3.0
+FADE = 0.02  # share of the record, half at each end, over which it fades in and out
 LOUD = 0.5  # share of the power of x_dot in the loud frequencies, which give the sampling time
 
 
@@ -86,19 +87,20 @@ def time_step(x: Array, x_dot: Array) -> float | None:
     guess = float(np.exp(np.mean([np.log(slope / rate) for slope, rate in norms])))
     if not all(one.is_coherent for one in spectra):
         return None
-    return _best_share(guess, spectra, omega) * guess
+    return _best_share(guess, spectra, len(x)) * guess
 
 
-def _best_share(guess: float, spectra: Sequence[_Spectra], omega: Array) -> float:
+def _best_share(guess: float, spectra: Sequence[_Spectra], n: int) -> float:
     """Return the share of a guess at which slopes and derivatives differ least over their noise."""
     noise_powers = [(_white_power(one.rate), _white_power(one.state)) for one in spectra]
     n_bins = 2 + max(int(one.loud.max()) for one in spectra)  # above, there is only noise
+    slope_noise = _noise_of_slope(n)
 
     def misfit(share: float) -> float:
         """Return the squared differences over their noise; least at the true sampling time."""
         total = 0.0
         for one, (rate_noise, state_noise) in zip(spectra, noise_powers, strict=True):
-            noise = omega[1:n_bins] ** 2 * state_noise + (share * guess) ** 2 * rate_noise
+            noise = slope_noise[1:n_bins] * state_noise + (share * guess) ** 2 * rate_noise
             difference = one.slope[1:n_bins] - share * guess * one.rate[1:n_bins]
             total += float(np.sum(np.abs(difference) ** 2 / noise))
         return total
@@ -126,8 +128,9 @@ def _loud_bins(spectrum: Spectrum) -> NDArray[np.intp]:
 
 
 def _faded(y: Array) -> Spectrum:
-    """Return the spectrum of a column that is faded in and out (Hann)."""
-    return _spectrum(y * np.sin(_half_turn(len(y))) ** 2)
+    """Return the spectrum of a column that is faded in and out."""
+    window, _ = _fading(len(y))
+    return _spectrum(window * y)
 
 
 def _faded_slope(y: Array) -> Spectrum:
@@ -135,10 +138,27 @@ def _faded_slope(y: Array) -> Spectrum:
 
     As (w y)' = w' y + w y', the part w' y of the fading w is subtracted.
     """
-    n = len(y)
     centered = y - y.mean()
-    from_fading = centered * np.sin(2.0 * _half_turn(n)) * np.pi / n
-    return 1j * _omega(n) * _faded(centered) - _spectrum(from_fading)
+    _, slope = _fading(len(y))
+    return 1j * _omega(len(y)) * _faded(centered) - _spectrum(slope * centered)
+
+
+def _noise_of_slope(n: int) -> Array:
+    """Return the noise power of the faded slope where that of the faded state is one.
+
+    White noise e in the state is (w e)' - w' e in the slope, of power sum(omega^2 w^2 + w'^2).
+    """
+    window, slope = _fading(n)
+    return _omega(n) ** 2 + (slope @ slope) / (window @ window)
+
+
+def _fading(n: int) -> tuple[Array, Array]:
+    """Return the window that fades a record in and out, and its slope per row, each (n,)."""
+    rows = np.arange(n) + 0.5
+    fading_rows = 0.5 * FADE * n
+    phase = 0.5 * np.pi * np.minimum(np.minimum(rows, n - rows) / fading_rows, 1.0)
+    slope = np.sign(n - 2.0 * rows) * np.sin(2.0 * phase) * 0.5 * np.pi / fading_rows
+    return np.sin(phase) ** 2, slope
 
 
 def _spectrum(y: Array) -> Spectrum:
@@ -147,7 +167,3 @@ def _spectrum(y: Array) -> Spectrum:
 
 def _omega(n: int) -> Array:
     return np.asarray(2.0 * np.pi * fft.rfftfreq(fft.next_fast_len(n, real=True)))
-
-
-def _half_turn(n: int) -> Array:
-    return np.asarray(np.pi * (np.arange(n) + 0.5) / n)

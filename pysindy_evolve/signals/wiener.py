@@ -22,6 +22,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.polynomial import hermite_e
 from scipy import fft
+from scipy.integrate import cumulative_trapezoid
 
 from ..checks import TINY
 from .bands import AGREE, Bins, averaged, lowest_quarter, widening_edges
@@ -33,19 +34,18 @@ NEAR_FLOOR = 4.0  # times the floor; a band with less power is mostly noise
 # difference is less than the share SHARED_NOISE of that of their noise.
 QUANTILE, SHARED_NOISE = 0.1, 0.2
 WIDEST = 0.02  # share of the record; largest width of the bump at an end
-BUMP_WIDTHS = 4.0  # widths after which a bump is over
 SIGNS = (1.0, 1.0, -1.0, -1.0)  # of the successive derivatives of sin: sin, cos, -sin, -cos
 
 
-def estimate(levels: Array) -> tuple[Array, Array, int]:
+def estimate(levels: Array) -> tuple[Array, Array]:
     """Estimate a signal from its measured levels.
 
-    Returns the estimated levels, (n, n_levels), the standard deviation of the noise left in each,
-    and the number of rows at each end that are not improved.
+    Returns the estimated levels, (n, n_levels), and the standard deviation of the noise left in
+    each. Next to the ends the estimate is worse, see `improved`.
     """
     n, n_levels = levels.shape
     omega = np.pi * np.arange(1, n) / n
-    removed, ends = _trend_and_ends(levels[:, 0], n_levels)
+    removed = _trend_and_ends(levels)
     spectra = np.stack([_spectrum(y, m) for m, y in enumerate((levels - removed).T)])
     edges = widening_edges(len(omega))
     noise, carrier = _noise_powers(spectra, omega, edges)
@@ -64,30 +64,42 @@ def estimate(levels: Array) -> tuple[Array, Array, int]:
     for m in range(n_levels):
         result[:, m] = _series(signal * gain * omega**m, m)
         noise_left[m] = np.sqrt(np.sum(noise_power * gain * omega ** (2 * m)) / n)
-    return result + removed, noise_left, ends
+    return result + removed, noise_left
 
 
-def _trend_and_ends(y: Array, n_levels: int) -> tuple[Array, int]:
-    """Return what to subtract before a sine series, with its derivatives, and the rows of a bump.
+def _trend_and_ends(levels: Array) -> Array:
+    """Return what to subtract before a sine series, as values of each level: (n, n_levels).
 
-    The first has shape (n, n_levels): a straight line, and at each end a Gaussian bump, which makes
-    the rest zero there as a sine series is. The bump is wider for a slower signal.
+    It is a straight line, and at each end a Gaussian bump, which makes the rest zero there as a
+    sine series is. The bump is wider for a slower signal.
     """
-    n = len(y)
+    n, n_levels = levels.shape
     rows = np.arange(n)
-    slope, offset = np.polyfit(rows, y, 1)
-    detrended = y - offset - slope * rows
-    power = np.cumsum(_spectrum(detrended, 0) ** 2)
+    slope, offset = np.polyfit(rows, levels[:, 0], 1)
+    trend = np.zeros_like(levels)
+    trend[:, 0] = offset + slope * rows
+    trend[:, 1:2] = slope
+    detrended = levels - trend
+    power = np.cumsum(_spectrum(detrended[:, 0], 0) ** 2)
     median_omega = np.pi * (1 + int(np.searchsorted(power, 0.5 * power[-1]))) / n
     width = min(1.0 / median_omega, WIDEST * n)
-    removed = np.zeros((n, n_levels))
-    removed[:, 0] = offset + slope * rows
-    removed[:, 1:2] = slope
-    for value, z in ((detrended[0], rows / width), (detrended[-1], (rows - rows[-1]) / width)):
+    first = _first_value(detrended, width)
+    backward = detrended[::-1] * (-1.0) ** np.arange(n_levels)  # each derivative turns its sign
+    last = _first_value(backward, width)
+    removed = trend
+    for value, z in ((first, rows / width), (last, (rows - rows[-1]) / width)):
         bump = value * np.exp(-0.5 * z**2)
         for m in range(n_levels):  # derivatives of a Gaussian are Hermite polynomials times it
             removed[:, m] += hermite_e.hermeval(z, [*[0.0] * m, (-1.0 / width) ** m]) * bump
-    return removed, int(np.ceil(BUMP_WIDTHS * width))
+    return removed
+
+
+def _first_value(levels: Array, width: float) -> float:
+    """Return the value at the first row: each of the next rows, less the integral, measures it."""
+    near = levels[: int(width) + 1]
+    if levels.shape[1] == 1:
+        return float(near[0, 0])
+    return float(np.mean(near[:, 0] - cumulative_trapezoid(near[:, 1], initial=0.0)))
 
 
 def _spectrum(level: Array, m: int) -> Array:

@@ -3,6 +3,7 @@
 import numpy as np
 import pysindy as ps
 import pytest
+from scipy.integrate import odeint
 
 import pysindy_evolve as pse
 from pysindy_evolve.breeding.denoise import denoise
@@ -106,6 +107,61 @@ def test_clean_states_are_not_touched(slider):
     assert rows.x is whole
     assert rows.kept is None
     assert rows.noise is None
+
+
+def test_transients_at_the_start_are_fitted_on():
+    t = np.arange(6000) * 1e-3
+    fast = np.exp(-10.0 * t)
+    x = np.column_stack([np.exp(-0.5 * t) + 0.2 * fast, fast])
+    rates = np.array([[-0.5, -1.9], [0.0, -10.0]])
+    rng = np.random.default_rng(2)
+    measured = [y + 3e-3 * y.std(0) * rng.normal(size=y.shape) for y in (x, x @ rates.T)]
+    library = pse.EvolvingLibrary(random_state=0)
+    model = ps.SINDy(feature_library=library, optimizer=pse.ElasticNet())
+    model.fit(measured[0], t, x_dot=measured[1], feature_names=["a", "b"])
+    off = model.predict(x) - x @ rates.T
+    assert np.all(off.std(axis=0) < 1e-3 * (x @ rates.T).std(axis=0))
+
+
+def rates_of_two_scales(x):
+    a, b = x.T
+    return np.column_stack([-0.5 * a + 200.0 * b**2, 0.5 * a - 200.0 * b**2 - 30.0 * b])
+
+
+@pytest.mark.parametrize("ratio", [3e-3, 1e-2])
+def test_terms_on_a_base_do_not_spoil_kinetics_of_two_time_scales(ratio):
+    t = np.linspace(0.0, 6.0, 6000)
+    rng = np.random.default_rng(1)
+    starts = ([1.0, 0.0], [0.2, 0.05])
+    clean = [
+        odeint(lambda x, _: rates_of_two_scales(x[None])[0], x0, t, rtol=1e-9, atol=1e-12)
+        for x0 in starts
+    ]
+    pairs = [(x, rates_of_two_scales(x)) for x in clean]
+    sizes = [np.vstack(columns).std(axis=0) for columns in zip(*pairs, strict=True)]
+    x, x_dot = (
+        [pair[i] + ratio * sizes[i] * rng.normal(size=(len(t), 2)) for pair in pairs]
+        for i in range(2)
+    )
+    library = pse.EvolvingLibrary(base_library=ps.PolynomialLibrary(degree=2), random_state=0)
+    model = ps.SINDy(feature_library=library, optimizer=pse.ElasticNet()).fit(
+        x, [t, t], x_dot=x_dot
+    )
+    states = np.vstack(clean)
+    off = model.predict(states) - rates_of_two_scales(states)
+    assert np.all(off.std(axis=0) < 5e-3 * sizes[1])
+
+
+def test_noise_that_lies_where_the_slope_is_large_moves_an_equation_more():
+    x = np.linspace(0.0, 1.0, 500)[:, None]
+    square = [only_term(mul(variable(0), variable(0)))]
+    steep = np.where(x > 0.9, 0.1, 0.0)
+    even = np.full(x.shape, np.sqrt(np.mean(steep**2)))
+    there, anywhere = (
+        least_explained_power(Problem(x, x[:, 0], np.empty((500, 0)), noise=noise), square, [1.0])
+        for noise in (steep, even)
+    )
+    assert there > 2.0 * anywhere
 
 
 def test_noise_moves_an_equation_by_its_slope():
