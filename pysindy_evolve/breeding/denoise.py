@@ -80,8 +80,24 @@ def denoise(
     for part, smoothed in zip(parts, found, strict=True):
         if smoothed is not None:
             smooth[part], noise[part] = smoothed.x, smoothed.noise_of_values
-            kept[part] = _sure(smoothed) if kinks else True
+            kept[part] = _needed(smoothed) & (_sure(smoothed) if kinks else True)
     return Rows(smooth, kept, noise)
+
+
+def _needed(smoothed: Smoothed) -> np.ndarray:
+    """Tell which rows tell more of the equations than their noise does harm.
+
+    They are those that were improved well, and of the others those in states that these do not
+    reach, such as a transient.
+    """
+    improved: np.ndarray = np.all(smoothed.improved, axis=1)
+    improved[: smoothed.ends] = False
+    improved[len(improved) - smoothed.ends :] = False
+    if not improved.any():
+        return ~improved
+    x, reached = smoothed.x, smoothed.x[improved]
+    beyond = (x < reached.min(axis=0)) | (x > reached.max(axis=0))
+    return np.asarray(improved | beyond.any(axis=1))
 
 
 def _sure(smoothed: Smoothed) -> np.ndarray:

@@ -40,12 +40,15 @@ class Smoothed:
         Standard deviation of the noise in the other values.
     improved : ndarray of bool of shape (n_samples, n_columns)
         False for values that are as they were measured.
+    ends : int
+        Rows at each end where the estimate is worse, if there is any.
     """
 
     x: Array
     noise: Array
     measured_noise: Array
     improved: NDArray[np.bool_]
+    ends: int
 
     @property
     def noise_of_values(self) -> Array:
@@ -98,17 +101,18 @@ def smooth_states(x: Array, x_dot: Array) -> Smoothed | None:
     dt = time_step(x[:, :n_states], x_dot)
     if dt is None:
         return None
-    smooth, noise = x.copy(), np.zeros(x.shape[1])
+    smooth, noise, ends = x.copy(), np.zeros(x.shape[1]), 0
     for columns in _chains(x, x_dot):
         last_column = columns[-1]
         levels = [x[:, j] for j in columns]
         levels += [x_dot[:, last_column]] if last_column < n_states else []
         scaled = np.column_stack([level * dt**m for m, level in enumerate(levels)])
-        estimated, noise_left = estimate(scaled)
+        estimated, noise_left, its_ends = estimate(scaled)
+        ends = max(ends, its_ends)
         for m, j in enumerate(columns):
             smooth[:, j], noise[j] = estimated[:, m] / dt**m, noise_left[m] / dt**m
     trusted, measured_noise = improved(x, smooth)
-    return Smoothed(np.where(trusted, smooth, x), noise, measured_noise, trusted)
+    return Smoothed(np.where(trusted, smooth, x), noise, measured_noise, trusted, ends)
 
 
 def _chains(x: Array, x_dot: Array) -> list[list[int]]:

@@ -34,18 +34,19 @@ NEAR_FLOOR = 4.0  # times the floor; a band with less power is mostly noise
 # difference is less than the share SHARED_NOISE of that of their noise.
 QUANTILE, SHARED_NOISE = 0.1, 0.2
 WIDEST = 0.02  # share of the record; largest width of the bump at an end
+BUMP_WIDTHS = 4.0  # widths after which a bump is over
 SIGNS = (1.0, 1.0, -1.0, -1.0)  # of the successive derivatives of sin: sin, cos, -sin, -cos
 
 
-def estimate(levels: Array) -> tuple[Array, Array]:
+def estimate(levels: Array) -> tuple[Array, Array, int]:
     """Estimate a signal from its measured levels.
 
-    Returns the estimated levels, (n, n_levels), and the standard deviation of the noise left in
-    each. Next to the ends the estimate is worse, see `improved`.
+    Returns the estimated levels, (n, n_levels), the standard deviation of the noise left in each,
+    and the number of rows at each end where the estimate is worse.
     """
     n, n_levels = levels.shape
     omega = np.pi * np.arange(1, n) / n
-    removed = _trend_and_ends(levels)
+    removed, ends = _trend_and_ends(levels)
     spectra = np.stack([_spectrum(y, m) for m, y in enumerate((levels - removed).T)])
     edges = widening_edges(len(omega))
     noise, carrier = _noise_powers(spectra, omega, edges)
@@ -64,11 +65,11 @@ def estimate(levels: Array) -> tuple[Array, Array]:
     for m in range(n_levels):
         result[:, m] = _series(signal * gain * omega**m, m)
         noise_left[m] = np.sqrt(np.sum(noise_power * gain * omega ** (2 * m)) / n)
-    return result + removed, noise_left
+    return result + removed, noise_left, ends
 
 
-def _trend_and_ends(levels: Array) -> Array:
-    """Return what to subtract before a sine series, as values of each level: (n, n_levels).
+def _trend_and_ends(levels: Array) -> tuple[Array, int]:
+    """Return what to subtract before a sine series, (n, n_levels), and the rows of a bump.
 
     It is a straight line, and at each end a Gaussian bump, which makes the rest zero there as a
     sine series is. The bump is wider for a slower signal.
@@ -91,7 +92,7 @@ def _trend_and_ends(levels: Array) -> Array:
         bump = value * np.exp(-0.5 * z**2)
         for m in range(n_levels):  # derivatives of a Gaussian are Hermite polynomials times it
             removed[:, m] += hermite_e.hermeval(z, [*[0.0] * m, (-1.0 / width) ** m]) * bump
-    return removed
+    return removed, int(np.ceil(BUMP_WIDTHS * width))
 
 
 def _first_value(levels: Array, width: float) -> float:

@@ -109,6 +109,20 @@ def test_clean_states_are_not_touched(slider):
     assert rows.noise is None
 
 
+@pytest.mark.parametrize("transient", [0.0, 1.0])
+def test_rows_at_an_end_are_kept_if_no_other_row_reaches_their_states(transient):
+    t = np.arange(6000) * 1e-3
+    swing, fast = np.sin(6.0 * t + 1.0), transient * np.exp(-10.0 * t)
+    x = np.column_stack([swing + fast, np.cos(6.0 * t + 1.0)])
+    x_dot = np.column_stack([6.0 * x[:, 1] - 10.0 * fast, -6.0 * swing])
+    rng = np.random.default_rng(0)
+    measured, rates = (y + 0.01 * y.std(0) * rng.normal(size=y.shape) for y in (x, x_dot))
+    kept = denoise(measured, rates, [len(t)], []).kept
+    assert kept[:20].all() == bool(transient)
+    assert not kept[-20:].any()
+    assert kept[500:-500].mean() > 0.95
+
+
 def test_transients_at_the_start_are_fitted_on():
     t = np.arange(6000) * 1e-3
     fast = np.exp(-10.0 * t)
