@@ -45,9 +45,8 @@ def at_one_step(train: list[Record], test: list[Record]) -> tuple[list[Record], 
     cutoff = float(np.exp(np.mean(np.log(cutoffs)))) if len(cutoffs) == len(train) else None
     step = float(np.quantile(steps[: len(train)], 0.5, method="lower"))  # one of them
     step = common_step([one.dt for one in made], step, cutoff)
-    return [_prepared_again(r, cutoff, step) for r in train], [
-        _prepared_again(r, cutoff, step) for r in test
-    ]
+    again = [[_prepared_again(r, cutoff, step) for r in side] for side in (train, test)]
+    return again[0], again[1]
 
 
 def undecimated(train: list[Record], test: list[Record]) -> tuple[list[Record], list[Record]]:

@@ -42,10 +42,13 @@ class Path:
         Measured columns without noise, at the raw times.
     push : ndarray of shape (n_raw, n_columns)
         Highest derivative of y minus that of the model: zero except where pieces are joined.
+    distance : ndarray of shape (n_columns,)
+        RMS distance of the readings from y.
     """
 
     y: np.ndarray
     push: np.ndarray
+    distance: np.ndarray
 
 
 def follow(equations: Equations, record: Record) -> Path | None:
@@ -137,12 +140,13 @@ class _Course:
         measured = x[:, : self.record.n_states : self.made.order]
         stray = measured - y[first:stop]
         seen = np.clip(measured, *self.made.limits) - y[first:stop]
-        if np.any(np.sqrt(np.mean(seen**2, axis=0)) >= MAX_PATH_DISTANCE * y.std(axis=0)):
+        distance = np.sqrt(np.mean(seen**2, axis=0))
+        if np.any(distance >= MAX_PATH_DISTANCE * y.std(axis=0)):
             return None
         y[:first] += stray[0]  # what lies outside only needs to join without a jump
         y[first:stop] += stray
         y[stop:] += stray[-1]
-        return Path(y, push)
+        return Path(y, push, distance)
 
     def _joined(self, length: int, stop: int) -> tuple[np.ndarray, np.ndarray] | None:
         """Return states from the first sample to a stop, and the push; None if not finite."""

@@ -23,6 +23,10 @@ from ..given.sensor import as_observed
 from .paths import Path, follow
 from .signs import Shuffle
 
+# Distance of a path from the readings, in units of what lies above the cutoff: if less, a part of
+# that is motion. Both are estimates, so this is below one.
+MIN_NOISE_SHARE = 0.8
+
 
 @dataclass(frozen=True, eq=False)
 class TwinMaker:
@@ -132,8 +136,14 @@ def like(record: Record, twin: Record) -> Record:
 
 
 def _measured(made: Preparation, path: Path, rng: np.random.Generator) -> Record:
-    """Measure a path with a noisy sensor; subtract the push from the derivative."""
-    noisy = path.y + made.noise * rng.standard_normal(path.y.shape)
+    """Measure a path with a noisy sensor; subtract the push from the derivative.
+
+    What lies above the cutoff counts as noise. It may be motion; then a path that has it too is
+    closer to the readings than they are noisy.
+    """
+    is_motion = path.distance < MIN_NOISE_SHARE * made.noise
+    noise = np.where(is_motion, path.distance, made.noise)
+    noisy = path.y + noise * rng.standard_normal(path.y.shape)
     record = made.apply(made.t, noisy)
     if not path.push.any():
         return record
