@@ -129,7 +129,7 @@ def prepared(
     limits: str | Sequence[Any] | None = "auto",
     held: bool | Sequence[int] = False,
 ) -> Record:
-    """Do as `prepare` does, without its warning: for a cutoff that no user chose."""
+    """Prepare as `prepare` does, without its warning, where no user chose the cutoff."""
     times = checks.times("prepare", t)
     raw_y = checks.columns("prepare", "y", y)
     if np.asarray(y).dtype == bool:

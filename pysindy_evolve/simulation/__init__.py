@@ -7,6 +7,7 @@ one run
 simulate   `simulate`, which runs a model from one initial state
 inputs     checks of times, initial states and inputs
 freerun    integrates sample by sample, and locates each switch, stick and slip
+limits     limits of a run, and how it ends where it exceeds one
 program    one integration step, compiled into one Python function
 filippov   Filippov's rule: the right-hand side while a switch stays at zero
 rows       right-hand sides and switching functions as sympy expressions

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from .limits import Diverged, Limits, TooManySteps, TooShortSteps
 from .program import Program
 from .structure import Switch
 
@@ -36,52 +37,6 @@ MAX_FORCED = 200  # steps too short to be rejected, in one sample interval: no j
 SWEEPS = 60  # of the fixed-point iteration over several switches at zero
 LIMIT = 1.0 - 1e-9  # largest magnitude of the equivalent sign at which a switch is held
 SAMPLES_PER_CHUNK = 1024  # samples between two checks of the bound, and updates of the progress bar
-
-
-class Diverged(Exception):
-    """The states are not finite, or the right-hand side has no value."""
-
-    outcome = "diverged"
-    advice = "Check the coefficients and x0, or give t in shorter steps if the model is stiff."
-
-
-class TooManySteps(Diverged):
-    """A mode is so fast that its steps are too many."""
-
-    outcome = "stopped"
-    advice = "If the model is right, it has a mode much faster than the samples: raise max_steps."
-
-
-class TooShortSteps(Diverged):
-    """The error stays above the tolerance in the shortest steps."""
-
-    outcome = "stopped"
-    advice = "Give t in shorter steps; a jump at which the motion may stick must be a sgn."
-
-
-@dataclass(frozen=True)
-class Limits:
-    """When to cut a step and when to give up.
-
-    Attributes
-    ----------
-    tolerance : float
-        Error of one step, relative to the largest value a state has had.
-    substeps : int or None
-        Steps in each sample interval without error control, or None to control the error.
-    max_steps : int
-        Steps in the whole run.
-    max_steps_of_sample : int
-        Steps in one sample interval: many fewer, so that a pole costs little time.
-    bound : float
-        Largest absolute value of a state.
-    """
-
-    tolerance: float
-    substeps: int | None
-    max_steps: int
-    max_steps_of_sample: int
-    bound: float
 
 
 @dataclass

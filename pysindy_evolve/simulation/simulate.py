@@ -14,8 +14,9 @@ from ..equations import Equations
 from ..hidden_states.memory_equations import MemoryEquations
 from ..reading.library_terms import from_model
 from ..warn import warn
-from .freerun import SAMPLES_PER_CHUNK, Diverged, FreeRun, Limits
+from .freerun import SAMPLES_PER_CHUNK, FreeRun
 from .inputs import Input, check_input, check_start, check_time
+from .limits import Diverged, Limits
 from .program import program_of
 from .structure import structure_of
 
