@@ -25,7 +25,7 @@ Romano and Wolf, Econometrica 73 (2005), DOI 10.1111/j.1468-0262.2005.00615.x: t
 symbol  shape                                           meaning
 ======  ==============================================  ======================================
 grams   (n_segments, n_columns + 1, n_columns + 1)      whitened inner products, target last
-free    (n_segments, n_columns + 1, n_columns + 1)      the same, with the model projected out
+free    (n_segments, n_columns + 1, n_kept)             of all with some, the model projected out
 slopes  (n_segments, n_columns)                         unit columns times target, after that
 shares  (n_segments, n_columns)                         of each column's square, after that
 ======  ==============================================  ======================================
@@ -111,13 +111,14 @@ def chance(
     -------
     float
     """
-    free, own = _projected(grams, model), list(columns)
-    left, inner = _left(free), free[:, own][:, :, own]
+    own = list(columns)
+    free, shares = _projected(grams, model, [*own, -1])
+    left, inner = Left(free[:, :-1, -1], shares[:, :-1]), free[:, own, :-1]
     unsigned = np.ones((1, len(grams)))
     observed = _together(left.slopes[:, own], inner, unsigned)
-    others = free.sum(axis=0) - free
-    coef = solve(others[:, own][:, :, own], others[:, own, -1])
-    explained_slopes = free[:, :-1, own] @ coef[:, :, None]
+    others = free[:, own].sum(axis=0) - free[:, own]
+    coef = solve(others[..., :-1], others[..., -1])
+    explained_slopes = free[:, :-1, :-1] @ coef[:, :, None]
     both = replace(left, slopes=left.slopes - explained_slopes[..., 0])
     signs = rng.choice([-1.0, 1.0], size=(draws_for(level, N_SIGNS), len(grams)))
     largest = both.ratios(signs).max(axis=1)
@@ -161,30 +162,34 @@ def explained(
     -------
     list of float
     """
-    total = _projected(grams, model).sum(axis=0)
+    sums = grams.sum(axis=0)
+    total = _projected(sums[None], model, range(len(sums)))[0][0]
     slopes = total[:-1, -1]
     places = [list(group) for group in groups]
     return [float(slopes[k] @ solve(total[np.ix_(k, k)], slopes[k])) for k in places]
 
 
-def _projected(grams: np.ndarray, model: Sequence[int]) -> np.ndarray:
-    """Return inner products of all columns, with a model fitted to all segments projected out.
+def _projected(
+    grams: np.ndarray, model: Sequence[int], kept: Sequence[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return inner products with a model fitted to all segments projected out.
 
-    Columns are scaled to unit size, or to zero if they are not new.
+    Columns are scaled to unit size, or to zero if they are not new. The products are those of all
+    columns with the kept ones, (n_segments, n_columns + 1, n_kept), and of each with itself,
+    (n_segments, n_columns + 1).
     """
     base, total = np.asarray(model, dtype=int), grams.sum(axis=0)
     inner = np.broadcast_to(total[np.ix_(base, base)], (total.shape[1], len(base), len(base)))
     maps = solve(inner, total[base].T).T  # coefficients of each column on the model
-    crossed = grams[:, :, base] @ maps
-    within = maps.T @ grams[:, base][:, :, base] @ maps
-    free = grams - crossed - np.swapaxes(crossed, 1, 2) + within
-    square, total_square = np.diagonal(free.sum(axis=0)), np.diagonal(total)
+    crossed, within = grams[:, base], grams[:, base][:, :, base] @ maps
+    turned = np.sum(maps * (within - 2.0 * crossed), axis=1)
+    squares = np.diagonal(grams, axis1=1, axis2=2) + turned
+    square, total_square = squares.sum(axis=0), np.diagonal(total)
     new = square > MIN_NEW_SHARE * total_square
     new[base] = False
     unit = np.where(new, 1.0 / np.sqrt(np.where(new, square, 1.0)), 0.0)
     unit[-1] = 1.0
-    return np.asarray(unit[:, None] * free * unit)
-
-
-def _left(free: np.ndarray) -> Left:
-    return Left(free[:, :-1, -1], np.diagonal(free, axis1=1, axis2=2)[:, :-1])
+    keep = list(kept)
+    halfway = grams[:, :, keep] - grams[:, :, base] @ maps[:, keep]
+    free = halfway - maps.T @ halfway[:, base]
+    return np.asarray(unit[:, None] * free * unit[keep]), np.asarray(unit**2 * squares)

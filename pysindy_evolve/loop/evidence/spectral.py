@@ -25,6 +25,9 @@ from ..given.segments import Segments
 TAPER = 0.5  # share of a segment over which the taper falls to zero
 N_WEIGHINGS = 3  # rounds, each with weights from the residual of the one before
 LEAST_POWER = 1e-8  # of the noise, relative to its peak: below it there is only rounding
+# Up to so many frequencies, a product with their waves is faster than a whole transform: up to ten
+# times for segments whose length is a prime.
+MAX_WAVES = 40
 
 
 def spectral_grams(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:
@@ -76,10 +79,14 @@ def spectral_rows(part: Segments, columns: np.ndarray) -> np.ndarray:
 
 def _transformed(part: Segments, columns: np.ndarray) -> np.ndarray:
     """Transform tapered segments, (n_columns, n_segments, n) to (..., n_frequencies)."""
-    taper, n_frequencies = _taper(columns.shape[-1], part.dt, part.cutoff)
+    length = columns.shape[-1]
+    taper, n_frequencies = _taper(length, part.dt, part.cutoff)
     usable = np.all(np.abs(columns) < MAX_TERM_VALUE, axis=(1, 2))  # False for NaN too
     columns = columns if usable.all() else np.where(usable[:, None, None], columns, 0.0)
-    return np.asarray(fft.rfft(columns * taper, axis=-1)[..., :n_frequencies])
+    if n_frequencies > MAX_WAVES:
+        return np.asarray(fft.rfft(columns * taper, axis=-1)[..., :n_frequencies])
+    parts = columns.reshape(-1, length) @ _tapered_waves(length, n_frequencies)
+    return parts.view(complex).reshape(*columns.shape[:-1], n_frequencies)
 
 
 def n_frequencies(part: Segments) -> int:
@@ -91,6 +98,14 @@ def n_frequencies(part: Segments) -> int:
 def _taper(length: int, dt: float, cutoff: float) -> tuple[np.ndarray, int]:
     """Return the taper of a segment, and how many frequencies are looked at."""
     return tukey(length, TAPER), int(np.sum(fft.rfftfreq(length, dt) <= cutoff))
+
+
+@lru_cache(maxsize=16)
+def _tapered_waves(length: int, n_frequencies: int) -> np.ndarray:
+    """Return the waves of a transform, tapered: real and imaginary parts in turn."""
+    turns = np.outer(np.arange(length), np.arange(n_frequencies)) % length / length
+    waves = np.exp(-2j * np.pi * turns)
+    return (tukey(length, TAPER)[:, None] * waves).view(float)
 
 
 def _spectra(part: Segments, design: Design, columns: Sequence[Column]) -> np.ndarray:

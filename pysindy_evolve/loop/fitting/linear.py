@@ -87,7 +87,8 @@ def errors_of(trained: np.ndarray, judged: np.ndarray, models: np.ndarray) -> np
     index = places.reshape(len(models), -1)
     size = np.maximum(np.diagonal(trained, axis1=1, axis2=2), TINY / RIDGE)
     size[:, -1] = 0.0  # the target is no column
-    ridged = trained + RIDGE * size[:, :, None] * np.eye(trained.shape[1])
+    ridged, diagonal = trained.copy(), np.arange(trained.shape[1])
+    ridged[:, diagonal, diagonal] += RIDGE * size
     fits = solve_many(trained[:, shared[:, None], shared], trained[:, shared[:, None], others])
     fitted, held = (_projected(grams, shared, others, fits, index) for grams in (ridged, judged))
     coef = solve(fitted[..., :-1, :-1], fitted[..., :-1, -1])

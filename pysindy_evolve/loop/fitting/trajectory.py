@@ -236,13 +236,16 @@ class Trajectories:
 def _integrated(columns: Sequence[Column], state: int, record: Record, cache: Cache) -> np.ndarray:
     """Return integrated columns; the last one is replaced by the readings minus it."""
     variables, made = variables_of(record), made_of(record)
-    rows = np.zeros((len(record), len(columns)))
+    rows, acting = np.zeros((len(record), len(columns))), []
     for place, column in enumerate(columns):
         values = column.values_in(state, variables, cache)
         if values is not None and np.all(np.abs(values) < MAX_TERM_VALUE):  # False for NaN too
             rows[:, place] = values
+            acting.append(place)
+    rates = rows[:, acting]
     for _ in range(made.order):
-        rows = cumulative_simpson(rows, dx=record.dt, axis=0, initial=0.0)
+        rates = cumulative_simpson(rates, dx=record.dt, axis=0, initial=0.0)
+    rows[:, acting] = rates
     samples = np.rint((record.t - made.t[0]) / made.dt).astype(int)
     rows[:, -1] = made.y[samples, state // made.order] - rows[:, -1]
     group = _group(len(rows))
