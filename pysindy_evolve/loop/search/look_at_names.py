@@ -110,7 +110,8 @@ def _or_grown(
     found: Found, known: Found, new: Sequence[Finding], rng: np.random.Generator
 ) -> Found:
     """Return new findings beside those known, or what grows in their place if clearly better."""
-    grown = found.grower.better(known.design, new, rng)
+    forms = with_hyperbolas(found.declared, found.findings, found.corrected_pieces)
+    grown = found.grower.better(known.design, forms[-len(new) :], rng)
     if not grown:
         return found
     step = new[0].step
