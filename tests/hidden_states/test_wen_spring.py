@@ -75,7 +75,9 @@ def mount(loss, bend, seed, noise=2e-3, late=0.0):
 @pytest.mark.slow
 @pytest.mark.parametrize(("loss", "bend", "seed"), [(0.6, -0.8, 0), (0.5, -0.5, 1)])
 def test_spring_that_forgets_is_found_with_its_numbers(loss, bend, seed):
-    report = pse.close_loop(DECLARED, mount(loss, bend, seed), operators=(), random_state=0)
+    report = pse.close_loop(
+        DECLARED, mount(loss, bend, seed), operators=(), n_twins=59, random_state=0
+    )
     (effect,) = report.effects
     assert (effect.name, str(effect.term)) == ("hysteresis", "q_hyst")
     assert "forgets a turn over a length of" in str(report)

@@ -75,7 +75,7 @@ def test_forces_between_two_geared_joints_are_found_one_by_one():
     }
     record = measured(GEARED, size=10.0, noise=1e-4)
     model = pse.DeclaredModel(declared, inputs=["F"])
-    report = pse.close_loop(model, record, operators=(), random_state=0)
+    report = pse.close_loop(model, record, operators=(), n_twins=59, random_state=0)
     assert [effect.name for effect in report.effects] == ["coupling"] * 2
     found = {str(effect.term): effect.coefficients[0] for effect in report.effects}
     assert found == {

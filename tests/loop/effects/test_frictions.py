@@ -30,7 +30,7 @@ def test_how_friction_falls_with_the_speed_is_told_by_free_runs(exponent):
     truth = {"q": "v", "v": f"F - 20*q - 0.8*v - sgn(v) - 1.5*exp(-{exponent})*sgn(v)"}
     record = measured(truth, size=6.0, noise=1e-4)
     declared = pse.DeclaredModel({"q": "v", "v": "b*F - k*q - c*v - f*sgn(v)"}, inputs=["F"])
-    report = pse.close_loop(declared, record, operators=(), random_state=0)
+    report = pse.close_loop(declared, record, operators=(), n_twins=59, random_state=0)
     (effect,) = report.effects
     assert effect.name == "Stribeck friction"
     assert str(effect.term).count("Abs") == exponent.count("abs")

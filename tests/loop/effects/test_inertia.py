@@ -93,7 +93,7 @@ def test_the_inertia_of_a_crank_is_found_with_its_amplitudes_and_friction_beside
     forces = f"F - 0.8*w - 2*q{extra} + {CENTRIFUGAL}"
     truth = {"q": "w", "w": f"({forces}){OVER}"}
     records = [measured(truth, noise=5e-4, size=12.0, seed=seed) for seed in (7, 8)]
-    report = pse.close_loop(model, *records, operators=(), random_state=0)
+    report = pse.close_loop(model, *records, operators=(), n_twins=59, random_state=0)
     found = {effect.name: effect for effect in report.effects}
     assert set(found) == {INERTIA} | ({"Coulomb friction"} if extra else set())
     np.testing.assert_allclose(found[INERTIA].coefficients, [0.2, -0.1], atol=0.01)

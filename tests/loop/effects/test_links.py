@@ -154,6 +154,7 @@ def test_the_weight_of_a_second_link_is_named_in_both_equations():
         declared(),
         recorded(arm("- 2*sin(q1 + q2)", ("- 1.2*w1", "- 0.5*w2"))),
         operators=(),
+        n_twins=59,
         random_state=0,
     )
     named = sorted((effect.name, effect.state) for effect in report.effects)
@@ -170,6 +171,7 @@ def test_coriolis_forces_of_an_elbow_are_named_in_both_equations():
         declared(coriolis=0.0),
         recorded(arm("", ("- 1.2*w1", "- 0.5*w2"))),
         operators=(),
+        n_twins=59,
         random_state=0,
     )
     named = sorted((effect.name, effect.state) for effect in report.effects)

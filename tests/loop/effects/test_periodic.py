@@ -308,7 +308,7 @@ def test_a_rate_that_is_pumped_is_found_in_both_its_equations_at_once(seed):
 
     model = pse.DeclaredModel({"S": "m*(1 - S) - b*S*I", "I": "b*S*I - g*I"})
     train, test = measured([0.27, 0.005], 25.0), measured([0.24, 0.012], 12.0)
-    report = pse.close_loop(model, train, test, operators=(), random_state=0)
+    report = pse.close_loop(model, train, test, operators=(), n_twins=59, random_state=0)
     assert sorted((effect.state, effect.name) for effect in report.effects) == [
         ("I", FORCING),
         ("S", FORCING),

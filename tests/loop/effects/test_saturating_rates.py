@@ -114,7 +114,7 @@ def test_who_grows_by_what_it_eats_is_sated_in_both_equations():
     y = x + 0.01 * x.std(axis=0) * rng.standard_normal(x.shape)
     declared = {"X": "m*S*X - D*X", "S": "D*(5 - S) - r*S*X"}
     model = pse.DeclaredModel(declared, inputs=["D"])
-    report = pse.close_loop(model, pse.prepare(t, y, dilution, order=1), random_state=0)
+    report = pse.close_loop(model, pse.prepare(t, y, dilution, order=1), n_twins=59, random_state=0)
     assert [effect.name for effect in report.effects] == [SATURATING, SATURATING]
     for effect in report.effects:
         assert effect.numbers["half-saturation"] == pytest.approx(0.8, rel=0.05)
@@ -135,7 +135,7 @@ def test_what_inhibits_its_own_uptake_is_found_in_both_equations(loss):
     declared = {"X": "m*S/(1.2 + S)*X - D*X", "S": f"D*(F - S) - {loss}*S/(1.2 + S)*X"}
     model = pse.DeclaredModel(declared, inputs=["D", "F"])
     record = pse.prepare(t[: len(inputs)], y, inputs, order=1)
-    report = pse.close_loop(model, record, operators=(), random_state=0)
+    report = pse.close_loop(model, record, operators=(), n_twins=59, random_state=0)
     assert [effect.name for effect in report.effects] == [SATURATING, SATURATING]
     for effect in report.effects:  # over its constant, the denominator is 1 + S/1.2 + S^2/10.8
         assert effect.numbers["inhibition level"] == pytest.approx(10.8**0.5, rel=0.05)
@@ -160,7 +160,7 @@ def test_a_product_that_inhibits_its_reaction_is_found_in_three_equations_at_onc
     declared = {state: side.format("k*A*B") for state, side in flows.items()}
     model = pse.DeclaredModel(declared, inputs=["D", "E", "G"])
     record = pse.prepare(t, y, inputs, order=1)
-    report = pse.close_loop(model, record, operators=(), random_state=0)
+    report = pse.close_loop(model, record, operators=(), n_twins=59, random_state=0)
     assert {effect.state: effect.name for effect in report.effects} == dict.fromkeys(
         "ABC", SATURATING
     )

@@ -65,7 +65,7 @@ def test_where_no_effect_is_looked_for_one_that_is_missing_is_structure(friction
 
 @pytest.mark.slow
 def test_a_grown_term_explains_it():
-    report = pse.close_loop(DECLARED, measured(0.15), random_state=0)
+    report = pse.close_loop(DECLARED, measured(0.15), n_twins=59, random_state=0)
     assert [effect.name for effect in report.effects] == ["evolved term"], str(report)
     assert str(report.effects[0].term) in {"q*u*v", "q*v*u"}
 

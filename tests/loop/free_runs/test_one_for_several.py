@@ -138,7 +138,7 @@ def test_an_exponential_that_takes_the_place_of_an_offset_needs_none():
     rng = np.random.default_rng(9506)
     train, test = reactor(rng), reactor(rng)
     declared = pse.DeclaredModel({"T": "b*u - a*T"}, inputs=["u"])
-    report = pse.close_loop(declared, train, test=test, random_state=1)
+    report = pse.close_loop(declared, train, test=test, n_twins=59, random_state=1)
     (effect,) = report.effects
     assert effect.term.has(sympy.exp)
     assert effect.coefficients == pytest.approx([0.25], rel=0.05)

@@ -116,7 +116,7 @@ def test_a_gain_that_falls_with_the_square_of_a_state_is_found_beside_an_offset(
     x = pse.simulate(model.design().equations([]), [2.0], t, u, tolerance=1e-9)
     record = pse.prepare(t, x + 5e-3 * x.std() * rng.standard_normal(x.shape), u, order=1)
     declared = pse.DeclaredModel({"x": "b*u - a*x"}, inputs=["u"])
-    report = pse.close_loop(declared, record, random_state=0)
+    report = pse.close_loop(declared, record, n_twins=59, random_state=0)
     (effect,) = report.effects
     assert effect.coefficients == pytest.approx([8.0, -0.6], rel=0.05)
     assert list(effect.numbers.values()) == pytest.approx([4.0], rel=0.05)
@@ -130,7 +130,7 @@ def test_a_gene_that_is_repressed_by_the_fourth_power_of_its_product_is_found():
     x = pse.simulate(gene.design().equations([]), [1.0, 1.0], t, u, tolerance=1e-9)
     y = x + 4e-3 * x.std(axis=0) * rng.standard_normal(x.shape)
     declared = pse.DeclaredModel({"m": "-d*m", "p": "b*m - c*p + u"}, inputs=["u"])
-    report = pse.close_loop(declared, pse.prepare(t, y, u, order=1), random_state=0)
+    report = pse.close_loop(declared, pse.prepare(t, y, u, order=1), n_twins=59, random_state=0)
     (effect,) = report.effects
     p = sympy.Symbol("p", real=True)
     assert sympy.degree(1 / effect.term, p) == 4

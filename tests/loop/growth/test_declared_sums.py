@@ -92,7 +92,7 @@ def test_there_are_none_without_products_or_declared_sums():
 
 @pytest.mark.slow
 def test_the_fan_is_found_though_it_acts_nowhere_in_the_declared_model():
-    report = pse.close_loop(COOLED, cooled(0.8), random_state=0)
+    report = pse.close_loop(COOLED, cooled(0.8), n_twins=59, random_state=0)
     assert len(report.effects) == 1
     assert report.verdict == "traced"
     assert report.after.simulation_error[0] < 0.01 * report.before.simulation_error[0]

@@ -53,7 +53,7 @@ QUADROTOR = pse.DeclaredModel(
 
 @pytest.mark.slow
 def test_the_ground_effect_of_a_thrust_grows_from_the_thrust():
-    report = pse.close_loop(QUADROTOR, quadrotor(100), quadrotor(101), random_state=0)
+    report = pse.close_loop(QUADROTOR, quadrotor(100), quadrotor(101), n_twins=59, random_state=0)
     (effect,) = report.effects
     assert (effect.name, effect.state) == ("evolved term", "v")
     assert str(effect.term) == "T*cos(a)/z**2"

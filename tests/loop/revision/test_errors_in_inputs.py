@@ -35,7 +35,7 @@ def test_a_noisy_input_that_jumps_between_two_levels_does_not_saturate(noise):
 def test_an_input_that_does_saturate_is_named_beside_its_noise():
     levels = np.linspace(-1.0, 1.0, 9)
     record = motor(0.01, 0, levels, limit=0.7)
-    report = pse.close_loop(MOTOR, record, operators=(), random_state=0)
+    report = pse.close_loop(MOTOR, record, operators=(), n_twins=59, random_state=0)
     assert [effect.name for effect in report.effects] == ["saturation"]
     (u,) = report.effects[0].term.free_symbols
     assert report.effects[0].term.subs(u, 2.0) == pytest.approx(0.7, abs=0.02)

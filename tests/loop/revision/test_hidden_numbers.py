@@ -160,7 +160,7 @@ def test_hysteresis_of_an_oscillator_is_found_with_its_numbers():
 )
 def test_free_runs_with_hysteresis_come_near_the_noise(strength, length, unloading, noise, seed):
     record = measured(noise, seed, strength=strength, length=length, unloading=unloading, n=5000)
-    report = pse.close_loop(DECLARED, record, operators=(), random_state=0)
+    report = pse.close_loop(DECLARED, record, operators=(), n_twins=59, random_state=0)
     assert [effect.name for effect in report.effects] == ["hysteresis"]
     assert -report.effects[0].coefficients[0] == pytest.approx(strength, rel=0.05)
     assert numbers_in(report) == pytest.approx([length, unloading], rel=0.25)
@@ -178,7 +178,7 @@ def test_free_runs_with_hysteresis_come_near_the_noise(strength, length, unloadi
 )
 def test_what_is_missing_beside_a_hysteresis_is_found_too(name, extra):
     record = measured(extra=extra, n=6000)
-    report = pse.close_loop(DECLARED, record, operators=(), random_state=0)
+    report = pse.close_loop(DECLARED, record, operators=(), n_twins=59, random_state=0)
     assert {effect.name for effect in report.effects} == {"hysteresis", name}
     assert numbers_in(report) == pytest.approx([LENGTH, UNLOADING], rel=0.25)
 
@@ -208,6 +208,8 @@ def test_friction_that_came_in_before_a_hysteresis_goes_again():
     q = solve_ivp(rate, (0.0, t[-1]), [0.0] * 3, **options).y[0]
     q = q + 0.005 * q.std() * rng.standard_normal(len(t))
     declared = pse.DeclaredModel({"q": "v", "v": "F - c*v - k*q"}, inputs=["F"])
-    report = pse.close_loop(declared, pse.prepare(t, q, pushed), operators=(), random_state=2)
+    report = pse.close_loop(
+        declared, pse.prepare(t, q, pushed), operators=(), n_twins=59, random_state=2
+    )
     assert [effect.name for effect in report.effects] == ["hysteresis"]
     assert -report.effects[0].coefficients[0] == pytest.approx(1.0, rel=0.05)

@@ -68,7 +68,7 @@ def test_a_friction_that_is_not_there_goes_where_the_offset_is_declared():
 @pytest.mark.slow
 def test_a_damper_that_is_stiffer_one_way_is_one_effect():
     hidden = oscillator("damper", "- 0.6*abs(v)")
-    report = pse.close_loop(hidden.model, hidden.record(noise=5e-3), random_state=0)
+    report = pse.close_loop(hidden.model, hidden.record(noise=5e-3), n_twins=59, random_state=0)
     (effect,) = report.effects
     assert effect.name == "nonlinear damping"
     assert effect.coefficients == pytest.approx([-0.6], rel=0.03)

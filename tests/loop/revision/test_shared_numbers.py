@@ -148,7 +148,9 @@ def test_two_valves_that_saturate_at_two_places_keep_their_numbers():
 @pytest.mark.slow
 def test_a_gap_between_two_bodies_is_found_with_one_width_and_no_spring_inside():
     records = [measured(CLUTCH, duration=20.0, noise=5e-4, size=8.0, seed=10 * k) for k in range(2)]
-    report = pse.close_loop(WITHOUT_GAP, records[:1], records[1:], operators=(), random_state=0)
+    report = pse.close_loop(
+        WITHOUT_GAP, records[:1], records[1:], operators=(), n_twins=59, random_state=0
+    )
     found = {effect.state: effect for effect in report.effects}
     assert {state: effect.name for state, effect in found.items()} == dict.fromkeys(
         ("va", "vb"), "dead zone"
