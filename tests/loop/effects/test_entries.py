@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from loop_systems import equations_of
+import sympy
+from loop_systems import equations_of, multisine
 
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.entries import entered, entries_of
@@ -108,3 +109,34 @@ def test_friction_of_a_changing_inertia_is_found_with_it(friction, tmp_path):
         assert said in str(report)
         assert said in page
         assert report.after.derivative_error[1] < 0.5 * report.before.derivative_error[1]
+
+
+@pytest.mark.slow
+def test_air_that_leaks_from_chamber_to_chamber_is_found_in_both():
+    """It raises a pressure by the factor of the measured inflow, as the piston moves."""
+    t = np.arange(0.0, 20.0, 0.01)
+    place = multisine(0.03, seed=1, band=(0.1, 0.8))(t)
+    flows = [multisine(1.0, seed=2 + k, band=(0.1, 1.5))(t) for k in range(2)]
+    inputs = np.column_stack([*flows, place])
+    sides = {
+        "p1": "(0.5*m1 - 0.3*(p1 - p2) - 0.1*p1)/(0.15 + q)",
+        "p2": "(0.5*m2 + 0.3*(p1 - p2) - 0.1*p2)/(0.15 - q)",
+    }
+    x = pse.simulate(equations_of(sides, ("m1", "m2", "q")), [0.0, 0.0], t, inputs)
+    y = x + 0.003 * x.std(axis=0) * np.random.default_rng(0).standard_normal(x.shape)
+    declared = {"p1": "(a*m1 - c*p1)/(0.15 + q)", "p2": "(b*m2 - d*p2)/(0.15 - q)"}
+    report = pse.close_loop(
+        pse.DeclaredModel(declared, inputs=["m1", "m2", "q"]),
+        pse.prepare(t, y, inputs, order=1),
+        operators=(),
+        n_twins=59,
+        random_state=0,
+    )
+    p1, p2, q = sympy.symbols("p1 p2 q", real=True)
+    leaks = {"p1": 0.3 * (p2 - p1) / (0.15 + q), "p2": 0.3 * (p1 - p2) / (0.15 - q)}
+    assert {(effect.name, effect.state) for effect in report.effects} == {
+        ("coupling", "p1"), ("coupling", "p2"),
+    }  # fmt: skip
+    for effect in report.effects:
+        ratio = sympy.simplify(effect.coefficients[0] * effect.term / leaks[effect.state])
+        assert float(ratio) == pytest.approx(1.0, rel=0.03)

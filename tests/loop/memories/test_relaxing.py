@@ -428,7 +428,7 @@ def test_free_swing_of_one_frequency_leaves_stiffness_and_time_uncertain():
         noise = 0.003 * q.std() * np.random.default_rng(k).standard_normal(len(t))
         records.append(pse.prepare(t, q + noise))
     declared = pse.DeclaredModel({"q": "v", "v": "-k*q - c*v"})
-    report = pse.close_loop(declared, records, operators=(), n_twins=59, random_state=0)
+    report = pse.close_loop(declared, records, operators=(), random_state=0)
     (effect,) = report.effects
     assert str(effect.term) == "q - q_relax"
     low, high = effect.confidence_intervals[0]

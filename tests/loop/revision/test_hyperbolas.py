@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from loop_systems import oscillator
+from loop_systems import equations_of, multisine, oscillator
 
+import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.candidate import Candidate
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.scoring import columns_of
@@ -50,3 +51,18 @@ def test_a_product_stays_where_no_column_is_new(monkeypatch):
     """Such as on a record in which the variable does not move."""
     monkeypatch.setattr(hyperbolas, "score", lambda *_, **__: [])
     assert after("- 2*v*q/(2.5 - q)") is PRODUCT
+
+
+@pytest.mark.slow
+def test_a_hyperbola_is_found_though_terms_may_grow():
+    """A belt gets stiffer the closer its driven end comes; an exponential would do so too."""
+    t = np.arange(0.0, 25.0, 0.01)
+    inputs = np.column_stack([multisine(7.0, 1, (0.3, 4.0))(t), multisine(0.15, 2, (0.2, 1.0))(t)])
+    belt = equations_of({"q": "v", "v": "F - 2*v - 40*(q - b)/(0.5 - b)"}, ("F", "b"))
+    q = pse.simulate(belt, [0.0, 0.0], t, inputs)[:, 0]
+    noise = 2e-4 * q.std() * np.random.default_rng(0).standard_normal(len(t))
+    declared = pse.DeclaredModel({"q": "v", "v": "F - c*v - k*(q - b)"}, inputs=["F", "b"])
+    record = pse.prepare(t, q + noise, inputs)
+    (effect,) = pse.close_loop(declared, record, n_twins=59, random_state=0).effects
+    assert effect.numbers == pytest.approx({"length": 0.5}, rel=0.01)
+    assert abs(effect.coefficients[0]) == pytest.approx(40.0, rel=0.01)
