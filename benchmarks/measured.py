@@ -297,7 +297,8 @@ def drags(report: pse.LoopReport) -> list[float]:
 
 
 def in_new_process(name: str, folder=None, seed: int = 0) -> Result:
-    pool = multiprocessing.get_context("spawn").Pool(1)
+    # One that is spawned begins with the peak memory of this one.
+    pool = multiprocessing.get_context("forkserver").Pool(1)
     result = pool.apply(measure, (name, folder, seed))
     pool.close()
     pool.join()
