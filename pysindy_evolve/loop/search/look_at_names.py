@@ -110,6 +110,7 @@ def _or_grown(
     found: Found, known: Found, new: Sequence[Finding], rng: np.random.Generator
 ) -> Found:
     """Return new findings beside those known, or what grows in their place if clearly better."""
+    # A product may be the first sight of a hyperbola, which must not lose to what looks like one.
     forms = with_hyperbolas(found.declared, found.findings, found.corrected_pieces)
     grown = found.grower.better(known.design, forms[-len(new) :], rng)
     if not grown:
