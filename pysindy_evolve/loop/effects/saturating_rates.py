@@ -108,7 +108,7 @@ def _inhibited(part: Sum, level: int, half: float) -> Sum:
 FORMS = {  # and what the number in each means
     _over: "half-saturation",
     _hiding: "half-saturation",
-    _crowded: "constant in the denominator",
+    _crowded: "inhibition constant",
     _inhibited: "inhibition level",
     _for_each: "factor in the denominator",
 }

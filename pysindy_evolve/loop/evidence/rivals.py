@@ -9,6 +9,7 @@ from itertools import accumulate, pairwise
 
 import numpy as np
 
+from ...hidden_states.path_states import paths_within
 from ...terms import Call, Sum, add, as_sum, constant, mul, power
 from ..effects.candidate import OFFSET, Candidate
 from ..effects.hysteresis import rounded_sign
@@ -20,7 +21,7 @@ from ..given.segments import Segments
 from .drifting_rivals import leads_over, twin_chance
 from .encompassing import chance, explained
 from .held_out_scores import fold_errors
-from .same_model import span
+from .same_model import span, span_in
 from .scoring import columns_of
 from .spectral import spectral_grams
 
@@ -137,6 +138,8 @@ def _by_pieces(
         p_value = chance(grams, (*base, *place), own, level, rng)
         if p_value > level and _is_outdone(grams, (*base, *place), (*base, *own), part.folds):
             continue
+        if p_value > level and _is_same_model(option, candidate, design, part):
+            continue
         if p_value > max(level, best[option.name].p_value if option.name in best else 0.0):
             best[option.name] = Rival(option, p_value)
     return tuple(sorted(best.values(), key=lambda rival: -rival.p_value))
@@ -165,6 +168,15 @@ def _differs(option: Candidate, candidate: Candidate, bare: Design) -> bool:
     added = columns_of(option, bare)
     with_option = [*bare.columns, *added]
     return not span(bare.columns, added) and not span(with_option, columns_of(candidate, bare))
+
+
+def _is_same_model(option: Candidate, candidate: Candidate, design: Design, part: Segments) -> bool:
+    """Tell whether the effect is but another way to write the model with an option in its place."""
+    own, with_option = columns_of(candidate, design), design.adding(columns_of(option, design))
+    if any(paths_within(column.parts) for column in (*own, *with_option.columns)):
+        return False
+    low, high = part.rows.min(axis=0), part.rows.max(axis=0)
+    return span_in(with_option.columns, own, low, high)
 
 
 def _with_offset(candidate: Candidate, known: set[tuple[int, Sum]]) -> Candidate:

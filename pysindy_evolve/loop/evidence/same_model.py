@@ -13,6 +13,7 @@ import numpy as np
 from ..given.design import Column
 
 RANK_TOLERANCE = 1e-9  # singular values of unit rows: smaller ones count as zero
+N_PLACES = 200  # at which expressions are compared
 
 
 def span(columns: Sequence[Column], others: Sequence[Column]) -> bool:
@@ -31,6 +32,35 @@ def span(columns: Sequence[Column], others: Sequence[Column]) -> bool:
     """
     rows = _numbers([*columns, *others])
     return _rank(rows) == _rank(rows[: len(columns)])
+
+
+def span_in(
+    columns: Sequence[Column], others: Sequence[Column], low: np.ndarray, high: np.ndarray
+) -> bool:
+    """Tell whether columns span others at places drawn at random.
+
+    So I V / (V + c) is a combination of I and I / (V + c), though no product is the same.
+
+    Parameters
+    ----------
+    columns, others : sequence of Column
+        As in `span`.
+    low, high : ndarray of shape (n_variables,)
+        Ranges of the variables, from which the places are drawn.
+
+    Returns
+    -------
+    bool
+        False if a column has no value at one of the places.
+    """
+    places = np.random.default_rng(0).uniform(low, high, (N_PLACES, len(low)))
+    with np.errstate(all="ignore"):
+        rows = np.array([one.evaluate(places).ravel() for one in (*columns, *others)])
+    if not np.isfinite(rows).all():
+        return False
+    size = np.linalg.norm(rows, axis=1, keepdims=True)
+    unit = rows / np.where(size > 0.0, size, 1.0)
+    return _rank(unit) == _rank(unit[: len(columns)])
 
 
 def _rank(rows: np.ndarray) -> int:

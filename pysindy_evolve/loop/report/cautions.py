@@ -131,7 +131,7 @@ def _turned(outcome: Outcome) -> list[str]:
     return [
         f"Adding the effects reverses the sign of {what}: {_changes(outcome, turned)}. If the "
         "machine cannot have the new sign, an effect stands in for another one, or has absorbed a "
-        "part of that term."
+        "part of that term; if it can, the declared term had made up for what was missing."
     ]
 
 

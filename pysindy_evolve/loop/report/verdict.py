@@ -72,6 +72,12 @@ VERDICTS: dict[str, tuple[tuple[Callable[[Outcome], bool], str], ...]] = {
             "traced in part: the model lacked the effects below, which have been added, but what "
             "it leaves still depends on what was measured; see what remains.",
         ),
+        (
+            _leaves_more_than_noise,
+            "traced: the model lacked the effects below, which have been added; it leaves more "
+            "than the noise of the sensors explains, as it does where a random disturbance acts; "
+            "see what remains.",
+        ),
         (_otherwise, "traced: the model lacked the effects below, which have been added."),
     ),
     "untraced": (

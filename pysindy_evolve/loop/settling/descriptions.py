@@ -12,7 +12,7 @@ from ...export import format_expression
 from ...export.compact import as_written, compact
 from ...hidden_states.memory import all_with_memories
 from ...signals import Record
-from ...terms import Sum, mul
+from ...terms import Sum, Variable, mul
 from ..effects.candidate import OFFSET
 from ..effects.entries import AS_INPUT, entered
 from ..effects.names import INERTIA, SATURATING
@@ -86,6 +86,8 @@ def _entry(design: Design, finding: Finding) -> str:
         return ""
     entry, force = place
     name = design.names[entry.beside]
+    if not entry.is_known and _is_polynomial(entry.factor):  # just a product of variables
+        return ""
     if entry.beside < len(design.states):
         return f"through the same factor as the damping of {name}"
     if mul(entry.factor, force) != terms[0] or not entry.is_known:
@@ -94,6 +96,11 @@ def _entry(design: Design, finding: Finding) -> str:
     if force == OFFSET:
         return number
     return f"{number} times {format_expression(force.to_sympy(design.symbols))}"
+
+
+def _is_polynomial(factor: Sum) -> bool:
+    atoms = [(atom, n) for _, term in factor.parts for atom, n in term.factors]
+    return all(isinstance(atom, Variable) and n > 0 for atom, n in atoms)
 
 
 def _at_several(design: Design, places: Sequence[int], force: Sequence[Sum]) -> str:

@@ -7,6 +7,7 @@ from loop_systems import equations_of
 import pysindy_evolve as pse
 from pysindy_evolve.loop.effects.missing import candidates
 from pysindy_evolve.loop.effects.names import SATURATING
+from pysindy_evolve.loop.effects.shaping import FROM_RECIPROCALS
 from pysindy_evolve.loop.given.ranges import Ranges
 
 
@@ -39,6 +40,17 @@ def test_another_substance_may_compete_for_what_saturates_already():
         found = {c.at([3.0]).terms[0] for c in candidates(design, ranges) if c.name == SATURATING}
         names = {term.name(("S", "F", "I", "t")) for term in found if 2 in term.variables}
         assert expected in names if expected else not names
+
+
+def test_the_number_of_a_rate_stands_in_its_denominator_as_it_is():
+    """Only those of grown quotients are built from reciprocals."""
+    design = pse.DeclaredModel({"S": "-m*S/(2 + S)", "J": "-k*J*S"}).design()
+    ranges = Ranges.of(np.random.default_rng(0).uniform(1.0, 3.0, (500, 3)))
+    found = [c for c in candidates(design, ranges) if c.name == SATURATING]
+    assert {"inhibition constant", "half-saturation"} <= {
+        m for c in found for m in c.shape.meanings
+    }
+    assert not [c for c in found if c.shape.meanings[0].endswith(FROM_RECIPROCALS)]
 
 
 def test_what_hides_is_eaten_by_the_square_of_it_where_there_is_little():

@@ -13,7 +13,7 @@ from pysindy_evolve.loop.effects.stops import stops
 from pysindy_evolve.loop.evidence.encompassing import chance, explained
 from pysindy_evolve.loop.evidence.findings import Finding
 from pysindy_evolve.loop.evidence.rivals import _is_outdone, _with_offset, rivals_of
-from pysindy_evolve.loop.evidence.same_model import span
+from pysindy_evolve.loop.evidence.same_model import span, span_in
 from pysindy_evolve.loop.evidence.scoring import columns_of
 from pysindy_evolve.loop.given.declared import design_of
 from pysindy_evolve.loop.given.design import in_state
@@ -197,6 +197,18 @@ def test_columns_hold_what_is_their_sum_in_the_same_equation():
     assert not span(beside[:1], [in_state("other", v, 1, 2)])
     assert not span(beside, [in_state("elsewhere", v, 0, 2)])
     assert not span([], beside)
+
+
+def test_quotients_are_combinations_though_no_product_is_the_same():
+    """V / (V + 2) is 1 - 2 / (V + 2); V^2 / (V + 2) is none of these two."""
+    v = variable(0)
+    below = power(add(v, constant(2.0)), -1)
+    columns = [in_state("gain", OFFSET, 0, 1), in_state("falling", below, 0, 1)]
+    low, high = np.zeros(1), np.ones(1)
+    for exponent, spanned in ((1, True), (2, False)):
+        other = in_state("other", mul(power(v, exponent), below), 0, 1)
+        assert span_in(columns, [other], low, high) == spanned
+    assert not span_in(columns, [in_state("pole", power(v, -1), 0, 1)], low, low)
 
 
 COUPLED = Hidden(

@@ -37,6 +37,11 @@ def test_who_is_told_to_judge_by_the_derivative_is_told_what_is_left_of_it():
         (4.0, 0.0, "traced: the model lacked the effects below, which have been added. Declared"),
         (
             10.0,
+            9.0,
+            "traced: the model lacked the effects below, which have been added; it leaves more",
+        ),
+        (
+            10.0,
             20.0,
             "traced in part: the model lacked the effects below, which have been added, but it "
             "still misses the record",
