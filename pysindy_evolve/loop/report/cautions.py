@@ -96,8 +96,8 @@ def _held(outcome: Outcome) -> list[str]:
     """Name the inputs that were found to be held, and the delays that a hold could explain."""
     names = [outcome.equations.inputs[column] for column in outcome.found_held]
     taken = [
-        f"{name} is taken to be held from each sample to the next (zero-order hold). That is how "
-        "it was recorded, and not an effect of the machine."
+        f"{name} is taken to be held from each sample to the next (zero-order hold), as it acts "
+        "half a sampling time late. That is a way to record an input, and no effect of the machine."
         for name in names
     ]
     exact = held_delays(outcome)
